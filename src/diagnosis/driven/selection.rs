@@ -2,12 +2,14 @@
 //! against all others that might do as well.
 
 pub mod base_model;
+pub mod coloured_noise;
 pub mod earned;
 pub mod folds;
 pub mod forms;
 pub mod held_out;
 pub mod identifiability;
 pub mod independence;
+pub mod input_line;
 pub mod judged;
 pub mod known;
 pub mod lattice;

@@ -13,6 +13,7 @@ pub mod form;
 mod isolation;
 mod noise_words;
 mod objection;
+mod readout_memory;
 mod second_resonance;
 mod sensor;
 mod standing;

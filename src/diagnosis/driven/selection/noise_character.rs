@@ -42,6 +42,8 @@ pub struct NoiseCharacter {
     pub with_amplitude: Option<f64>,
     /// The loudest stretch, where it stands out and neither of the two changes accounts for it.
     pub stretch: Option<LoudStretch>,
+    /// Correlation of each reading's error with the one before, where the noise has a short memory.
+    pub neighbour: Option<f64>,
 }
 
 /// A stretch of samples that is louder than the others.
@@ -67,7 +69,7 @@ pub(crate) fn noise_character(errors: &[f64], motion: &MassMotion<'_>) -> NoiseC
     // What is only uneven has no heavy tails.
     let scale = local_scale(errors, motion);
     let even: Vec<f64> = errors.iter().zip(&scale).map(|(e, s)| e / s).collect();
-    NoiseCharacter { tails: tails(&even), growth, with_amplitude, stretch }
+    NoiseCharacter { tails: tails(&even), growth, with_amplitude, stretch, neighbour: None }
 }
 
 /// Squares, clipped; `None` where the typical error is zero.

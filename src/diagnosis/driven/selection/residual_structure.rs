@@ -1,15 +1,18 @@
 //! What a model leaves: how much of its innovations, and of their power, can still be predicted.
 //! Noise gives nothing away.
 
+use std::f64::consts::TAU;
+
 use crate::diagnosis::detection::{Structure, structure};
-use crate::diagnosis::driven::base::OMEGA;
+use crate::diagnosis::driven::base::{OMEGA, ZETA};
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::simulation::filter::States;
 use crate::diagnosis::driven::simulation::run::trace;
-use crate::diagnosis::remainder::WHITE;
+use crate::diagnosis::remainder::{REAL, WHITE};
 use crate::numerics::moments::mean_sd;
 
+use super::coloured_noise::{Coloured, Resonance};
 use super::noise_scale::{MassMotion, local_scale};
 
 /// Share of the power of noise that may be predicted before it is no longer taken for the sensor's
@@ -17,6 +20,9 @@ use super::noise_scale::{MassMotion, local_scale};
 pub(crate) const EVEN: f64 = 0.01;
 /// Lags of their own past from which innovations are forecast.
 const OWN_LAGS: usize = 24;
+/// Structure that the memory of the noise may leave: of the variance, and of what there was.
+const SPARED: f64 = 0.01;
+const SPARED_PART: f64 = 0.2;
 /// Lags over which one-step errors are taken to be correlated.
 pub(crate) const MEMORY: usize = 40;
 
@@ -27,24 +33,51 @@ pub(crate) fn residual_structure(data: &Data, fit: &Fit) -> Structure {
     structure(&innovations, OWN_LAGS, &regressors(data, &states))
 }
 
-/// As `residual_structure`, with a probability that also holds for noise of uneven strength: where
-/// the innovations look structured, they are also tested weighed by their local scale, and the
-/// larger probability counts.
-pub(crate) fn residual_structure_evenly(data: &Data, fit: &Fit) -> Structure {
+/// What noise alone does not account for, and the kind of noise that it was asked of.
+#[derive(Debug, Clone)]
+pub(crate) struct Residual {
+    pub(crate) structure: Structure,
+    /// Memory of the readout noise, where it accounts for all that is predictable.
+    pub(crate) coloured: Option<Coloured>,
+}
+
+/// As `residual_structure`, for noise as it is: with a probability that also holds where its
+/// strength is uneven, and without what only its own short memory lets one predict.
+///
+/// Where the innovations look structured, they are also tested weighed by their local scale, and
+/// the larger probability counts. Where a memory of a few samples accounts for the structure, it is
+/// one of the noise, and what is stated is the structure beside it.
+pub(crate) fn residual_structure_of_noise(data: &Data, fit: &Fit) -> Residual {
     let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let mut known = regressors(data, &states);
     let plain = structure(&innovations, OWN_LAGS, &known);
     if plain.p_value >= WHITE {
-        return plain;
+        return Residual { structure: plain, coloured: None };
     }
     let motion = MassMotion { x: &states.x, v: &states.v, omega_rad_s: fit.point[OMEGA] };
     let scale = local_scale(&innovations, &motion);
     let weighed = |values: &[f64]| values.iter().zip(&scale).map(|(v, s)| v / s).collect::<Vec<f64>>();
     known.push(vec![1.0; innovations.len()]);
     let known: Vec<Vec<f64>> = known.iter().map(|r| weighed(r)).collect();
-    let even = structure(&weighed(&innovations), OWN_LAGS, &known);
+    let errors = weighed(&innovations);
+    let even = structure(&errors, OWN_LAGS, &known);
     let [p_value, own_p_value] = [plain.p_value.max(even.p_value), plain.own_p_value.max(even.own_p_value)];
-    Structure { p_value, own_p_value, ..plain }
+    let found = Structure { p_value, own_p_value, ..plain };
+    // With noise inside the model, or starts in the middle, errors have a memory that is not the
+    // readout's.
+    if p_value >= REAL || fit.structure.is_noisy() || data.windows.is_some() {
+        return Residual { structure: found, coloured: None };
+    }
+    let resonance = Resonance { cycle: TAU / fit.point[OMEGA] * data.rate_hz, zeta: fit.point[ZETA] };
+    for coloured in Coloured::of(&errors, resonance) {
+        let known: Vec<Vec<f64>> = known.iter().map(|r| coloured.whitened(r)).collect();
+        let beside = structure(&coloured.whitened(&errors), OWN_LAGS, &known);
+        let is_little = beside.r_squared < SPARED && beside.r_squared < SPARED_PART * found.r_squared;
+        if beside.p_value >= REAL || is_little {
+            return Residual { structure: beside, coloured: Some(coloured) };
+        }
+    }
+    Residual { structure: found, coloured: None }
 }
 
 /// What innovations are regressed on besides their past, row by row.

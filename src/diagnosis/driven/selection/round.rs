@@ -18,6 +18,7 @@ use crate::physics::state::LANES;
 
 use super::earned::ITERATIONS;
 use super::held_out::{Comparison, compare};
+use super::input_line::follows_input;
 use super::judged::{Judged, Trial, judge};
 
 /// Candidates that are fitted in full in one round; the rest stop at the linear step.
@@ -136,6 +137,7 @@ pub(crate) fn round(
             .map(|start| model.fit.with(*term, start))
             .chain(known)
             .filter_map(|(structure, point)| fit(data, &structure, &point, scales, HEAT))
+            .filter(|fit| !follows_input(data, fit, fit.structure.terms.len() - 1))
             .min_by(|a, b| a.variance.total_cmp(&b.variance));
         trial.judged = best.map(|found| judge(data, found, scales));
         trial

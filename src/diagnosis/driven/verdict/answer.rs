@@ -102,6 +102,7 @@ pub fn answer(
         doubts,
         has_input: data.input.is_some(),
         predictable: c.after.r_squared,
+        neighbour: c.noise.neighbour,
         is_structured: c.after.r_squared >= WHITE,
         detectable_r_squared: c.after.detectable_r_squared,
         series: c.series,

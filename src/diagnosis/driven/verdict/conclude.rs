@@ -6,6 +6,7 @@ use crate::diagnosis::driven::identification::fit::{Fit, fit};
 use crate::diagnosis::driven::identification::interval::{self, Spread};
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::work::{Budget, Stage};
+use crate::diagnosis::driven::selection::coloured_noise::Coloured;
 use crate::diagnosis::driven::selection::held_out::held_out;
 use crate::diagnosis::driven::selection::judged::{Departing, Judged, Selection};
 use crate::diagnosis::driven::selection::lattice::Lattice;
@@ -13,7 +14,9 @@ use crate::diagnosis::driven::selection::noise_character::{
     LoudStretch, NoiseCharacter, disturbance_by_chance, noise_character,
 };
 use crate::diagnosis::driven::selection::noise_scale::MassMotion;
-use crate::diagnosis::driven::selection::residual_structure::{EVEN, power_structure, residual_structure_evenly};
+use crate::diagnosis::driven::selection::residual_structure::{
+    EVEN, Residual, power_structure, residual_structure_of_noise,
+};
 use crate::diagnosis::driven::selection::series::Series;
 use crate::diagnosis::driven::selection::term_worth::{Named, rounding};
 use crate::diagnosis::driven::simulation::run::trace;
@@ -78,6 +81,7 @@ pub struct Conclusion {
 pub(crate) fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusion {
     let mut draft = Draft::fitted(data, selection, scales);
     draft.free(selection);
+    draft.prefer_coloured_readout();
     // What the full model leaves is the measure.
     let r_squared = draft.structured(LEVEL);
     draft.weigh();
@@ -95,8 +99,11 @@ pub(crate) fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> C
     if outcome == Outcome::Unexplained {
         draft.settle_unexplained(r_squared, WHITE);
     }
-    let noise =
-        if remainder.size == Size::Negligible { character(data, &draft.model.fit) } else { NoiseCharacter::default() };
+    let noise = if remainder.size == Size::Negligible {
+        character(data, &draft.model.fit, draft.after.coloured.as_ref())
+    } else {
+        NoiseCharacter::default()
+    };
     let (spread, finished) = if outcome == Outcome::Unexplained {
         (interval::spread(&draft.model.fit), true)
     } else {
@@ -116,7 +123,7 @@ pub(crate) fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> C
         series,
         remainder,
         noise,
-        after,
+        after: after.structure,
         lattice,
         spread,
         fineness: scales.fineness,
@@ -134,7 +141,7 @@ pub(crate) fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion
         Some(Judged { held_out: held_out(data, &fit, scales, &data.test), fit })
     };
     let (Some(base), Some(model)) = parallel::join(|| refit(&c.base), || refit(&c.model)) else { return c };
-    let after = residual_structure_evenly(data, &model.fit);
+    let after = residual_structure_of_noise(data, &model.fit);
     let mut left_out = c.left_out.clone();
     left_out.retain(|what| *what != LeftOut::Profiles);
     let (spread, finished) = if c.outcome == Outcome::Unexplained {
@@ -146,31 +153,37 @@ pub(crate) fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion
         left_out.push(LeftOut::Profiles);
     }
     let remainder = remainder(data, &model, &after);
-    let noise =
-        if remainder.size == Size::Negligible { character(data, &model.fit) } else { NoiseCharacter::default() };
-    Conclusion { base, model, after, remainder, noise, spread, budget, left_out, ..c }
+    let noise = if remainder.size == Size::Negligible {
+        character(data, &model.fit, after.coloured.as_ref())
+    } else {
+        NoiseCharacter::default()
+    };
+    Conclusion { base, model, after: after.structure, remainder, noise, spread, budget, left_out, ..c }
 }
 
-/// What kind of noise a model leaves.
-fn character(data: &Data, fit: &Fit) -> NoiseCharacter {
+/// What kind of noise a model leaves; `coloured` is its memory.
+fn character(data: &Data, fit: &Fit, coloured: Option<&Coloured>) -> NoiseCharacter {
     let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let noise =
         noise_character(&innovations, &MassMotion { x: &states.x, v: &states.v, omega_rad_s: fit.point[OMEGA] });
     let start = data.hull.start;
     let stretch = noise.stretch.map(|s| LoudStretch { from: start + s.from, to: start + s.to, ..s });
-    NoiseCharacter { stretch, ..noise }
+    NoiseCharacter { stretch, neighbour: coloured.map(|c| c.neighbour), ..noise }
 }
 
 /// The three questions asked of what a model leaves.
-fn remainder(data: &Data, model: &Judged, after: &Structure) -> Remainder {
-    let structure = Test { p_value: QUESTIONS * after.p_value, size: Size::of(after.r_squared, WHITE, FAINT) };
+fn remainder(data: &Data, model: &Judged, after: &Residual) -> Remainder {
+    let found = &after.structure;
+    let structure = Test { p_value: QUESTIONS * found.p_value, size: Size::of(found.r_squared, WHITE, FAINT) };
     // Noise of the sensor's own keeps its strength whatever the sensor does; what does not is a
     // stand-in for physics.
     let power = model.fit.structure.is_noisy().then(|| power_structure(data, &model.fit));
     let power =
         power.map(|p| Test { p_value: QUESTIONS * p.p_value, size: Size::of(p.r_squared, EVEN, f64::INFINITY) });
     // A disturbance does not say that the library fails.
-    let by_chance = QUESTIONS * disturbance_by_chance(&model.fit.linear.residual);
+    let errors = &model.fit.linear.residual;
+    let fresh = after.coloured.as_ref().map(|c| c.whitened(errors));
+    let by_chance = QUESTIONS * disturbance_by_chance(fresh.as_ref().unwrap_or(errors));
     let disturbance = Test { p_value: by_chance, size: Size::Faint };
     Remainder::of([structure, disturbance].into_iter().chain(power))
 }

@@ -66,6 +66,8 @@ pub struct Account {
     /// Fraction of the variance of what is left that is predictable from its past, the input and
     /// the state.
     pub predictable: f64,
+    /// Correlation of neighbouring readings' errors, where the noise has a short memory.
+    pub neighbour: Option<f64>,
     /// Whether that is too much to be called white.
     pub is_structured: bool,
     /// Smallest such fraction that would have been seen.

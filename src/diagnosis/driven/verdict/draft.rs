@@ -1,7 +1,6 @@
 //! A conclusion in the making: models, what is left of them, and the terms that still have a name.
 //! Not for what speaks against a term (`objection`, `standing`, `unexplained`).
 
-use crate::diagnosis::detection::Structure;
 use crate::diagnosis::driven::identification::fit::{Fit, fit};
 use crate::diagnosis::driven::identification::local_minima::deepest;
 use crate::diagnosis::driven::identification::step_length::enough;
@@ -9,7 +8,7 @@ use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::work::{Budget, Stage};
 use crate::diagnosis::driven::selection::held_out::{held_out, ratio_interval};
 use crate::diagnosis::driven::selection::judged::{Departing, Judged, Rival, Selection};
-use crate::diagnosis::driven::selection::residual_structure::residual_structure_evenly;
+use crate::diagnosis::driven::selection::residual_structure::{Residual, residual_structure_of_noise};
 use crate::diagnosis::driven::selection::term_worth::{Named, weighed};
 use crate::diagnosis::driven::verdict::dropped::{Dropped, LeftOut};
 use crate::diagnosis::remainder::Remainder;
@@ -29,7 +28,7 @@ pub(super) struct Draft<'a> {
     /// The model with the form of one law free, where that law departs from its stated form.
     pub(super) departing: Option<Departing>,
     /// What is left of the model; of the one with a free form, where there is one.
-    pub(super) after: Structure,
+    pub(super) after: Residual,
     pub(super) rivals: Vec<Vec<Rival>>,
     pub(super) named: Vec<Named>,
     pub(super) dropped: Vec<(Term, Dropped)>,
@@ -52,7 +51,7 @@ impl<'a> Draft<'a> {
             if model.steps == model.structure.steps(&model.point, &scales) { model } else { refit(&model, &scales) };
         let judge = |fit: Fit| Judged { held_out: held_out(data, &fit, &scales, &data.test), fit };
         let (base, model) = parallel::join(|| judge(base), || judge(model));
-        let (after, rivals) = (residual_structure_evenly(data, &model.fit), selection.rivals.clone());
+        let (after, rivals) = (residual_structure_of_noise(data, &model.fit), selection.rivals.clone());
         let (named, dropped, left_out) = (Vec::new(), Vec::new(), Vec::new());
         let departing = None;
         Self { data, selection, scales, budget, base, model, departing, after, rivals, named, dropped, left_out }
@@ -64,7 +63,7 @@ impl<'a> Draft<'a> {
         let Some(found) = &selection.departing else { return };
         let old = &found.judged.fit;
         let fit = fit(self.data, &old.structure, &old.point, &self.scales, 20).unwrap_or_else(|| old.clone());
-        self.after = residual_structure_evenly(self.data, &fit);
+        self.after = residual_structure_of_noise(self.data, &fit);
         let held_out = held_out(self.data, &fit, &self.scales, &self.data.test);
         self.departing = Some(Departing { judged: Judged { fit, held_out }, index: found.index });
     }
@@ -77,7 +76,8 @@ impl<'a> Draft<'a> {
 
     /// Share of the innovations' variance that can still be predicted beyond chance, at this level.
     pub(super) fn structured(&self, level: f64) -> f64 {
-        if self.after.p_value < level { self.after.r_squared } else { 0.0 }
+        let after = &self.after.structure;
+        if after.p_value < level { after.r_squared } else { 0.0 }
     }
 
     /// One term of the model.
@@ -134,7 +134,7 @@ impl<'a> Draft<'a> {
             // By what has a name: what is carried without one does not explain.
             removed: 1.0 - model.held_out.free() * (1.0 + nameless) / base.held_out.free().max(1e-300),
             search_complete: !self.selection.cut_short,
-            has_power: self.after.detectable_r_squared < 1.0,
+            has_power: self.after.structure.detectable_r_squared < 1.0,
             predicts_worse: model.held_out.free() > base.held_out.free()
                 && self.named.iter().any(|n| !self.is_noise(n)),
             held_out_ratio: ratio_interval(&base.held_out, &model.held_out)[0],

@@ -29,6 +29,10 @@ pub enum Dropped {
     },
     /// It is a random walk, but a smooth course of time describes what it stands for better.
     SmoothCourse,
+    /// It is noise of the readout, with a memory of a few samples.
+    Coloured,
+    /// It is an oscillation at a line of the input, or where a law that bends would mix the lines.
+    FollowsInput,
     /// It follows the rounding of the readings.
     FollowsRounding,
     /// It is smaller than what is still unexplained.

@@ -17,6 +17,10 @@ pub fn dropped(reason: Dropped) -> String {
         }
         Dropped::MayBeNothing => "the 95 % interval of its strength includes zero".into(),
         Dropped::Worsens => "made the prediction of held-out samples worse".into(),
+        Dropped::FollowsInput => {
+            "its frequency is that of a line of the input, of a harmonic or of a mixed frequency: the input may cause it"
+                .into()
+        }
         Dropped::FollowsRounding => "follows only the rounding of the readings; kept in the model, not named".into(),
         Dropped::SmallerThanTheRest => "smaller than the unexplained residual; kept in the model, not named".into(),
         Dropped::WithinInexactness => {
@@ -33,6 +37,9 @@ pub fn dropped(reason: Dropped) -> String {
         Dropped::NoSecondResonance => "no second resonance: its peak does not stand apart from the first".into(),
         Dropped::SmoothCourse => {
             "not a walk: a smooth course of time describes it better, so a law of time is missing or not exact".into()
+        }
+        Dropped::Coloured => {
+            "no noise inside the sensor: readout noise whose neighbours are correlated describes it as well".into()
         }
         Dropped::Dependent { by, percent, is_power } => {
             let by = match by {
@@ -140,5 +147,12 @@ pub fn noise(noise: &NoiseCharacter, rate_hz: f64) -> Vec<String> {
             short(s.to as f64 / rate_hz)
         )
     });
-    [tails, growth, with_amplitude, stretch].into_iter().flatten().collect()
+    let neighbour = noise.neighbour.map(|correlation| {
+        format!(
+            "the noise is coloured: the errors of neighbouring readings have a correlation of {}, and nothing else \
+             in the residual can be predicted",
+            short(correlation)
+        )
+    });
+    [tails, growth, with_amplitude, stretch, neighbour].into_iter().flatten().collect()
 }

@@ -3,8 +3,9 @@
 use crate::diagnosis::driven::identification::interval;
 use crate::diagnosis::driven::selection::earned::without;
 use crate::diagnosis::driven::selection::held_out::held_out;
+use crate::diagnosis::driven::selection::input_line::follows_input;
 use crate::diagnosis::driven::selection::judged::Judged;
-use crate::diagnosis::driven::selection::residual_structure::residual_structure_evenly;
+use crate::diagnosis::driven::selection::residual_structure::residual_structure_of_noise;
 use crate::diagnosis::driven::selection::term_worth::Named;
 use crate::diagnosis::driven::verdict::dropped::{Dropped, LeftOut};
 use crate::physics::library::Term;
@@ -31,6 +32,9 @@ impl Draft<'_> {
         }
         if self.is_noise(named) {
             return None;
+        }
+        if follows_input(self.data, fit, named.index) {
+            return Some(Dropped::FollowsInput);
         }
         if matches!(self.term(named.index), Term::ParasiticMode(_)) && !is_beside_the_first(fit) {
             return Some(Dropped::NoSecondResonance);
@@ -76,7 +80,7 @@ impl Draft<'_> {
             }
             // Without that term the form is another question.
             self.departing = None;
-            self.after = residual_structure_evenly(self.data, &self.model.fit);
+            self.after = residual_structure_of_noise(self.data, &self.model.fit);
             self.weigh();
         }
     }

@@ -4,7 +4,7 @@
 use crate::diagnosis::driven::selection::earned::without;
 use crate::diagnosis::driven::selection::held_out::held_out;
 use crate::diagnosis::driven::selection::judged::Judged;
-use crate::diagnosis::driven::selection::residual_structure::residual_structure_evenly;
+use crate::diagnosis::driven::selection::residual_structure::residual_structure_of_noise;
 use crate::diagnosis::driven::selection::term_worth::Named;
 use crate::diagnosis::driven::verdict::dropped::Dropped;
 use crate::physics::library::Term;
@@ -60,7 +60,7 @@ impl Draft<'_> {
             self.model = self.base.clone();
         }
         if self.departing.is_none() && self.model.fit.structure.terms.len() < terms {
-            self.after = residual_structure_evenly(self.data, &self.model.fit);
+            self.after = residual_structure_of_noise(self.data, &self.model.fit);
         }
     }
 

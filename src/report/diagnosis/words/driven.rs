@@ -99,9 +99,13 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
             )
         }
         Outcome::Adequate => format!(
-            "Nothing is missing that this recording could show: the base model's residual of {} {unit} is white, \
+            "Nothing is missing that this recording could show: the base model's residual of {} {unit} is {}, \
              and an effect worth {} % of its variance would have been detected.",
             short(before),
+            account.neighbour.map_or("white".to_owned(), |c| format!(
+                "noise of which neighbouring readings share a little (correlation {})",
+                short(c)
+            )),
             short(100.0 * account.detectable_r_squared)
         ),
     };
