@@ -15,8 +15,11 @@ use crate::control::{Control, Stopped};
 use crate::error::{Error, Result};
 use crate::numerics::moments::mean_sd;
 use crate::numerics::order;
+use crate::parallel;
+use crate::physics::input_lag::InputLag;
 pub use crate::physics::library::CANDIDATES;
 use crate::physics::library::Term;
+use crate::physics::readout_delay::ReadoutDelay;
 use crate::physics::scales::Scales;
 use crate::recording::Recording;
 
@@ -28,8 +31,10 @@ use identification::fit::{self, Fit};
 use identification::refined_scales::refined;
 use identification::{chaos, start};
 use intake::data::Data;
-use intake::prepare::{Notes, Prepared};
+use intake::notes::Notes;
+use intake::prepare::Prepared;
 use intake::several::{self, Taken};
+use intake::shift::Shift;
 use intake::stretches::{self, Stretches};
 use intake::work::{Budget, Stage};
 use selection::folds::{self, Fold};
@@ -44,6 +49,12 @@ use verdict::{answer, findings};
 /// Part of the reading's power that free simulation of the base model must leave before the
 /// response is asked for chaos.
 const MUCH: f64 = 0.05;
+/// Part of the base model's error to which moving the input must bring it.
+const BY_FAR: f64 = 0.5;
+/// Part of what the moved input leaves to which a delay of its own length must bring the error.
+const CLEARLY: f64 = 0.9;
+/// Iterations of a fit with such a delay.
+const DELAY_ITERATIONS: usize = 25;
 
 /// Diagnoses it.
 ///
@@ -91,6 +102,8 @@ struct Course {
     own_test: bool,
     /// Samples that were not recorded.
     filled: Stretches,
+    /// By how much the input was moved, until it is known whether that holds.
+    shift: Option<Shift>,
     notes: Notes,
     /// What the search may cost.
     budget: Budget,
@@ -98,7 +111,7 @@ struct Course {
 
 impl Course {
     fn begin(prepared: Prepared) -> Self {
-        let Prepared { data, start, own_test, filled, mut notes } = prepared;
+        let Prepared { data, start, own_test, filled, shift, mut notes } = prepared;
         let narrow = stretches::loudest(&data).unwrap_or_else(|| data.clone());
         if narrow.hull != data.hull {
             notes.findings.push(format!(
@@ -108,7 +121,7 @@ impl Course {
             ));
         }
         let budget = narrow.work.budget(Stage::Search, narrow.hull.len());
-        Self { data, narrow, start, own_test, filled, notes, budget }
+        Self { data, narrow, start, own_test, filled, shift, notes, budget }
     }
 
     /// Whether terms are chosen on all of the recording.
@@ -118,6 +131,7 @@ impl Course {
 
     /// The base model; what was not recorded is bridged by its readings.
     fn base(&mut self) -> Result<(Fit, Scales), String> {
+        self.settle_shift();
         let mut notes = self.notes.clone();
         let free = base_model::base(&self.narrow, &self.start, &mut notes);
         if let Some(found) = self.chaotic(free.as_ref().ok().map(|f| &f.0)) {
@@ -131,6 +145,36 @@ impl Course {
         }
         let scales = refined(&self.narrow, &base, &scales);
         Ok((base, scales))
+    }
+
+    /// A lag is seen in the spectra, where a mass that rings for longer than they are long looks
+    /// out of step with its input. What counts is whether the base model, started from the same
+    /// places, follows the moved input better than the one that was recorded; and whether whole
+    /// samples are what it lags by, as two columns of a file do, and not a delay of the sensor.
+    fn settle_shift(&mut self) {
+        let Some(shift) = self.shift.take() else { return };
+        let as_recorded = shift.undone(&self.narrow);
+        let fitted = |data: &Data| start::base(data, &self.start);
+        let (moved, stayed) = parallel::join(|| fitted(&self.narrow), || fitted(&as_recorded));
+        let variance = |found: Option<&(Fit, Scales)>| found.map_or(f64::INFINITY, |f| f.0.variance);
+        let lagging = || {
+            let (base, scales) = moved.as_ref()?;
+            let scales = Scales { lag_samples: shift.lag_samples(), ..scales.clone() };
+            let late = [Term::ReadoutDelay(ReadoutDelay), Term::InputLag(InputLag)];
+            let fits = late.into_iter().filter_map(|term| {
+                let (structure, point) = base.with(term, term.starts(&scales).get(1)?);
+                fit::fit(&as_recorded, &structure, &point, &scales, DELAY_ITERATIONS)
+            });
+            fits.map(|fit| fit.variance).min_by(f64::total_cmp)
+        };
+        let moved_variance = variance(moved.as_ref());
+        let is_delay = || lagging().is_some_and(|with| with < CLEARLY * moved_variance);
+        if moved_variance < BY_FAR * variance(stayed.as_ref()) && !is_delay() {
+            shift.noted(&mut self.notes);
+            return;
+        }
+        self.data = shift.undone(&self.data);
+        self.narrow = as_recorded;
     }
 
     /// The base model in windows, where the response is chaotic and its free simulation therefore

@@ -7,7 +7,7 @@ use crate::diagnosis::answer::{self, Answer, Places};
 use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::detection::structure;
 use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::prepare::Notes;
+use crate::diagnosis::driven::intake::notes::Notes;
 use crate::diagnosis::driven::intake::several::Piece;
 use crate::diagnosis::driven::selection::held_out::{Comparison, HeldOut, compare, ratio_interval};
 use crate::diagnosis::driven::verdict::answer::Asked;

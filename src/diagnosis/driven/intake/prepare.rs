@@ -17,6 +17,8 @@ use super::data::Data;
 use super::defects;
 use super::input::{Input, Interpolation, REACH};
 use super::lines;
+use super::notes::Notes;
+use super::shift::Shift;
 use super::stretches::{Stretches, interleaved, merged, minus, sorted};
 use super::work::Work;
 
@@ -42,44 +44,10 @@ pub struct Prepared {
     pub own_test: bool,
     /// Samples that were not recorded.
     pub filled: Stretches,
+    /// By how much the input was moved, where it looks misaligned.
+    pub(crate) shift: Option<Shift>,
     /// Defects and choices that the verdict must mention.
     pub notes: Notes,
-}
-
-/// Findings about the recording, apart from its physics.
-#[derive(Debug, Clone, Default)]
-pub struct Notes {
-    /// Findings, one sentence each.
-    pub findings: Vec<String>,
-    /// What a reader of the verdict must know, as clauses.
-    pub doubts: Vec<String>,
-    /// Whether the columns do not belong together as they stand, so that no physics may be blamed.
-    pub broken: bool,
-    /// Where the reading jumps; only worth a word where the final model does not predict it.
-    pub jumps: Vec<usize>,
-}
-
-impl Notes {
-    /// Of the places where the reading jumps, those at which a model with these errors over
-    /// `data.hull` does so too.
-    pub fn report_jumps(&mut self, data: &Data, errors: &[f64]) {
-        let input = data.input.as_ref().map(Input::samples);
-        let clause = match defects::unpredicted(&self.jumps, input, errors, &data.hull).as_slice() {
-            [] => return,
-            [only] => format!("the reading jumps in row {only}"),
-            places @ [first, ..] => format!("the reading jumps {} times, first in row {first}", places.len()),
-        };
-        let more = ", which neither its own past nor the input nor the model predicts: lost or repeated samples, or a \
-                    knock? A time column would tell";
-        self.doubt(clause, more);
-    }
-
-    /// Something that a reader of the verdict must know: as a clause, and with what follows from
-    /// it.
-    pub fn doubt(&mut self, clause: String, more: &str) {
-        self.findings.push(format!("{clause}{more}"));
-        self.doubts.push(clause);
-    }
 }
 
 /// Checks and arranges.
@@ -115,7 +83,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
         order::sort_by_key(&mut filled, |r| r.start as f64);
     }
     let mut ends = REACH..samples - REACH;
-    let mut input = None;
+    let (mut input, mut shift) = (None, None);
     if let Some(name) = &model.columns.input {
         let mut values = column(recording, name)?.to_vec();
         if mean_sd(&values).1 <= 1e-12 * mean_sd(&values).0.abs() {
@@ -124,7 +92,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
                 ": a dead channel? The recording is treated as a free ring-down",
             );
         } else {
-            together(model, &mut values, &reading, &mut ends, &mut notes).map_err(|cause| {
+            shift = together(model, &mut values, &reading, &mut ends, &mut notes).map_err(|cause| {
                 let hint = "check that input and output are the right columns and that the input moves the output";
                 refuse(recording, cause, hint)
             })?;
@@ -177,7 +145,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
             "widen [split] train",
         ));
     }
-    Ok(Prepared { data, start, own_test, filled, notes })
+    Ok(Prepared { data, start, own_test, filled, shift, notes })
 }
 
 /// Hints that this recording could show; what could not be is said and left out.
@@ -216,7 +184,7 @@ fn together(
     reading: &[f64],
     ends: &mut Range<usize>,
     notes: &mut Notes,
-) -> Result<(), String> {
+) -> Result<Option<Shift>, String> {
     let (output, name) = (&model.columns.output, model.columns.input.as_deref().unwrap_or("the input"));
     if let Some((row, factor)) = defects::rescaled(input, reading, ends) {
         let clause = format!(
@@ -230,9 +198,9 @@ fn together(
         notes.broken = true;
     }
     if lines::are_all(&input[ends.clone()]) {
-        return Ok(());
+        return Ok(None);
     }
-    let Some(forward) = align(input, reading, ends) else { return Ok(()) };
+    let Some(forward) = align(input, reading, ends) else { return Ok(None) };
     if forward.residual > 0.2
         && let Some(backward) = align(reading, input, ends)
         && alignment::exchanged(&forward, &backward)
@@ -244,7 +212,7 @@ fn together(
             ", not the other way round; no candidate was tried: exchange input and output in the model file",
         );
         notes.broken = true;
-        return Ok(());
+        return Ok(None);
     }
     if forward.is_chance() && !notes.broken {
         let cause = format!(
@@ -254,20 +222,13 @@ fn together(
         );
         return Err(cause);
     }
-    let shift = forward.lag;
+    let lag = forward.lag;
     if !forward.is_misaligned() {
-        return Ok(());
+        return Ok(None);
     }
-    let n = input.len() as isize;
-    let moved: Vec<f64> = (0..n).map(|k| input[(k - shift).clamp(0, n - 1) as usize]).collect();
-    input.copy_from_slice(&moved);
-    *ends = ends.start + shift.max(0) as usize..ends.end - (-shift).max(0) as usize;
-    let side = if shift > 0 { "late" } else { "early" };
-    notes.doubt(
-        format!("{output} is misaligned with {name}: it comes {} samples {side}", shift.abs()),
-        "; the input was shifted by as many before fitting",
-    );
-    Ok(())
+    let shift = Shift::of(input, lag, format!("{output} is misaligned with {name}: it comes"));
+    *ends = ends.start + lag.max(0) as usize..ends.end - (-lag).max(0) as usize;
+    Ok(Some(shift))
 }
 
 /// Where the reading jumps, apart from gaps that are known.

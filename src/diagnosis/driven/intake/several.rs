@@ -17,7 +17,8 @@ use crate::recording::Recording;
 use super::data::Data;
 use super::excerpt::{self, LONGEST};
 use super::input::{Input, Interpolation};
-use super::prepare::{self, FEWEST_JUDGES, Notes, Prepared};
+use super::notes::Notes;
+use super::prepare::{self, FEWEST_JUDGES, Prepared};
 use super::stretches::{Stretches, minus};
 
 /// Relative difference of two sampling rates that clocks explain.
@@ -132,7 +133,7 @@ fn joined(recordings: Recordings<'_>, model: &model::Driven) -> Result<Taken> {
     said += "; times count through the recordings in this order";
     all.notes.findings.insert(0, said);
     let start = parts[0].prepared.start;
-    let prepared = Prepared { data, start, own_test, filled: all.filled, notes: all.notes };
+    let prepared = Prepared { data, start, own_test, filled: all.filled, shift: None, notes: all.notes };
     Ok(Taken { prepared, pieces, judging: Vec::new() })
 }
 
@@ -182,7 +183,11 @@ struct Joined {
 impl Joined {
     /// Adds one recording; where it lies.
     fn add(&mut self, part: &Part<'_>) -> Range<usize> {
-        let Prepared { data, filled, notes, .. } = &part.prepared;
+        let Prepared { data, filled, shift, notes, .. } = &part.prepared;
+        let mut notes = notes.clone();
+        if let Some(shift) = shift {
+            shift.noted(&mut notes);
+        }
         let (from, to) = (self.reading.len(), data.hull.clone());
         let moved = |ranges: &[Range<usize>]| -> Stretches {
             let inside = ranges.iter().map(|r| r.start.max(to.start)..r.end.min(to.end)).filter(|r| r.start < r.end);

@@ -9,7 +9,7 @@ use crate::diagnosis::driven::identification::fit::{Fit, fit};
 use crate::diagnosis::driven::identification::start;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::input::Interpolation;
-use crate::diagnosis::driven::intake::prepare::Notes;
+use crate::diagnosis::driven::intake::notes::Notes;
 use crate::diagnosis::driven::simulation::run::trace;
 use crate::diagnosis::driven::simulation::structure::ModelStructure;
 use crate::diagnosis::model;

@@ -8,7 +8,7 @@ use crate::diagnosis::driven::base::{OMEGA, ZETA};
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::identification::profile;
 use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::prepare::Notes;
+use crate::diagnosis::driven::intake::notes::Notes;
 use crate::diagnosis::driven::intake::reading_noise::{ReadingNoise, Sample, reading_noise};
 use crate::diagnosis::driven::intake::several::Piece;
 use crate::diagnosis::driven::selection::held_out::{Block, HeldOut, at_rest, ratio_interval, settled};

@@ -1,0 +1,41 @@
+//! What is found about a recording apart from its physics.
+
+use super::data::Data;
+use super::defects;
+use super::input::Input;
+
+/// Findings about the recording, apart from its physics.
+#[derive(Debug, Clone, Default)]
+pub struct Notes {
+    /// Findings, one sentence each.
+    pub findings: Vec<String>,
+    /// What a reader of the verdict must know, as clauses.
+    pub doubts: Vec<String>,
+    /// Whether the columns do not belong together as they stand, so that no physics may be blamed.
+    pub broken: bool,
+    /// Where the reading jumps; only worth a word where the final model does not predict it.
+    pub jumps: Vec<usize>,
+}
+
+impl Notes {
+    /// Of the places where the reading jumps, those at which a model with these errors over
+    /// `data.hull` does so too.
+    pub fn report_jumps(&mut self, data: &Data, errors: &[f64]) {
+        let input = data.input.as_ref().map(Input::samples);
+        let clause = match defects::unpredicted(&self.jumps, input, errors, &data.hull).as_slice() {
+            [] => return,
+            [only] => format!("the reading jumps in row {only}"),
+            places @ [first, ..] => format!("the reading jumps {} times, first in row {first}", places.len()),
+        };
+        let more = ", which neither its own past nor the input nor the model predicts: lost or repeated samples, or a \
+                    knock? A time column would tell";
+        self.doubt(clause, more);
+    }
+
+    /// Something that a reader of the verdict must know: as a clause, and with what follows from
+    /// it.
+    pub fn doubt(&mut self, clause: String, more: &str) {
+        self.findings.push(format!("{clause}{more}"));
+        self.doubts.push(clause);
+    }
+}
