@@ -34,6 +34,10 @@ const POLISHED: usize = 4;
 const LEAST_RINGING: f64 = 0.05;
 /// Damping ratios to begin with there.
 const RINGING_ZETAS: [f64; 3] = [0.003, 0.02, 0.1];
+/// The same of a reading that rings for long.
+const LONG_RINGING_ZETAS: [f64; 2] = [3e-4, 3e-3];
+/// Part of the reading's power that a fit leaves where it has not found the resonance.
+const POOR: f64 = 0.05;
 /// The same of a reading without an input.
 const SPECTRUM_ZETAS: [f64; 4] = [0.003, 0.02, 0.1, 0.4];
 /// Fraction by which two frequencies differ that lead to one place.
@@ -116,21 +120,31 @@ pub fn base(data: &Data, hints: &model::Start) -> Option<(Fit, Scales)> {
     };
     let best = best_of(&places)?;
     // Under few lines the response says little of the resonance; the transient rings at it.
-    let ringing = data.input.as_ref().map_or(Vec::new(), |input| by_ringing(data, input.samples(), &best.0));
+    let ringing = data.input.as_ref().map_or(Vec::new(), |input| {
+        let (errors, _) = trace(data, &best.0.structure, &best.0.point, &best.0.run(data, false));
+        let mut places = by_ringing(data, input.samples(), &best.0, &errors, &RINGING_ZETAS);
+        // A resonance narrower than the input's lines are apart answers at none of them: the reading
+        // rings at it, for long.
+        let reading = &data.reading[data.hull.clone()];
+        if best.0.variance > POOR * mean_sd(reading).1.powi(2) {
+            places.extend(by_ringing(data, input.samples(), &best.0, reading, &LONG_RINGING_ZETAS));
+        }
+        places
+    });
     let other = best_of(&ringing).filter(|(fit, _)| fit.variance < best.0.variance);
     Some(other.unwrap_or(best))
 }
 
-/// Where the residual of a fit rings: at the highest peak of its spectrum, with the gain that
-/// answers the loudest line of the input as the fit does. None where no peak stands out.
-fn by_ringing(data: &Data, input: &[f64], fit: &Fit) -> Vec<Place> {
-    let (errors, _) = trace(data, &fit.structure, &fit.point, &fit.run(data, false));
+/// Where `values` ring, the residual of a fit or the reading: at the highest peak of their spectrum,
+/// with the gain that answers the loudest line of the input as the fit does. None where no peak
+/// stands out.
+fn by_ringing(data: &Data, input: &[f64], fit: &Fit, values: &[f64], zetas: &[f64]) -> Vec<Place> {
     let Some(driven) = loudest(&input[data.hull.clone()], data.rate_hz) else { return Vec::new() };
     let w = driven.omega;
     let denominator = |omega: f64, zeta: f64| Complex64::new(omega * omega - w * w, 2.0 * zeta * omega * w);
     let answer = fit.point[GAIN] / denominator(fit.point[OMEGA], fit.point[ZETA]);
     let mut lines: Vec<Line> = Vec::new();
-    for line in looks(&errors).filter_map(|look| loudest(look, data.rate_hz)) {
+    for line in looks(values).filter_map(|look| loudest(look, data.rate_hz)) {
         let is_new = lines.iter().all(|l| (l.omega / line.omega - 1.0).abs() > SAME_LINE);
         if line.fraction > LEAST_RINGING && is_new {
             lines.push(line);
@@ -142,7 +156,7 @@ fn by_ringing(data: &Data, input: &[f64], fit: &Fit) -> Vec<Place> {
         zeta,
         residual: 1.0,
     };
-    lines.iter().flat_map(|line| RINGING_ZETAS.map(|zeta| place(line, zeta))).collect()
+    lines.iter().flat_map(|line| zetas.iter().map(move |zeta| place(line, *zeta))).collect()
 }
 
 /// A ring-down is loudest at its beginning: the whole, and shorter looks that see heavy damping
