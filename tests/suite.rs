@@ -43,6 +43,7 @@ mod suite {
     pub mod noise_law;
     pub mod numbers;
     pub mod outputs;
+    pub mod own_noise;
     pub mod pages;
     pub mod paper;
     pub mod parity;
@@ -190,6 +191,7 @@ fn main() {
         suite::windows::tests(),
         // noise_law: every noise term has the Allan deviation of its coefficient.
         suite::near_laws::tests(),
+        suite::own_noise::tests(),
         suite::noise_law::tests(),
         // device_faults: a device that fails costs neither the run nor what was done.
         suite::device_faults::tests(),

@@ -6,6 +6,7 @@ pub mod fit;
 pub mod interval;
 pub mod local_minima;
 pub mod profile;
+mod rational_fit;
 pub mod refined_scales;
 pub mod start;
 pub mod start_search;

@@ -19,6 +19,7 @@ use crate::physics::scales::Scales;
 use realfft::num_complex::Complex64;
 
 use super::fit::{Fit, fit};
+use super::rational_fit::{Rational, rational_fit};
 
 /// Damping ratios on the grid.
 const ZETAS: [f64; 7] = [0.01, 0.03, 0.08, 0.2, 0.45, 0.8, 1.5];
@@ -85,7 +86,11 @@ struct Place {
 pub fn base(data: &Data, hints: &model::Start) -> Option<(Fit, Scales)> {
     let scales = first_scales(data);
     let mut places = match &data.input {
-        Some(input) => by_response(data, input.samples()),
+        Some(input) => {
+            let mut places = by_response(data, input.samples());
+            places.extend(places.first().and_then(|best| by_spectra(data, input.samples(), best)));
+            places
+        }
         None => by_spectrum(data),
     };
     if let Some(hz) = hints.resonance_hz.filter(|f| *f > 0.0 && f.is_finite()) {
@@ -226,6 +231,14 @@ fn by_response(data: &Data, input: &[f64]) -> Vec<Place> {
         omega *= 1.04;
     }
     polished(places)
+}
+
+/// The resonance that the spectra of the whole recording show, from the best place of a grid on.
+fn by_spectra(data: &Data, input: &[f64], best: &Place) -> Option<Place> {
+    let from = Rational { gain: best.gain, omega_rad_s: best.omega, zeta: best.zeta };
+    let [u, y] = [input, &data.reading].map(|values| &values[data.hull.clone()]);
+    let found = rational_fit(u, y, data.rate_hz, from)?;
+    Some(Place { gain: found.gain, omega: found.omega_rad_s, zeta: found.zeta, residual: 1.0 })
 }
 
 /// The best places, no two of them neighbours.
