@@ -1,10 +1,11 @@
 //! Resonance, damping and gain by linear least squares on the spectra of input and output: a place
 //! to begin that needs no grid, however narrow the resonance is.
 //!
-//! Over a finite record (ω₀² − ω² + 2jζω₀ω) Y = g U + t₀ + jω t₁, where the last two are what the
-//! mass brings from before the record and takes beyond it (Pintelon & Schoukens, System
-//! Identification: A Frequency Domain Approach, 2nd ed., §6.3). It is linear in ω₀², 2ζω₀, g, t₀
-//! and t₁; each pass divides by the denominator of the one before, so that errors count as those of
+//! Over a finite record (ω₀² − ω² + 2jζω₀ω) Y = (g + jω g₁) U + t₀ + jω t₁, where the last two are
+//! what the mass brings from before the record and takes beyond it (Pintelon & Schoukens, System
+//! Identification: A Frequency Domain Approach, 2nd ed., §6.3), and g₁ is what an input that is held
+//! between its samples, or comes late, turns the phase by. It is linear in all of them but ω₀ and
+//! ζ, and in ω₀² and 2ζω₀; each pass divides by the denominator of the one before, so that errors count as those of
 //! the output (Sanathanan & Koerner, IEEE Trans. Autom. Control 8, 1963). Not the fit itself
 //! (`fit`).
 
@@ -48,16 +49,16 @@ pub(super) fn rational_fit(u: &[f64], y: &[f64], rate_hz: f64, from: Rational) -
     let mut found = from;
     for _ in 0..PASSES {
         let mut residual = Vec::with_capacity(2 * used.len());
-        let mut columns: [Vec<f64>; 5] = std::array::from_fn(|_| Vec::with_capacity(2 * used.len()));
+        let mut columns: [Vec<f64>; 6] = std::array::from_fn(|_| Vec::with_capacity(2 * used.len()));
         for k in used.clone() {
             let jw = Complex64::new(0.0, step * k as f64);
             let weight = (jw * jw + found.omega_rad_s * (2.0 * found.zeta * jw + found.omega_rad_s)).inv();
-            let mut push = |to: &mut Vec<f64>, value: Complex64| {
+            let push = |to: &mut Vec<f64>, value: Complex64| {
                 let value = value * weight;
                 to.extend([value.re, value.im]);
             };
             push(&mut residual, jw * jw * y[k]);
-            let terms = [y[k], jw * y[k], -u[k], Complex64::new(-1.0, 0.0), -jw];
+            let terms = [y[k], jw * y[k], -u[k], Complex64::new(-1.0, 0.0), -jw, -jw * u[k]];
             columns.iter_mut().zip(terms).for_each(|(column, term)| push(column, term));
         }
         let step = Linear { residual, columns: columns.to_vec() }.normal().step(0.0);
@@ -96,10 +97,13 @@ mod tests {
     fn a_resonance_narrower_than_the_lines_are_apart_is_found_from_far_away() {
         let (rate_hz, rows) = (100.0, 8000);
         let mut rng = Philox::new(5, 0, Stream::Host);
-        for (omega, zeta) in [(TAU * 10.5, 3e-4), (TAU * 7.0, 0.02), (TAU * 12.0, 0.4)] {
+        for (omega, zeta, late) in
+            [(TAU * 10.5, 3e-4, 0.0), (TAU * 7.0, 0.02, 0.0), (TAU * 12.0, 0.4, 0.0), (TAU * 10.5, 3e-4, 0.5)]
+        {
+            // Both from the same motion, the reading late by a part of a sample.
             let (u, y): (Vec<f64>, Vec<f64>) = (0..rows)
-                .map(|k| motion(omega, zeta, f64::from(k) / rate_hz))
-                .map(|[u, y]| (u, y + 0.01 * rng.normal()))
+                .map(|k| (1.0 + f64::from(k)) / rate_hz)
+                .map(|t| (motion(omega, zeta, t)[0], motion(omega, zeta, t - late / rate_hz)[1] + 0.01 * rng.normal()))
                 .unzip();
             let from = Rational { gain: 1.0, omega_rad_s: 0.6 * omega, zeta: 0.1 };
             let found = rational_fit(&u, &y, rate_hz, from).expect("a resonance");
