@@ -31,6 +31,7 @@ use identification::fit::{self, Fit};
 use identification::refined_scales::refined;
 use identification::{chaos, start};
 use intake::data::Data;
+use intake::input::Interpolation;
 use intake::notes::Notes;
 use intake::prepare::Prepared;
 use intake::several::{self, Taken};
@@ -47,9 +48,10 @@ pub use verdict::detail::Detail;
 use verdict::{answer, findings};
 
 /// Part of the reading's power that free simulation of the base model must leave before the
-/// response is asked for chaos.
+/// response is asked for chaos, and its input for another way between the samples.
 const MUCH: f64 = 0.05;
-/// Part of the base model's error to which moving the input must bring it.
+/// Part of the base model's error to which moving the input, or another way of it between its
+/// samples, must bring it.
 const BY_FAR: f64 = 0.5;
 /// Part of what the moved input leaves to which a delay of its own length must bring the error.
 const CLEARLY: f64 = 0.9;
@@ -132,6 +134,7 @@ impl Course {
     /// The base model; what was not recorded is bridged by its readings.
     fn base(&mut self) -> Result<(Fit, Scales), String> {
         self.settle_shift();
+        self.settle_interpolation();
         let mut notes = self.notes.clone();
         let free = base_model::base(&self.narrow, &self.start, &mut notes);
         if let Some(found) = self.chaotic(free.as_ref().ok().map(|f| &f.0)) {
@@ -177,12 +180,38 @@ impl Course {
         self.narrow = as_recorded;
     }
 
+    /// An input that is held between its samples, or goes along straight lines, turns the phase by
+    /// far where there are few samples to a cycle: what the base model then leaves is no physics.
+    fn settle_interpolation(&mut self) {
+        let fitted = |data: &Data| start::base(data, &self.start).map_or(f64::INFINITY, |found| found.0.variance);
+        let Some(input) = &self.narrow.input else { return };
+        let band_limited = fitted(&self.narrow);
+        if band_limited < MUCH * self.power() {
+            return;
+        }
+        let others = [Interpolation::Hold, Interpolation::Linear].map(|how| {
+            let data = Data { input: Some(input.clone().gone(how)), ..self.narrow.clone() };
+            (how, fitted(&data))
+        });
+        let Some((how, variance)) = others.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { return };
+        if variance < BY_FAR * band_limited {
+            self.notes.findings.push(base_model::interpolated(how));
+            for data in [&mut self.data, &mut self.narrow] {
+                data.input = data.input.take().map(|input| input.gone(how));
+            }
+        }
+    }
+
+    /// Mean square of the reading that is fitted, about its mean.
+    fn power(&self) -> f64 {
+        let rows = self.narrow.train.iter().flat_map(|r| &self.narrow.reading[r.clone()]).copied();
+        mean_sd(&rows.collect::<Vec<f64>>()).1.powi(2)
+    }
+
     /// The base model in windows, where the response is chaotic and its free simulation therefore
     /// leaves much.
     fn chaotic(&mut self, free: Option<&Fit>) -> Option<(Fit, Scales)> {
-        let rows = || self.narrow.train.iter().flat_map(|r| &self.narrow.reading[r.clone()]).copied();
-        let power = mean_sd(&rows().collect::<Vec<f64>>()).1.powi(2);
-        let follows = free.is_some_and(|fit| fit.variance < MUCH * power);
+        let follows = free.is_some_and(|fit| fit.variance < MUCH * self.power());
         if follows || self.notes.broken || !self.filled.is_empty() || !self.data.breaks.is_empty() {
             return None;
         }
@@ -251,7 +280,7 @@ impl Course {
             return None;
         }
         let how = base_model::other_input(&mut self.narrow, &selection.chosen, scales)?;
-        self.notes.findings.push(format!("the input is best interpolated by {} between samples", how.words()));
+        self.notes.findings.push(base_model::interpolated(how));
         let base = &selection.base.fit;
         let again = fit::fit(&self.narrow, &base.structure, &base.point, scales, 25);
         Some(judged::judge(&self.narrow, again.unwrap_or_else(|| base.clone()), scales))

@@ -86,6 +86,11 @@ pub(crate) fn bridge(data: &mut Data, base: &Fit, filled: &[Range<usize>]) {
     }
 }
 
+/// How the input goes between its samples, as a finding.
+pub(crate) fn interpolated(how: Interpolation) -> String {
+    format!("the input is best interpolated by {} between samples", how.words())
+}
+
 /// Whether steps or straight lines between the samples of the input do as well as the linear terms
 /// of `chosen` that they could be mistaken for: a held input looks late by half a sample, straight
 /// lines look like a weak low-pass.
