@@ -26,6 +26,7 @@ mod residual;
 pub mod rows;
 mod selection;
 mod slopes;
+mod standing;
 mod start;
 mod turn;
 mod units;
@@ -47,7 +48,7 @@ use conclusion::Found;
 use fit::Fit;
 use imu::Observed;
 use residual::Residual;
-use selection::Folds;
+use standing::Folds;
 
 /// Diagnoses a tumble recording.
 ///

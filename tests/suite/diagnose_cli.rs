@@ -200,6 +200,7 @@ fn library() -> Result<(), Failed> {
         "temperature-sensitivity",
         "local-gravity",
         "earth-rate",
+        "slow-drift",
     ];
     check(of("tumble") == tumble, format!("tumble: {:?}", of("tumble")))?;
     for entry in &entries {

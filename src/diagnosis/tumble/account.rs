@@ -19,7 +19,7 @@ pub struct Account {
     pub oversized: Vec<(&'static str, Sense)>,
     /// Location of the mismatch that the base model leaves.
     pub location: Location,
-    /// Offsets that drift slowly, without a name.
+    /// Offsets that drift slowly.
     pub drifts: Vec<Drift>,
     /// Whether a temperature (or other environment) column was given.
     pub has_column: bool,
@@ -34,6 +34,8 @@ pub struct Account {
 pub struct Drift {
     /// Sensor whose offsets drift.
     pub sensor: Sense,
+    /// Whether it is named, not only told.
+    pub is_named: bool,
     /// From the lowest to the highest over the poses, per axis: mm/s² or °/s.
     pub range: [f64; 3],
 }

@@ -25,6 +25,7 @@ pub const CANDIDATES: &[Candidate] = &[
     temperature_sensitivity::CANDIDATE,
     local_gravity::CANDIDATE,
     earth_rate::CANDIDATE,
+    slow_drift::CANDIDATE,
 ];
 
 /// What no pose can tell from the common scale: in the library to be said, never to be fitted.

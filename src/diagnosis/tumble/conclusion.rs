@@ -14,7 +14,8 @@ use super::imu::Observed;
 use super::isolation::locate;
 use super::jackknife;
 use super::residual::Residual;
-use super::selection::{Folds, Named, Selection, Standing, held_out_squares};
+use super::selection::{Drifting, Named, Selection};
+use super::standing::{Folds, Standing, held_out_squares};
 use super::units::{factor, name_and_unit};
 use crate::diagnosis::answer::{self, Answer};
 use crate::diagnosis::candidate::Kind;
@@ -22,6 +23,7 @@ use crate::diagnosis::model::Tumble;
 use crate::diagnosis::ruling::{self, rule};
 use crate::diagnosis::standing::{Gain, Note, Ranked};
 use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Fit as FitScore, RecordingInfo, Score};
+use crate::numerics::moments;
 use crate::numerics::special::t_quantile;
 use crate::recording::Recording;
 use crate::sensor::Sense;
@@ -122,6 +124,16 @@ impl Case<'_> {
             Stated::AxisScales { common, ratio, unit } => {
                 for (i, name) in ["scale_x", "scale_y", "scale_z"].into_iter().enumerate() {
                     let of = move |p: &Point| p[common] * if i == 0 { 1.0 } else { 1.0 + p[ratio + i - 1] };
+                    parameters.push(estimate(name.into(), unit.into(), of(&fit.point), interval(&of)));
+                }
+            }
+            Stated::RmsOfDrift => {
+                let (unit, factor) = match term.sensor {
+                    Sense::Accelerometer => ("m/s^2", 1.0),
+                    Sense::Gyro => ("°/s", 1.0 / DEGREE),
+                };
+                for (axis, name) in ["rms_x", "rms_y", "rms_z"].into_iter().enumerate() {
+                    let of = move |p: &Point| moments::rms(self.drift(term.sensor, p)[axis].iter().copied()) * factor;
                     parameters.push(estimate(name.into(), unit.into(), of(&fit.point), interval(&of)));
                 }
             }
@@ -274,29 +286,32 @@ impl Case<'_> {
             above: residual.above.clone(),
             oversized: oversized.map(|s| (s.term.id(), s.term.sensor)).collect(),
             location,
-            drifts: selection.drifting.iter().map(|s| self.drift(*s, &selection.chosen.point)).collect(),
+            drifts: selection.drifting.iter().map(|d| self.told_drift(*d, &selection.chosen.point)).collect(),
             has_column: self.observed.imu.covariate.is_some(),
             knocked: found.knocked.iter().map(|k| Knocked { pose: k + 1, time_s: seconds(k) }).collect(),
             wanders: found.wanders,
         }
     }
 
-    /// How far the offsets of a sensor drift over the poses, per axis, in public units.
-    fn drift(&self, sensor: Sense, point: &Point) -> Drift {
-        let (calibration, factor) =
-            (Calibration::from_point(point), if sensor == Sense::Gyro { 1.0 / DEGREE } else { 1e3 });
-        let triad = if sensor == Sense::Gyro { &calibration.gyro } else { &calibration.accelerometer };
-        let range = |axis: usize| {
-            let at = |p: &super::imu::Pose| (0..3).map(|n| triad.drift[(axis, n)] * p.slow.cosines[n]).sum::<f64>();
-            let (low, high) = self
-                .observed
-                .poses
-                .iter()
-                .map(at)
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    fn told_drift(&self, Drifting { sensor, is_named }: Drifting, point: &Point) -> Drift {
+        let factor = if sensor == Sense::Gyro { 1.0 / DEGREE } else { 1e3 };
+        let range = self.drift(sensor, point).map(|of| {
+            let (low, high) = of.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
             (high - low) * factor
-        };
-        Drift { sensor, range: std::array::from_fn(range) }
+        });
+        Drift { sensor, is_named, range }
+    }
+
+    /// The drift of a sensor's offsets at each pose about its mean over the poses, per axis, SI.
+    fn drift(&self, sensor: Sense, point: &Point) -> [Vec<f64>; 3] {
+        let calibration = Calibration::from_point(point);
+        let triad = if sensor == Sense::Gyro { &calibration.gyro } else { &calibration.accelerometer };
+        std::array::from_fn(|axis| {
+            let at = |p: &super::imu::Pose| (0..3).map(|n| triad.drift[(axis, n)] * p.slow.cosines[n]).sum::<f64>();
+            let values: Vec<f64> = self.observed.poses.iter().map(at).collect();
+            let mean = moments::mean(&values);
+            values.into_iter().map(|v| v - mean).collect()
+        })
     }
 }
 

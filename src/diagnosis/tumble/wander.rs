@@ -26,7 +26,7 @@ const RULED_OUT: f64 = 2.7;
 /// Misfit over the noise variance up to which it may be wander. Noise inside the poses that is a
 /// few times too small is within what a second of stillness tells of minutes; more has a cause, and
 /// a cause with a memory (hysteresis) wanders too.
-const MOST: f64 = 4.0;
+pub(super) const MOST: f64 = 4.0;
 /// Factors on the noise variance without memory that are tried.
 const WITHOUT_MEMORY: [f64; 9] = [1.0, 1.5, 2.2, 3.3, 5.0, 10.0, 30.0, 100.0, 1000.0];
 /// Factors on the wander's variance, which begins at a quarter of the mean noise variance of a

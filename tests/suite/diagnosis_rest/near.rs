@@ -85,7 +85,8 @@ pub(super) fn exponents() -> Result<(), Failed> {
     };
     for (exponent, id) in [(0.8, "flicker-noise"), (1.3, "flicker-noise"), (2.0, "random-walk")] {
         let named = (0..20).into_par_iter().filter(|s| only(*s, exponent, id)).count();
-        check(named >= 18, format!("f^−{exponent}: {named} of 20 named {id} alone"))?;
+        // Nine of ten is the aim; fewer than 15 of 20 come then once in ninety.
+        check(named >= 15, format!("f^−{exponent}: {named} of 20 named {id} alone"))?;
     }
     let wrong = (0..20).into_par_iter().filter(|s| only(*s, 2.0, "flicker-noise")).count();
     check(wrong <= 4, format!("a walk taken for flicker in {wrong} of 20"))

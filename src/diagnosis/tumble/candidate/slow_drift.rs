@@ -1,6 +1,7 @@
-//! The slow drift of offsets where nothing recorded accounts for it: fitted so that it does not
-//! bend a calibration, told as a finding, and never a name: 1/f noise, a battery and warmth look
-//! alike in poses.
+//! `slow-drift`: the slow drift of offsets where nothing recorded accounts for it. It is fitted so
+//! that it does not bend a calibration, and named where it moves the poses by more than 1/f noise
+//! may; smaller, it is told as a finding. Never named for what drives it: warmth, a battery and age
+//! look alike in poses.
 //!
 //! Each cosine is judged by itself. Most drifts are nearly a ramp, which the first one takes up;
 //! all three at once are nine parameters of a sensor, too many for the poses that remain when a
@@ -14,13 +15,12 @@ use crate::diagnosis::tumble::calibration::{DRIFT_TERMS, accelerometer, gyro};
 use crate::diagnosis::tumble::group::Group;
 use crate::sensor::Sense;
 
-/// Not in the public library.
-const CANDIDATE: Candidate = Candidate {
+pub(super) const CANDIDATE: Candidate = Candidate {
     id: "slow-drift",
     kind: Kind::Tumble,
     statement: "The offsets drift slowly over the recording.",
     equation: "y = o + s (v + d(t)),  d = Σ d_n cos(nπt/T), n ≤ 3",
-    parameters: &[Parameter { name: "d", unit: "u", range: (f64::MIN, f64::MAX) }],
+    parameters: &[Parameter { name: "rms", unit: "u", range: (f64::MIN, f64::MAX) }],
     acts: "readout",
     signature: "poses of equal attitude differ with the time at which they were taken",
     confusable_with: &["temperature-sensitivity"],
@@ -60,7 +60,7 @@ const fn term(sensor: Sense, parameters: &'static Cosine) -> Term {
             Sense::Accelerometer => Group::Gravity,
             Sense::Gyro => Group::Still,
         },
-        stated: Stated::AsFitted,
+        stated: Stated::RmsOfDrift,
         seen: Seen::InEveryParameter,
         role: Role::Finding,
     }

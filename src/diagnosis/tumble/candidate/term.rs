@@ -35,7 +35,7 @@ pub(crate) enum Role {
     Effect,
     /// An effect that needs an environment column.
     OfAColumn,
-    /// Fitted and told, never named.
+    /// Fitted and told; named only where it is more than 1/f noise may be.
     Finding,
 }
 
@@ -54,6 +54,9 @@ pub(crate) enum Seen {
 pub(crate) enum Stated {
     /// Each in its public unit.
     AsFitted,
+    /// Root mean square of each offset's drift about its mean over the poses: a single cosine
+    /// gives that of a straight drift to a per cent, its range only to a fifth.
+    RmsOfDrift,
     /// The scale of each axis, from the common scale and the other two axes' ratios to the first:
     /// where these stand, and the unit.
     AxisScales {

@@ -105,9 +105,10 @@ fn drift(drift: &Drift, has_column: bool) -> String {
         "1/f noise, warm-up and a draining battery look alike here; a temperature column under `environment` would \
         tell them apart"
     };
+    let but = if drift.is_named { "what drives it is open" } else { "it is not named" };
     format!(
         "slow drift of the {}: its offsets move by {x}, {y} and {z} {unit} (x, y, z) over the recording; it was \
-        fitted together with the calibration but is not named: {why}",
+        fitted together with the calibration; {but}: {why}",
         drift.sensor.name()
     )
 }
