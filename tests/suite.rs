@@ -53,6 +53,7 @@ mod suite {
     pub mod require;
     pub mod resume_in_motion;
     pub mod rows;
+    pub mod same_verdict;
     pub mod samples;
     pub mod scale;
     pub mod schema;
@@ -202,6 +203,7 @@ fn main() {
         // schema: editors know the keys that the tool knows.
         suite::schema::tests(),
         // samples: simulated readings are a recording.
+        suite::same_verdict::tests(),
         suite::samples::tests(),
         // export: what other tools make of an exported file is the study's noise.
         suite::export::tests(),

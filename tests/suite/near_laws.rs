@@ -27,15 +27,15 @@ pub fn tests() -> Vec<Trial> {
 }
 
 /// A force against displacement and velocity, in units of ω₀ = 1.
-type Force = fn(f64, f64) -> f64;
+pub(super) type Force = fn(f64, f64) -> f64;
 
 /// Samples per radian of the resonance, and rows.
-const PER_RADIAN: f64 = 3.5;
+pub(super) const PER_RADIAN: f64 = 3.5;
 const ROWS: usize = 4000;
 const LINES: usize = 50;
 
 /// Input, recorded so many samples late, and noisy reading, of rms near 1.
-fn recording(force: Force, seed: u64, late_samples: f64) -> String {
+pub(super) fn recording(force: Force, seed: u64, late_samples: f64) -> String {
     let mut rng = Philox::new(seed, 0, Stream::Host);
     let uniform = Uniform::new(0.0, 1.0).expect("from 0 to 1");
     let lines: Vec<[f64; 2]> =
