@@ -2,12 +2,13 @@
 
 use crate::units::key::Key;
 
-/// A number and its standard error, SI.
+/// A number as a study draws it, SI: one that was fitted with its standard error, or the mean of
+/// several elements with their spread.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Drawn {
     /// The value.
     pub mean: f64,
-    /// Its standard error.
+    /// Its standard error, or the spread of the elements.
     pub sd: f64,
 }
 

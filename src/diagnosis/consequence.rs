@@ -3,7 +3,8 @@
 //!
 //! Constant and random errors by their closed forms, the proof mass under the stated vibration by
 //! `rectification`. One axis, flat earth. Not an ensemble: `proofmass study` runs DIR/repaired.toml
-//! for distributions.
+//! for distributions. Left out: what follows temperature (the sensor stays at its reference), what
+//! is in proportion to an input, rounding and full scale.
 
 use super::rectification;
 use super::repair::{Cost, Repair, Row, Vibration};
@@ -108,6 +109,8 @@ fn random_variance(sensor: &Sensor, time_s: f64) -> f64 {
             }
             (_, Growth::OfAConstant(integrals)) => (Process::Constant(coefficient), integrals),
             (_, Growth::OfWhiteNoise(integrals)) => (Process::White(coefficient), integrals),
+            // Temperature, proportion to an input, rounding, full scale: nothing at rest and at the
+            // reference temperature.
             (_, Growth::Other) => return 0.0,
         };
         match term.sense() {
@@ -145,6 +148,52 @@ mod tests {
             let got = Drift::of(&sensor, &vibration, &Control::silent()).expect("nothing to interrupt").total();
             for (got, expected) in got.into_iter().zip(expected) {
                 assert!((got / expected - 1.0).abs() < 1e-9, "{got} {expected}");
+            }
+        }
+    }
+
+    /// Slow errors of an accelerometer by their double integrals, written out: Gauss–Markov σ²(2τt³/3
+    /// − τ²t² + 2τ⁴ − 2τ³(t + τ)e^(−t/τ)) (the integral of (t−u)(t−v) e^(−|u−v|/τ)), a sine of any
+    /// phase A²/2 |∫(t−u)e^(iωu)du|², a warm-up b(τt − τ²(1 − e^(−t/τ))). Another shape costs
+    /// something else.
+    #[test]
+    fn each_slow_error_alone_costs_its_closed_form() {
+        type Set = fn(&mut Sensor, f64);
+        type Metres = fn(f64, f64) -> f64;
+        let cases: [(f64, Set, Metres); 3] = [
+            (
+                20.0,
+                |s, shape| (s.accelerometer.markov_m_s2, s.accelerometer.markov_time_s) = (1e-3, shape),
+                |tau, t| {
+                    let forgets = 2.0 * tau.powi(3) * (t + tau) * (-t / tau).exp();
+                    1e-3 * (2.0 / 3.0 * tau * t.powi(3) - tau * tau * t * t + 2.0 * tau.powi(4) - forgets).sqrt()
+                },
+            ),
+            (
+                0.3,
+                |s, shape| {
+                    (s.accelerometer.sinusoid_m_s2, s.accelerometer.sinusoid_frequency_rad_s) = (1e-3, shape);
+                },
+                |omega, t| {
+                    let x = omega * t;
+                    1e-3 / (omega * omega) * (0.5 * ((1.0 - x.cos()).powi(2) + (x - x.sin()).powi(2))).sqrt()
+                },
+            ),
+            (
+                15.0,
+                |s, shape| (s.accelerometer.warm_up_m_s2, s.accelerometer.warm_up_time_s) = (1e-3, shape),
+                |tau, t| 1e-3 * (tau * t - tau * tau * (1.0 - (-t / tau).exp())),
+            ),
+        ];
+        for (shape, set, metres) in cases {
+            let mut sensor = Sensor::default();
+            set(&mut sensor, shape);
+            let vibration = Vibration { amplitude_m_s2: 0.0, frequency_hz: 1.0 };
+            let got = Drift::of(&sensor, &vibration, &Control::silent()).expect("nothing to interrupt").total();
+            for (got, time_s) in got.into_iter().zip(TIMES_S) {
+                let off = |shape: f64| (got / metres(shape, time_s) - 1.0).abs();
+                assert!(off(shape) < 1e-8, "{got} {}", metres(shape, time_s));
+                assert!(off(1.5 * shape) > 1e-2, "{got} {}", metres(1.5 * shape, time_s));
             }
         }
     }

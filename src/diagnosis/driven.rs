@@ -34,6 +34,7 @@ use intake::data::Data;
 use intake::input::Interpolation;
 use intake::notes::Notes;
 use intake::prepare::Prepared;
+use intake::reading_noise::{Sample, reading_noise};
 use intake::several::{self, Taken};
 use intake::shift::Shift;
 use intake::stretches::{self, Stretches};
@@ -134,9 +135,13 @@ impl Course {
     /// The base model; what was not recorded is bridged by its readings.
     fn base(&mut self) -> Result<(Fit, Scales), String> {
         self.settle_shift();
-        self.settle_interpolation();
         let mut notes = self.notes.clone();
-        let free = base_model::base(&self.narrow, &self.start, &mut notes);
+        let mut free = base_model::base(&self.narrow, &self.start, &mut notes);
+        let left = free.as_ref().map_or(self.power(), |found| found.0.variance);
+        if self.settle_interpolation(left) {
+            notes.clone_from(&self.notes);
+            free = base_model::base(&self.narrow, &self.start, &mut notes);
+        }
         if let Some(found) = self.chaotic(free.as_ref().ok().map(|f| &f.0)) {
             return Ok(found);
         }
@@ -160,19 +165,22 @@ impl Course {
         let fitted = |data: &Data| start::base(data, &self.start);
         let (moved, stayed) = parallel::join(|| fitted(&self.narrow), || fitted(&as_recorded));
         let variance = |found: Option<&(Fit, Scales)>| found.map_or(f64::INFINITY, |f| f.0.variance);
+        let noise = reading_noise(&Sample::of(&self.narrow)).map_or(0.0, |n| n.deviation.powi(2));
+        let above_noise = |found: Option<&(Fit, Scales)>| (variance(found) - noise).max(0.0);
         let lagging = || {
             let (base, scales) = moved.as_ref()?;
             let scales = Scales { lag_samples: shift.lag_samples(), ..scales.clone() };
             let late = [Term::ReadoutDelay(ReadoutDelay), Term::InputLag(InputLag)];
             let fits = late.into_iter().filter_map(|term| {
-                let (structure, point) = base.with(term, term.starts(&scales).get(1)?);
+                // The one that begins at the lag, where the term has its sign.
+                let start = term.starts(&scales).into_iter().find(|start| start[0] > 0.0)?;
+                let (structure, point) = base.with(term, &start);
                 fit::fit(&as_recorded, &structure, &point, &scales, DELAY_ITERATIONS)
             });
             fits.map(|fit| fit.variance).min_by(f64::total_cmp)
         };
-        let moved_variance = variance(moved.as_ref());
-        let is_delay = || lagging().is_some_and(|with| with < CLEARLY * moved_variance);
-        if moved_variance < BY_FAR * variance(stayed.as_ref()) && !is_delay() {
+        let is_delay = || lagging().is_some_and(|with| with < CLEARLY * variance(moved.as_ref()));
+        if above_noise(moved.as_ref()) < BY_FAR * above_noise(stayed.as_ref()) && !is_delay() {
             shift.noted(&mut self.notes);
             return;
         }
@@ -181,25 +189,26 @@ impl Course {
     }
 
     /// An input that is held between its samples, or goes along straight lines, turns the phase by
-    /// far where there are few samples to a cycle: what the base model then leaves is no physics.
-    fn settle_interpolation(&mut self) {
+    /// far where there are few samples to a cycle: the mean square `left` that the base model then
+    /// leaves is no physics. Whether the base model follows the reading on such an input, and no
+    /// other.
+    fn settle_interpolation(&mut self, left: f64) -> bool {
+        let least = MUCH * self.power();
+        let Some(input) = self.narrow.input.as_ref().filter(|_| left >= least && self.filled.is_empty()) else {
+            return false;
+        };
         let fitted = |data: &Data| start::base(data, &self.start).map_or(f64::INFINITY, |found| found.0.variance);
-        let Some(input) = &self.narrow.input else { return };
-        let band_limited = fitted(&self.narrow);
-        if band_limited < MUCH * self.power() {
-            return;
-        }
         let others = [Interpolation::Hold, Interpolation::Linear].map(|how| {
             let data = Data { input: Some(input.clone().gone(how)), ..self.narrow.clone() };
             (how, fitted(&data))
         });
-        let Some((how, variance)) = others.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { return };
-        if variance < BY_FAR * band_limited {
-            self.notes.findings.push(base_model::interpolated(how));
-            for data in [&mut self.data, &mut self.narrow] {
-                data.input = data.input.take().map(|input| input.gone(how));
-            }
+        let best = others.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((how, _)) = best.filter(|(_, variance)| *variance < least.min(BY_FAR * left)) else { return false };
+        self.notes.findings.push(base_model::interpolated(how));
+        for data in [&mut self.data, &mut self.narrow] {
+            data.input = data.input.take().map(|input| input.gone(how));
         }
+        true
     }
 
     /// Mean square of the reading that is fitted, about its mean.
@@ -276,7 +285,8 @@ impl Course {
     /// The base model with the input going another way between its samples, where that fits better
     /// than the terms chosen.
     fn on_another_input(&mut self, selection: &Selection, scales: &Scales) -> Option<Judged> {
-        if self.narrow.windows.is_some() {
+        let settled = self.narrow.input.as_ref().is_none_or(|i| i.interpolation != Interpolation::BandLimited);
+        if self.narrow.windows.is_some() || settled {
             return None;
         }
         let how = base_model::other_input(&mut self.narrow, &selection.chosen, scales)?;

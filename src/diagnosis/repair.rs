@@ -79,25 +79,31 @@ pub struct Cost {
 
 /// Comments in repaired.toml are broken at this many characters.
 const COMMENT_WIDTH: usize = 100;
+/// A study lasts so long, s, without a temperature.
+const USUAL_S: f64 = 60.0;
+/// And at most so long with one, s.
+const LONGEST_S: f64 = 3600.0;
 
 /// The repaired sensor as a study: DIR/repaired.toml. What a study cannot run stands in comments,
 /// so that nothing named is lost.
 pub(super) fn study_document(repair: &Repair, verdict: &Verdict) -> String {
     let rate_hz = round_rate(verdict.recording.rate_hz);
     let mut text = preamble(verdict, &repair.relation, &repair.not_expressible);
+    let duration_s = duration_s(&repair.temperature);
+    if let Some([end_s, _]) = repair.temperature.points.last().filter(|[end_s, _]| *end_s > LONGEST_S) {
+        let _ = writeln!(text, "# [temperature] goes on to {end_s:?} s: duration_s may be as long.");
+    }
     let _ = write!(
         text,
-        "\nname = {}\nseed = 1\nmembers = 4096\nduration_s = 60.0\nstep_s = {:?}\n",
+        "\nname = {}\nseed = 1\nmembers = 4096\nduration_s = {duration_s:?}\nstep_s = {:?}\n",
         toml_string(&name(verdict)),
         1.0 / rate_hz
     );
-    section(&mut text, "sensor", &sensor_keys(&repair.after, rate_hz));
+    text += &section("sensor", &lines(&sensor_keys(&repair.after, rate_hz)));
     for name in ["accelerometer", "gyro"] {
-        section(&mut text, name, &term_keys(&repair.after, name));
         let of_axes = repair.by_axis.iter().filter(|(key, _)| key.section() == name);
-        let lines: String = of_axes.map(|(key, axes)| three(key, *axes)).collect();
-        let header = if text.contains(&format!("\n[{name}]\n")) { String::new() } else { format!("\n[{name}]\n") };
-        text += &if lines.is_empty() { lines } else { header + &lines };
+        let by_axis: String = of_axes.map(|(key, axes)| three(key, *axes)).collect();
+        text += &section(name, &(lines(&term_keys(&repair.after, name)) + &by_axis));
     }
     if !repair.by_axis.is_empty() {
         text += "\n[trajectory]\nkind = \"rest\"\n";
@@ -112,7 +118,16 @@ pub(super) fn study_document(repair: &Repair, verdict: &Verdict) -> String {
             v.amplitude_m_s2, v.frequency_hz
         );
     }
-    text + "\n[report]\ntimes_s = [1.0, 10.0, 60.0]\n"
+    let end_s = Some(duration_s).filter(|end_s| *end_s > USUAL_S);
+    let times_s: Vec<f64> = [1.0, 10.0, USUAL_S].into_iter().chain(end_s).collect();
+    text + &format!("\n[report]\ntimes_s = {times_s:?}\n")
+}
+
+/// As long as the temperature is known, to a hundredth of a second: a whole number of samples at
+/// every round rate. It stays beyond its last point, so that a minute is no loss.
+fn duration_s(temperature: &Temperature) -> f64 {
+    let end_s = temperature.points.last().map_or(USUAL_S, |[time_s, _]| (time_s * 100.0).round() / 100.0);
+    end_s.clamp(USUAL_S, LONGEST_S)
 }
 
 /// Name of the repaired sensor: its recording's.
@@ -169,15 +184,15 @@ pub(super) fn round_rate(rate_hz: f64) -> f64 {
     (digit * power).round()
 }
 
-fn section(text: &mut String, name: &str, keys: &[(&str, f64)]) {
-    let used: Vec<_> = keys.iter().filter(|(_, v)| *v != 0.0 && v.is_finite()).collect();
-    if used.is_empty() {
-        return;
-    }
-    let _ = write!(text, "\n[{name}]\n");
-    for (key, value) in used {
-        let _ = writeln!(text, "{key} = {value:?}");
-    }
+/// A section with these lines; nothing without any.
+fn section(name: &str, lines: &str) -> String {
+    if lines.is_empty() { String::new() } else { format!("\n[{name}]\n{lines}") }
+}
+
+/// A line for each key that says something.
+fn lines(keys: &[(&str, f64)]) -> String {
+    let used = keys.iter().filter(|(_, v)| *v != 0.0 && v.is_finite());
+    used.map(|(key, value)| format!("{key} = {value:?}\n")).collect()
 }
 
 /// `[temperature]`, to a ten-thousandth of its range; empty without points.
@@ -233,7 +248,7 @@ mod tests {
         (a.warm_up_m_s2, a.warm_up_time_s) = (-2e-3, 20.0);
         (a.sinusoid_m_s2, a.sinusoid_frequency_rad_s) = (3e-3, 0.5);
         let mut text = "members = 2\nduration_s = 1.0\n".to_owned();
-        section(&mut text, "accelerometer", &term_keys(&sensor, "accelerometer"));
+        text += &section("accelerometer", &lines(&term_keys(&sensor, "accelerometer")));
         let study = crate::study::parse("repaired", &text, Path::new("")).expect("it is a study");
         let drawn = [0, 1].map(|member| study.member(member).sensor.accelerometer);
         for term in SensorTerm::ALL.into_iter().filter(|t| *t != SensorTerm::AccelerometerSinusoidPhase) {
@@ -242,6 +257,20 @@ mod tests {
         }
         // The phase is the recording's own: each member draws one.
         assert_ne!(drawn[0].sinusoid_phase_rad, drawn[1].sinusoid_phase_rad);
+    }
+
+    #[test]
+    fn a_study_lasts_as_long_as_its_temperature_is_known() {
+        let until = |end_s: f64| Temperature { points: vec![[0.0, 20.0], [end_s, 25.0]], reference_deg_c: 20.0 };
+        let known = [20.0, 200.004, 1e5].map(|end_s| duration_s(&until(end_s)));
+        assert_eq!(known, [USUAL_S, 200.0, LONGEST_S]);
+        assert_eq!(duration_s(&Temperature::default()), USUAL_S);
+    }
+
+    #[test]
+    fn a_section_is_written_once_with_its_lines_and_not_without_any() {
+        assert_eq!(section("gyro", &lines(&[("a", 0.0), ("b", f64::NAN)])), "");
+        assert_eq!(section("gyro", &(lines(&[("a", 2.0)]) + "b = [1, 2]\n")), "\n[gyro]\na = 2.0\nb = [1, 2]\n");
     }
 
     #[test]

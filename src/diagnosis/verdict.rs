@@ -291,7 +291,8 @@ pub struct Fit {
     pub one_step_rmse: Option<[f64; 2]>,
 }
 
-/// Whether the repaired model leaves white noise.
+/// Whether the repaired model leaves white noise, or noise that is white once each reading is
+/// compared with the few before it (a finding says so then).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Whiteness {
     /// At the 5 % level, corrected for the number of tests and channels; the same in every kind.

@@ -245,7 +245,7 @@ sensor_terms! {
         markov_time_s: AccelerometerMarkovTime = Row {
             name: "accelerometer Gauss–Markov correlation time",
             law: ErrorLaw::Shape(Shape::Memory),
-            keys: &[Key::new(55, "accelerometer.gauss_markov_time_s", "its correlation time", "s", 1.0, Positive)],
+            keys: &[Key::new(55, "accelerometer.gauss_markov_time_s", "correlation time of the Gauss–Markov bias", "s", 1.0, Positive)],
         };
         /// Error at switch-on that dies out, m/s².
         warm_up_m_s2: AccelerometerWarmUp = Row {
@@ -257,7 +257,7 @@ sensor_terms! {
         warm_up_time_s: AccelerometerWarmUpTime = Row {
             name: "accelerometer warm-up time constant",
             law: ErrorLaw::Shape(Shape::Settling),
-            keys: &[Key::new(57, "accelerometer.warm_up_time_s", "its time constant", "s", 1.0, Positive)],
+            keys: &[Key::new(57, "accelerometer.warm_up_time_s", "time constant of the warm-up", "s", 1.0, Positive)],
         };
         /// Amplitude of a sine that is picked up, m/s².
         sinusoid_m_s2: AccelerometerSinusoid = Row {
@@ -269,13 +269,13 @@ sensor_terms! {
         sinusoid_frequency_rad_s: AccelerometerSinusoidFrequency = Row {
             name: "accelerometer sinusoid frequency",
             law: ErrorLaw::Shape(Shape::Frequency),
-            keys: &[Key::new(59, "accelerometer.sinusoid_hz", "its frequency", "Hz", TAU, Positive)],
+            keys: &[Key::new(59, "accelerometer.sinusoid_hz", "frequency of the sinusoid", "Hz", TAU, Positive)],
         };
         /// Its phase at the beginning of the run, rad.
         sinusoid_phase_rad: AccelerometerSinusoidPhase = Row {
             name: "accelerometer sinusoid phase",
             law: ErrorLaw::Shape(Shape::Phase),
-            keys: &[Key::new(60, "accelerometer.sinusoid_phase_deg", "its phase", "°", DEGREE, Any)],
+            keys: &[Key::new(60, "accelerometer.sinusoid_phase_deg", "phase of the sinusoid", "°", DEGREE, Any)],
         };
         /// Quantisation step of the reading, m/s².
         quantisation_m_s2: Quantisation = Row {
@@ -349,7 +349,7 @@ sensor_terms! {
         markov_time_s: GyroMarkovTime = Row {
             name: "gyro Gauss–Markov correlation time",
             law: ErrorLaw::Shape(Shape::Memory),
-            keys: &[Key::new(62, "gyro.gauss_markov_time_s", "its correlation time", "s", 1.0, Positive)],
+            keys: &[Key::new(62, "gyro.gauss_markov_time_s", "correlation time of the Gauss–Markov bias", "s", 1.0, Positive)],
         };
         /// Error at switch-on that dies out, rad/s.
         warm_up_rad_s: GyroWarmUp = Row {
@@ -361,7 +361,7 @@ sensor_terms! {
         warm_up_time_s: GyroWarmUpTime = Row {
             name: "gyro warm-up time constant",
             law: ErrorLaw::Shape(Shape::Settling),
-            keys: &[Key::new(64, "gyro.warm_up_time_s", "its time constant", "s", 1.0, Positive)],
+            keys: &[Key::new(64, "gyro.warm_up_time_s", "time constant of the warm-up", "s", 1.0, Positive)],
         };
         /// Amplitude of a sine that is picked up, rad/s.
         sinusoid_rate_rad_s: GyroSinusoid = Row {
@@ -373,13 +373,13 @@ sensor_terms! {
         sinusoid_frequency_rad_s: GyroSinusoidFrequency = Row {
             name: "gyro sinusoid frequency",
             law: ErrorLaw::Shape(Shape::Frequency),
-            keys: &[Key::new(66, "gyro.sinusoid_hz", "its frequency", "Hz", TAU, Positive)],
+            keys: &[Key::new(66, "gyro.sinusoid_hz", "frequency of the sinusoid", "Hz", TAU, Positive)],
         };
         /// Its phase at the beginning of the run, rad.
         sinusoid_phase_rad: GyroSinusoidPhase = Row {
             name: "gyro sinusoid phase",
             law: ErrorLaw::Shape(Shape::Phase),
-            keys: &[Key::new(67, "gyro.sinusoid_phase_deg", "its phase", "°", DEGREE, Any)],
+            keys: &[Key::new(67, "gyro.sinusoid_phase_deg", "phase of the sinusoid", "°", DEGREE, Any)],
         };
         /// Rate ramp R, rad/s².
         ramp_rad_s2: RateRamp = Row {

@@ -33,6 +33,7 @@ pub(super) fn tolerances(name: &str, file: &File, axis: usize) -> Result<Toleran
     }
     mechanics(name, &all)?;
     numbers(name, &all)?;
+    below_half_the_rate(name, file, &all)?;
     Ok(all)
 }
 
@@ -67,6 +68,35 @@ fn given_whole(name: &str, all: &Tolerances, term: SensorTerm) -> Result<()> {
         };
         let cause = format!("`{}` is given without `{}`", has.path, lacks.path);
         return Err(refuse(name, cause, format!("add `{}`, or remove both", lacks.path)));
+    }
+    Ok(())
+}
+
+/// Refuses a sine that the readings would show at another frequency. A file that is no study need not
+/// state a rate.
+fn below_half_the_rate(name: &str, file: &File, all: &Tolerances) -> Result<()> {
+    if file.duration_s.is_none() && file.step_s.is_none() && file.sensor.sample_rate_hz.is_none() {
+        return Ok(());
+    }
+    let half_hz = 0.5 * rate_hz(name, file)?;
+    for term in SensorTerm::ALL.into_iter().filter(|term| term.law() == ErrorLaw::Shape(Shape::Frequency)) {
+        let key = &term.row().keys[0];
+        let highest_hz = match all[key] {
+            Some(Number::Fixed(value)) => value,
+            Some(Number::Uniform { max, .. }) => max,
+            Some(Number::Normal { mean, sd }) => mean + 2.0 * sd,
+            None => continue,
+        };
+        if highest_hz >= half_hz {
+            return Err(refuse(
+                name,
+                format!(
+                    "`{}` reaches {highest_hz:?} Hz: need less than {half_hz:?} Hz, half the sampling rate",
+                    key.path
+                ),
+                "raise `sensor.sample_rate_hz`, or give the frequency at which the readings show it",
+            ));
+        }
     }
     Ok(())
 }
@@ -291,4 +321,30 @@ fn report_samples(name: &str, file: &File, duration_s: f64, sample_s: f64, sampl
         return Err(refuse(name, "`report.times_s` does not increase", "sort the times and drop repeated ones"));
     }
     Ok(places)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::parse_toml;
+
+    /// A sine at 50 Hz and one of which members reach it are refused at 100 readings per second, a
+    /// slower one and the same in a file that states no rate are not.
+    #[test]
+    fn a_sine_lies_below_half_the_sampling_rate() {
+        let refused = |rate: &str, section: &str, frequency: &str, amplitude: &str| {
+            let text = format!("{rate}\n[{section}]\nsinusoid_{amplitude} = 1.0\nsinusoid_hz = {frequency}\n");
+            let file: File = parse_toml("s.toml", &text).expect("a file");
+            tolerances("s.toml", &file, 0).err().map(|error| error.to_string())
+        };
+        for (section, amplitude) in [("accelerometer", "mg"), ("gyro", "deg_h")] {
+            for frequency in ["50.0", "{ min = 1.0, max = 50.0 }", "{ mean = 45.0, sd = 3.0 }"] {
+                let said = refused("duration_s = 10.0", section, frequency, amplitude).expect("refused");
+                assert!(said.contains(&format!("{section}.sinusoid_hz")) && said.contains("half"), "{said}");
+                assert_eq!(refused("step_s = 0.005", section, frequency, amplitude), None);
+                assert_eq!(refused("", section, frequency, amplitude), None);
+            }
+            assert_eq!(refused("duration_s = 10.0", section, "49.0", amplitude), None);
+        }
+    }
 }

@@ -21,6 +21,7 @@ pub fn tests() -> Vec<Trial> {
         test("own noise: neighbours that are correlated are said of the noise of an adequate model", coloured),
         test("own noise: an oscillation at a harmonic of the input has no name", harmonic),
         test("own noise: a mass that rings for long is not out of step with its input", ringing),
+        test("own noise: an input that is held is known where there are four samples to a cycle", held),
         test("own noise: a delay of more samples than a file is out of step by is a delay", delayed),
     ]
 }
@@ -158,6 +159,34 @@ fn ringing() -> Result<(), Failed> {
     said.check("in step", said.verdict == "adequate" && !said.findings.contains("misaligned"))?;
     let said = diagnosed(row(37.0))?;
     said.check("37 samples late", said.findings.contains("37 samples late"))
+}
+
+/// Motion from rest with the force held over each sample, at 100 Hz with ζ = 0.001: exact, as the
+/// free oscillation about each held value.
+fn stepped(u: &[f64]) -> Vec<f64> {
+    let (zeta, omega) = (1e-3f64, TAU * 100.0);
+    let (damped, h) = (omega * (1.0 - zeta * zeta).sqrt(), 1.0 / RATE_HZ);
+    let (c, s, e) = ((damped * h).cos(), (damped * h).sin(), (-zeta * omega * h).exp());
+    let (mut x, mut v) = (0.0, 0.0);
+    let mut next = |force: &f64| {
+        let (reading, from, rate) = (x, x - force, v);
+        x = force + e * (from * c + (rate + zeta * omega * from) / damped * s);
+        v = e * (rate * c - (zeta * omega * rate + omega * omega * from) / damped * s);
+        reading
+    };
+    u.iter().map(&mut next).collect()
+}
+
+fn held() -> Result<(), Failed> {
+    let lines: Vec<(f64, f64)> = band().iter().map(|(hz, phase)| (4.0 * hz, *phase)).collect();
+    let u: Vec<f64> = (0..ROWS).map(|k| force(&lines, k as f64 / RATE_HZ)).collect();
+    let (y, noise) = (stepped(&u), noise(0.0, 41));
+    let said = diagnosed(|k, _| [u[k], y[k] + 0.02 * noise[k]])?;
+    said.check("held", said.verdict == "adequate" && said.findings.contains("steps (held)"))?;
+    // The control: an input without steps is not taken for one with them.
+    let lines = band();
+    let said = diagnosed(|k, t| [force(&lines, t), motion(&lines, 2e-4, t) + 0.02 * noise[k]])?;
+    said.check("smooth", said.verdict == "adequate" && !said.findings.contains("steps (held)"))
 }
 
 fn delayed() -> Result<(), Failed> {

@@ -242,6 +242,8 @@ impl<'a> Draft<'a> {
         if self.all_fit() && strict() < REAL {
             self.findings.push(findings::within_tolerance());
         }
+        let columns = &self.model.columns.environment;
+        self.findings.extend(findings::no_witness(columns, self.channels, self.selected));
         for (i, channel) in self.channels.iter().enumerate() {
             if self.effects.iter().any(|e| e.is(Cause::GaussMarkov, i)) {
                 let detected = telegraph::power(channel, &self.finals[i], REAL / count);

@@ -2,6 +2,7 @@
 
 use super::channel::Channel;
 use super::residual::TOLERANCE;
+use super::selection::Selection;
 use super::telegraph::REPLICAS;
 
 /// Where what is left is no noise as modelled, yet near enough to it.
@@ -11,6 +12,21 @@ pub(super) fn within_tolerance() -> String {
          counts as a mismatch here",
         100.0 * TOLERANCE
     )
+}
+
+/// Every environment column that some channels seem to follow and that is no witness of it.
+pub(super) fn no_witness(columns: &[String], channels: &[Channel], selected: &[Selection]) -> Vec<String> {
+    let of = |column: &String| {
+        let unused = channels.iter().zip(selected).filter(|(_, s)| s.unused().any(|c| c == column));
+        let names: Vec<String> = unused.map(|(channel, _)| format!("`{}`", channel.name)).collect();
+        (!names.is_empty()).then(|| {
+            let names = names.join(", ");
+            format!(
+                "`{column}` tells no more of {names} than a smooth course in time would: it was not used as a cause"
+            )
+        })
+    };
+    columns.iter().filter_map(of).collect()
 }
 
 /// Whether a process named from its spectrum could be hops between two levels, which have the same

@@ -19,7 +19,7 @@ const SLOWEST: usize = 16;
 const MOST: usize = 8;
 
 /// What stands out.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct Humps {
     /// Smallest probability of a window by chance, corrected for the number of windows.
     pub(super) p_value: f64,

@@ -25,9 +25,17 @@ pub(super) struct Selection {
     pub(super) alone: Vec<Standing>,
     /// The terms of the chosen model, in its order.
     pub(super) named: Vec<Named>,
+    /// Columns that tell no more than a smooth course in time does.
+    pub(super) set_aside: Vec<String>,
 }
 
 impl Selection {
+    /// Columns that were set aside and that no term follows.
+    pub(super) fn unused(&self) -> impl Iterator<Item = &str> {
+        let used = |name: &str| self.chosen.terms.iter().any(|t| t.follows(name));
+        self.set_aside.iter().map(String::as_str).filter(move |name| !used(name))
+    }
+
     /// What the chosen model gains over the base in log-likelihood on held-out coefficients.
     pub(super) fn possible(&self, channel: &Channel) -> f64 {
         self.chosen.held_out(&channel.promised) - self.base.held_out(&channel.promised)
@@ -71,28 +79,34 @@ pub(super) fn select(
     Ok(selection.filter(|_| steps.len() <= MOST_STEPS).unwrap_or(as_one))
 }
 
+/// Environment columns by what they tell of a channel.
+struct Columns {
+    /// More than time does, or nothing yet.
+    offered: Vec<(String, Curve)>,
+    /// No more than a smooth course in time does.
+    set_aside: Vec<String>,
+}
+
 /// The shapes in which a channel follows environment columns, beside other terms: before any noise
-/// is offered. And the columns that may still be offered: those that tell more than time does.
-fn followed(
-    channel: &Channel,
-    environment: &Environment,
-    mut terms: Vec<Term>,
-    correction: f64,
-) -> (Fitted, Vec<(String, Curve)>) {
+/// is offered. And which columns may still be offered.
+fn followed(channel: &Channel, environment: &Environment, mut terms: Vec<Term>, correction: f64) -> (Fitted, Columns) {
     let before = terms.clone();
-    let mut offered = Vec::new();
+    let (mut offered, mut set_aside) = (Vec::new(), Vec::new());
     for (name, column) in environment {
         match shape::find(channel, name, column, correction) {
             Following::By(term) => terms.push(term),
             Following::Not => {}
-            Following::NoBetterThanTime => continue,
+            Following::NoBetterThanTime => {
+                set_aside.push(name.clone());
+                continue;
+            }
         }
         offered.push((name.clone(), column.clone()));
     }
     let fitted = channel.fit(terms);
     let serves = |index: usize| channel.held_out_share(&fitted, index) > 0.0;
     let serve = (before.len()..fitted.terms.len()).all(serves);
-    (if serve { fitted } else { channel.fit(before) }, offered)
+    (if serve { fitted } else { channel.fit(before) }, Columns { offered, set_aside })
 }
 
 /// Selects beside steps of the bias.
@@ -105,7 +119,7 @@ fn beside(
 ) -> Result<Selection, Stopped> {
     let correction = standing::correction(channels);
     let base = channel.fit(Vec::new());
-    let (mut current, offered) = followed(channel, environment, steps, correction);
+    let (mut current, Columns { offered, set_aside }) = followed(channel, environment, steps, correction);
     let environment = &offered[..];
     let mut alone = match current.terms.is_empty() {
         true => Vec::new(),
@@ -135,7 +149,7 @@ fn beside(
         rivals.push((cause, own.into_iter().chain(others).collect()));
     }
     let named = named(channel, &base, &chosen, correction, &rivals);
-    Ok(Selection { base, chosen, alone, named })
+    Ok(Selection { base, chosen, alone, named, set_aside })
 }
 
 /// What every term of a model rests on.

@@ -7,11 +7,12 @@ use super::candidate::row;
 use super::cause::Cause;
 use super::channel::{Channel, Fitted};
 use super::describe;
-use super::effects::Found;
+use super::effects::{Basis, Found};
 use super::warmth::{self, Unfit};
 use crate::diagnosis::model;
 use crate::diagnosis::repair::{Cost, Repair, Row, Vibration};
 use crate::motion::temperature::Temperature;
+use crate::number::short;
 use crate::recording::Recording;
 use crate::recording::unit::{Quantity, Unit};
 use crate::sensor::{Sensor, SensorTerm};
@@ -30,9 +31,16 @@ pub(super) fn repair(
     // The channel with most to gain stands for the sensor.
     let worst = (0..channels.len()).find(|i| effects.iter().any(|e| e.channels.contains(i))).unwrap_or(0);
     let (channel, fitted) = (&channels[worst], &finals[worst]);
+    let near = near_law(effects, worst);
     let strength = |cause: Cause| {
+        // One law of free exponent stands for the whole sum that was fitted.
+        if let Some(near) = near {
+            return near.effect.is(cause, worst).then_some(near.coefficient * unit.si);
+        }
         let index = fitted.terms.iter().position(|t| t.cause == cause)?;
-        effects.iter().any(|e| e.cause == cause).then(|| fitted.strength_of(index).0.sqrt() * channel.scale * unit.si)
+        let per_step = if cause == Cause::RandomWalk { channel.rate_hz.sqrt() } else { 1.0 };
+        let strength = || fitted.strength_of(index).0.sqrt() * channel.scale * per_step * unit.si;
+        effects.iter().any(|e| e.cause == cause).then(strength)
     };
     let white = describe::density_of_white(channel, fitted.white().0) * DENSITY_TO_RANDOM_WALK * unit.si;
     let promised = model.noise.map_or([white, 0.0, 0.0], |n| {
@@ -40,7 +48,7 @@ pub(super) fn repair(
     });
     // What was not found to be otherwise stays as promised.
     let flicker = strength(Cause::FlickerNoise).unwrap_or(promised[1]);
-    let walk = strength(Cause::RandomWalk).map_or(promised[2], |k| k * channel.rate_hz.sqrt());
+    let walk = strength(Cause::RandomWalk).unwrap_or(promised[2]);
     let rate_of = |e: &Found| e.parameters[0].value * unit.si;
     let ramps = || effects.iter().filter(|e| e.cause == Cause::RateRamp);
     let found_ramp = ramps().find(|e| e.channels.contains(&worst)).map_or(0.0, rate_of);
@@ -59,8 +67,6 @@ pub(super) fn repair(
         }
         sensor
     };
-    let expressible =
-        |cause| matches!(cause, Cause::FlickerNoise | Cause::RandomWalk | Cause::WhiteNoise | Cause::RateRamp);
     let entries = effects.iter().filter_map(|e| Some((e, row(e.cause).entry?)));
     // Of a channel that does not stand for the sensor: the study has the other's.
     let elsewhere = entries.clone().filter(|(e, _)| e.cause == Cause::RateRamp && !e.channels.contains(&worst));
@@ -81,7 +87,7 @@ pub(super) fn repair(
         after = with_slow(after, effect, unit.quantity, unit.si);
     }
     let is_warm = effects.iter().any(|e| e.is(Cause::TemperatureSensitivity, worst));
-    let warmth = if is_warm { warmth::of(channel, fitted, recording) } else { Err(Unfit::Unlogged) };
+    let warmth = if is_warm { warmth::of(channel, fitted, recording) } else { Err(Unfit::Elsewhere) };
     let mut relation = format!("one {} of {} is {} in SI", unit.name, channel.name, unit.si);
     if let Ok(warmth) = &warmth {
         let gyro = unit.quantity == Quantity::Gyro;
@@ -93,9 +99,18 @@ pub(super) fn repair(
     let is_held = |e: &Found| match e.cause {
         cause if is_slow(cause) => is_first(e, effects, worst),
         Cause::TemperatureSensitivity => warmth.is_ok() && e.channels.contains(&worst),
-        cause => expressible(cause),
+        Cause::FlickerNoise | Cause::RandomWalk => strength(e.cause).is_some(),
+        cause => matches!(cause, Cause::WhiteNoise | Cause::RateRamp),
     };
-    let unfit = warmth.as_ref().err().copied();
+    let unfit = |e: &Found| match e.cause {
+        _ if !e.channels.contains(&worst) => Some(Unfit::Elsewhere),
+        Cause::TemperatureSensitivity => warmth.as_ref().err().copied(),
+        _ => None,
+    };
+    let exponent = near.and_then(|near| {
+        let (id, found, whole) = (row(near.effect.cause).entry?.id, short(near.exponent), near.whole);
+        Some(format!("the exponent {found} of {id}; the study has exponent {whole}"))
+    });
     Some(Repair {
         before: sensor(promised, 0.0),
         after,
@@ -105,10 +120,30 @@ pub(super) fn repair(
         own_cost: own_cost.collect(),
         not_expressible: entries
             .filter(|(e, _)| !is_held(e))
-            .map(|(e, entry)| format!("{}: {}{}", entry.id, entry.statement, instead(e.cause, unfit)))
+            .map(|(e, entry)| format!("{}: {}{}", entry.id, entry.statement, instead(e.cause, unfit(e))))
+            .chain(exponent)
             .collect(),
         vibration: Vibration { amplitude_m_s2: 0.0, frequency_hz: 1.0 },
     })
+}
+
+/// One law of free exponent, as a study takes it: the library's, with the coefficient that fits.
+#[derive(Clone, Copy)]
+struct NearLaw<'a> {
+    effect: &'a Found,
+    /// File units.
+    coefficient: f64,
+    exponent: f64,
+    /// The library law's.
+    whole: u8,
+}
+
+/// The one that stands for all slow laws of a channel, where one does.
+fn near_law(effects: &[Found], channel: usize) -> Option<NearLaw<'_>> {
+    let effect = effects.iter().find(|e| e.basis == Basis::Exponent && e.channels.contains(&channel))?;
+    let whole = if effect.cause == Cause::RandomWalk { 2 } else { 1 };
+    let [coefficient, exponent] = [effect.parameters.first()?.value, effect.parameters.get(1)?.value];
+    Some(NearLaw { effect, coefficient, exponent, whole })
 }
 
 /// Whether it has a law of time that a study has a term for.
@@ -142,8 +177,8 @@ fn with_slow(sensor: Sensor, effect: &Found, quantity: Quantity, si: f64) -> Sen
 /// What a study takes in its place: a sentence behind another one, empty for nothing.
 fn instead(cause: Cause, unfit: Option<Unfit>) -> String {
     match (cause, unfit) {
-        (Cause::TemperatureSensitivity, Some(unfit)) => format!(" {}", unfit.words()),
-        (Cause::Sinusoid | Cause::WarmUp | Cause::GaussMarkov | Cause::TemperatureSensitivity, _) => {
+        (_, Some(unfit)) => format!(" {}", unfit.words()),
+        (Cause::Sinusoid | Cause::WarmUp | Cause::GaussMarkov, None) => {
             " The study has the strongest of its kind, in the channel that stands for the sensor.".into()
         }
         _ => String::new(),
@@ -153,8 +188,10 @@ fn instead(cause: Cause, unfit: Option<Unfit>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::rest::effects::Basis;
+    use crate::diagnosis::rest::channel::{Addition, Term};
+    use crate::diagnosis::rest::spectrum::Law;
     use crate::diagnosis::verdict::{Estimate, Evidence};
+    use crate::rng::{Philox, Stream};
 
     fn found(cause: Cause, values: [f64; 2]) -> Found {
         let estimate = |value: f64| Estimate { name: String::new(), value, unit: String::new(), ci95: [value; 2] };
@@ -187,5 +224,63 @@ mod tests {
         assert!(near(g.markov_rad_s, 0.5) && near(g.markov_time_s, 60.0));
         assert!(near(g.warm_up_rad_s, -0.7) && near(g.warm_up_time_s, 20.0));
         assert_eq!(sensor.accelerometer, Sensor::default().accelerometer);
+    }
+
+    /// What a study takes of a channel fitted with these laws, in which this alone was found.
+    fn repaired(laws: &[(Cause, Law)], effect: Found) -> Repair {
+        let mut rng = Philox::new(61, 0, Stream::Host);
+        let mut sum = 0.0;
+        let values: Vec<f64> = (0..4000)
+            .map(|_| {
+                sum += 0.05 * rng.normal();
+                sum + rng.normal()
+            })
+            .collect();
+        let channel = Channel::new("x", &values, 1.0);
+        let term = |(cause, law): &(Cause, Law)| Term {
+            cause: *cause,
+            addition: Addition::Law(*law),
+            searched: 0.0,
+            column: None,
+        };
+        let fitted = channel.fit(laws.iter().map(term).collect());
+        let model = model::Static {
+            topic: None,
+            rate_hz: Some(1.0),
+            rows: Vec::new(),
+            unit: "m/s2".into(),
+            latitude_deg: None,
+            height_m: None,
+            columns: model::StaticColumns { time: None, channels: vec!["x".into()], environment: Vec::new() },
+            noise: None,
+            split: model::Split::default(),
+        };
+        repair(&Recording::default(), &[channel], &[fitted], &[effect], &model).expect("a unit of acceleration")
+    }
+
+    #[test]
+    fn a_law_of_free_exponent_reaches_the_study_in_place_of_the_sum_it_stands_for() {
+        let markov = [(Cause::RandomWalk, Law::Walk), (Cause::GaussMarkov, Law::Markov(30.0))];
+        let flicker = [(Cause::FlickerNoise, Law::Flicker), (Cause::RandomWalk, Law::Walk)];
+        let near = |cause| Found { basis: Basis::Exponent, ..found(cause, [0.25, 1.4]) };
+        for laws in [markov, flicker] {
+            let repair = repaired(&laws, near(Cause::FlickerNoise));
+            let after = repair.after.accelerometer;
+            assert_eq!((after.bias_instability_m_s2, after.acceleration_random_walk_m_s2_rts), (0.25, 0.0));
+            let said = "the exponent 1.40 of flicker-noise; the study has exponent 1";
+            assert_eq!(repair.not_expressible, [said]);
+            let walk = repaired(&laws, near(Cause::RandomWalk));
+            let after = walk.after.accelerometer;
+            assert_eq!((after.bias_instability_m_s2, after.acceleration_random_walk_m_s2_rts), (0.0, 0.25));
+            assert!(walk.not_expressible[0].ends_with("the study has exponent 2"), "{:?}", walk.not_expressible);
+        }
+        // Controls: a whole law has the strength that was fitted, and one that was not fitted is
+        // not in the study.
+        let whole = repaired(&flicker, found(Cause::RandomWalk, [0.25, 1.4]));
+        let walk = whole.after.accelerometer.acceleration_random_walk_m_s2_rts;
+        assert!(walk > 0.0 && walk != 0.25 && whole.not_expressible.is_empty(), "{walk}");
+        let lost = repaired(&markov, found(Cause::FlickerNoise, [0.25, 1.4]));
+        assert_eq!(lost.after.accelerometer.bias_instability_m_s2, 0.0);
+        assert!(lost.not_expressible[0].starts_with("flicker-noise: "), "{:?}", lost.not_expressible);
     }
 }

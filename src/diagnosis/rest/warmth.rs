@@ -28,6 +28,8 @@ pub(super) struct Warmth {
 pub(super) enum Unfit {
     /// No column shows it.
     Unlogged,
+    /// Another channel has it than the one that stands for the sensor.
+    Elsewhere,
     /// Several columns do.
     Several,
     /// The reading does not follow along a straight line.
@@ -44,6 +46,7 @@ impl Unfit {
                 "Given the temperature as [temperature], a study runs it as bias_temperature_ug_k or \
                  bias_temperature_deg_h_k."
             }
+            Self::Elsewhere => "It is in another channel than the one that stands for the sensor.",
             Self::Several => "A study has one temperature, and the reading follows several columns.",
             Self::Curved => "In a study a bias follows the temperature along a straight line.",
             Self::NoTemperature => "The column holds values that are no temperature in °C.",

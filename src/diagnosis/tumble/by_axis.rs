@@ -11,6 +11,8 @@ use crate::units::key::Key;
 pub(super) enum Lacking {
     /// It holds all of it.
     Nothing,
+    /// The elements of a row apart: it draws each about the mean of the row with its spread.
+    Elements,
     /// Its third-order part.
     Cubic,
     /// The temperature over time.
@@ -43,7 +45,20 @@ pub(super) fn of(term: &Term, calibration: &Calibration) -> (Option<Numbers>, La
         r if r == accelerometer::TEMPERATURE || r == gyro::TEMPERATURE => return (None, Lacking::Temperature),
         _ => return (None, Lacking::All),
     };
-    (Some((key, numbers)), Lacking::Nothing)
+    (Some((key, numbers)), if is_spread(&numbers) { Lacking::Elements } else { Lacking::Nothing })
+}
+
+/// Whether a row of it has elements that differ.
+fn is_spread(numbers: &[Drawn; 3]) -> bool {
+    numbers.iter().any(|row| row.sd != 0.0)
+}
+
+/// The gyro's rows where the accelerometer's misalignment alone was named: its axes are turned for
+/// a study, and the gyro turns with them.
+pub(super) fn turned_gyro(named: &[Numbers], calibration: &Calibration) -> Option<Numbers> {
+    let has = |wanted: &Key| named.iter().any(|(key, _)| *key == wanted);
+    let alone = has(&coupling::ACCELEROMETER_MISALIGNMENT) && !has(&coupling::GYRO_MISALIGNMENT);
+    alone.then(|| (&coupling::GYRO_MISALIGNMENT, gyro_rows(calibration)))
 }
 
 /// Scales of the axes over their mean, less one: the common scale is calibrated.
@@ -83,17 +98,42 @@ mod tests {
         let c = Calibration::from_point(&p);
         let turn = Rotation3::new(Vector3::new(-3e-3, -1e-3, -2e-3)).into_inner();
         let lower = c.accelerometer.alignment * turn.transpose();
-        let lower = if lower[(0, 1)].abs() < 1e-5 { lower } else { c.accelerometer.alignment * turn };
-        assert!([(0, 1), (0, 2), (1, 2)].iter().all(|place| lower[*place].abs() < 2e-5), "{lower}");
+        let is_lower = |m: &Matrix3<f64>| [(0, 1), (0, 2), (1, 2)].iter().all(|place| m[*place].abs() < 2e-5);
+        // The control: turned the other way, it is not.
+        assert!(is_lower(&lower) && !is_lower(&(c.accelerometer.alignment * turn)), "{lower}");
         let [x, y, z] = across(&c.accelerometer);
         assert_eq!((x, y.sd), (Drawn::default(), 0.0));
         assert!((y.mean - lower[(1, 0)]).abs() < 2e-5);
         assert!((z.mean - 0.5 * (lower[(2, 0)] + lower[(2, 1)])).abs() < 2e-5);
-        let rates: Matrix3<f64> =
-            c.gyro.alignment * c.accelerometer.alignment.try_inverse().expect("it has one") * lower;
-        for (i, row) in gyro_rows(&c).iter().enumerate() {
-            let elements = [rates[(i, (i + 1) % 3)], rates[(i, (i + 2) % 3)]];
-            assert!((row.mean - over(&elements).mean).abs() < 3e-5 && (row.sd - over(&elements).sd).abs() < 3e-5);
+        let agrees = |rows: &[Drawn; 3], rates: Matrix3<f64>| {
+            rows.iter().enumerate().all(|(i, row)| {
+                let elements = over(&[rates[(i, (i + 1) % 3)], rates[(i, (i + 2) % 3)]]);
+                (row.mean - elements.mean).abs() < 3e-5 && (row.sd - elements.sd).abs() < 3e-5
+            })
+        };
+        let rows = gyro_rows(&c);
+        assert!(agrees(&rows, c.gyro.alignment * turn.transpose()));
+        assert!(!agrees(&rows, c.gyro.alignment * turn));
+    }
+
+    /// A gyro of which nothing was named turns with the accelerometer's axes: its rows are the turn
+    /// itself. Named by itself, or beside an accelerometer of which nothing was, it needs no more.
+    #[test]
+    fn a_gyro_turns_with_the_axes_of_its_accelerometer() {
+        let mut p = [0.0; PARAMETERS];
+        (p[accelerometer::SCALE.start], p[gyro::SCALE.start]) = (1.0, 1.0);
+        p[accelerometer::MISALIGNMENT].copy_from_slice(&[2e-3, -1e-3, 3e-3]);
+        let c = Calibration::from_point(&p);
+        let accelerometer = (&coupling::ACCELEROMETER_MISALIGNMENT, across(&c.accelerometer));
+        let gyro = (&coupling::GYRO_MISALIGNMENT, gyro_rows(&c));
+        let (key, rows) = turned_gyro(&[accelerometer], &c).expect("rows");
+        assert!(*key == coupling::GYRO_MISALIGNMENT);
+        // −xy and −xz; xy and −yz; xz and yz.
+        let expected = [[-2e-3, 1e-3], [2e-3, -3e-3], [-1e-3, 3e-3]].map(|row| over(&row));
+        for (row, expected) in rows.iter().zip(expected) {
+            assert!((row.mean - expected.mean).abs() < 1e-12 && (row.sd - expected.sd).abs() < 1e-12);
         }
+        assert!(turned_gyro(&[accelerometer, gyro], &c).is_none() && turned_gyro(&[gyro], &c).is_none());
+        assert!(is_spread(&rows) && !is_spread(&scales(&c.gyro)));
     }
 }

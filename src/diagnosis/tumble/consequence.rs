@@ -67,12 +67,19 @@ impl Case<'_> {
         let not_expressible = named.iter().filter_map(|(t, (_, lacking))| {
             let why = match lacking {
                 Lacking::Nothing => return None,
+                Lacking::Elements => {
+                    "a study has one number for each row, and draws each element about the mean of the row with its spread"
+                }
                 Lacking::Cubic => "a study has no key for its third-order part",
                 Lacking::Temperature => "given a [temperature], a study runs it as a bias over temperature",
                 Lacking::All => "a study has no key for it",
             };
             Some(format!("{} ({}): {why}", t.phrase(), t.candidate.equation))
         });
+        let mut by_axis: Vec<_> = named.iter().filter_map(|(_, (numbers, _))| *numbers).collect();
+        if self.observed.imu.gyro.is_some() {
+            by_axis.extend(by_axis::turned_gyro(&by_axis, &detail.calibration));
+        }
         let moving = if named.iter().any(|(_, (numbers, _))| numbers.is_some()) {
             " The study lies still; give it a [trajectory] of your own motion."
         } else {
@@ -81,7 +88,7 @@ impl Case<'_> {
         Repair {
             before,
             after,
-            by_axis: named.iter().filter_map(|(_, (numbers, _))| *numbers).collect(),
+            by_axis,
             not_expressible: not_expressible.collect(),
             temperature: Temperature::default(),
             relation: format!(

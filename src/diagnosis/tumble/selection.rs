@@ -203,15 +203,16 @@ impl Search<'_> {
         let mut named = Vec::new();
         for standing in kept {
             self.control.go_on()?;
-            named.push(Named { rivals: self.rivals(model, &standing, &others), standing });
+            let smaller = self.without(model, standing.term);
+            named.push(Named { rivals: self.rivals(model, &smaller, standing.term.sensor, &others), standing });
         }
         let mut drifting = Vec::new();
         for sensor in [Sense::Accelerometer, Sense::Gyro] {
             let own: Vec<&'static Term> = findings.iter().map(|s| s.term).filter(|t| t.sensor == sensor).collect();
             let Some(first) = own.first() else { continue };
-            let standing = self.drift(&state, &own, first);
-            drifting.push(Drifting { sensor, is_named: standing.is_some() });
-            named.extend(standing.map(|standing| Named { standing, rivals: Vec::new() }));
+            let drift = self.drift(&state, &own, first, &others);
+            drifting.push(Drifting { sensor, is_named: drift.is_some() });
+            named.extend(drift);
         }
         order::sort_by_key(&mut named, |n| -n.standing.criterion);
         Ok(Selection { base: self.base, chosen: state.model, named, others, drifting })
@@ -219,10 +220,10 @@ impl Search<'_> {
 
     /// The drift of one sensor's offsets as a whole, where it moves the poses by more than 1/f noise
     /// may and leaves no more than noise.
-    fn drift(&self, state: &State, own: &[&'static Term], first: &'static Term) -> Option<Standing> {
+    fn drift(&self, state: &State, own: &[&'static Term], first: &'static Term, others: &[Standing]) -> Option<Named> {
         let model = &state.model;
-        let others: Vec<&'static Term> = state.named.iter().copied().filter(|t| !own.contains(t)).collect();
-        let without = self.fitted(model, &others);
+        let rest: Vec<&'static Term> = state.named.iter().copied().filter(|t| !own.contains(t)).collect();
+        let without = self.fitted(model, &rest);
         let group = first.judged;
         let described = Residual::of(model).above.iter().all(|a| a.0 != group);
         if without.reduced(group) < wander::MOST || !described {
@@ -230,7 +231,8 @@ impl Search<'_> {
         }
         let active = without.active.clone();
         let smaller = Fit::new(self.observed, &without.point, &active, &model.inflation);
-        Some(judge(&smaller, model, first, self.folds, self.tried)).filter(Standing::counts)
+        let standing = Some(judge(&smaller, model, first, self.folds, self.tried)).filter(Standing::counts)?;
+        Some(Named { rivals: self.rivals(model, &smaller, first.sensor, others), standing })
     }
 
     /// What is not in a model.
@@ -257,13 +259,13 @@ impl Search<'_> {
         Fit::new(self.observed, &start, &active, &model.inflation)
     }
 
-    /// Terms of the same sensor that would do nearly as well in the place of a named one.
-    fn rivals(&self, model: &Fit, standing: &Standing, others: &[Standing]) -> Vec<&'static Term> {
-        let smaller = self.without(model, standing.term);
+    /// Terms of a sensor that would do nearly as well in the place of what a smaller model is
+    /// without.
+    fn rivals(&self, model: &Fit, smaller: &Fit, sensor: Sense, others: &[Standing]) -> Vec<&'static Term> {
         let mine = criterion(model);
         others
             .iter()
-            .filter(|o| o.term.sensor == standing.term.sensor && o.plausible)
+            .filter(|o| o.term.sensor == sensor && o.plausible)
             .filter(|o| {
                 let active: Vec<usize> = smaller.active.iter().copied().chain(o.term.active()).collect();
                 criterion(&Fit::new(self.observed, &smaller.point, &active, &model.inflation)) - mine < TIED

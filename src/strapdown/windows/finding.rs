@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::number::rounded;
+use crate::sensor::error_law::ErrorLaw;
 use crate::sensor::source::ErrorSource;
 
 /// One thing that a person should know.
@@ -119,7 +120,13 @@ impl fmt::Display for Finding {
                 )
             }
             Self::SinceSwitchOn { source } => {
-                write!(f, "the bands leave out the {}: no window tells how long the sensor has been on", source.name())
+                let why = match source {
+                    ErrorSource::Term(term) if term.law() == ErrorLaw::Settling => {
+                        "no window tells how long the sensor has been on"
+                    }
+                    _ => "it is not in the windows' covariance, and the bands are too narrow by it",
+                };
+                write!(f, "the bands leave out the {}: {why}", source.name())
             }
         }
     }

@@ -107,7 +107,7 @@ impl Linear {
         let (causes, left_out) = covariance::causes(sensor, &self.flight, self.stride);
         let mut parts = Vec::new();
         for Carried { cause, columns, families, squares } in causes {
-            if cause == Cause::Alignment || is_since_switch_on(cause) {
+            if cause == Cause::Alignment || is_left_out(cause) {
                 continue;
             }
             let ends = steps::responses(&self.steps, columns.clone());
@@ -163,15 +163,16 @@ impl Linear {
     }
 }
 
-/// Whether an error has a time of its own since switch-on, which no window tells of.
-fn is_since_switch_on(cause: Cause) -> bool {
+/// Whether windows leave an error out: what dies out from switch-on on, which no window tells of,
+/// and what windows share by its memory or its phase, which their covariance does not have.
+fn is_left_out(cause: Cause) -> bool {
     let Cause::Sensor(ErrorSource::Term(term)) = cause else { return false };
     matches!(term.law(), ErrorLaw::Markov(_) | ErrorLaw::Settling | ErrorLaw::Sine)
 }
 
 /// Those that a sensor has.
 pub fn since_switch_on(sensor: &InMotion) -> impl Iterator<Item = ErrorSource> {
-    let has = |source: &ErrorSource| is_since_switch_on(Cause::Sensor(*source)) && Given::of(*source, sensor).is_some();
+    let has = |source: &ErrorSource| is_left_out(Cause::Sensor(*source)) && Given::of(*source, sensor).is_some();
     ErrorSource::ALL.into_iter().filter(has)
 }
 

@@ -130,7 +130,8 @@ fn overclaims(case: &Case, said: &Said) -> bool {
         let excess = (said.rmse[1] / sigma).powi(2) - 1.0;
         excess > SEEN / rows && excess > 4.0 * (2.0 / (rows / 3.0)).sqrt()
     });
-    // What the statement leaves where the verdict gives its shape, else what its straight form does.
+    // What the statement leaves where the verdict gives its shape and delay, at the best amplitudes;
+    // else what its straight form does.
     worse || stated::left(case, said).or(case.truth.departure).is_some_and(|d| d >= SEEN)
 }
 

@@ -1,8 +1,10 @@
-//! What a law leaves of the truth in the shape and with the numbers in which a verdict states it.
+//! What a law leaves of the truth in the shape in which a verdict states it.
 //!
-//! A reading that follows temperature with a lag is described by a verdict that states the lag, and
-//! not by one that states a square. The library's statement holds the shapes (`slope`, `square`,
-//! `cube`, after a `lag` or `play`), so that the nearest statement is the one that the verdict made.
+//! The verdict gives the powers and the delay, a lag or play with its number; amplitudes are fitted
+//! to the truth, and whether they are right is for the coverage of their intervals. A reading that
+//! follows temperature with a lag is described by a verdict that states the lag, and not by one
+//! that states a square. The library's statement holds the shapes (`slope`, `square`, `cube`, after
+//! a `lag` or `play`), so that the nearest statement is the one that the verdict made.
 
 use super::case::{Body, Case};
 use super::linear::left_by;
@@ -12,8 +14,8 @@ use crate::trial::said::Said;
 /// Id that states shapes.
 const ID: &str = "temperature-sensitivity";
 
-/// Evidence of what the stated shapes leave of a reading that follows temperature, all channels
-/// together; `None` for other truths.
+/// Evidence of what the stated shapes, at their best amplitudes, leave of a reading that follows
+/// temperature, all channels together; `None` for other truths.
 pub(super) fn left(case: &Case, said: &Said) -> Option<f64> {
     let Body::Still(still) = &case.body else { return None };
     let process = still.processes.iter().position(|p| matches!(p.0, Process::Temperature { .. }))?;
@@ -26,7 +28,8 @@ pub(super) fn left(case: &Case, said: &Said) -> Option<f64> {
     Some((0..still.sigma.len()).map(of).sum())
 }
 
-/// The powers of the delayed temperature that a verdict states for a channel.
+/// The powers of the temperature that a verdict states for a channel, after the delay that it
+/// states; of any amplitude.
 fn stated(still: &Still, said: &Said, channel: usize) -> Vec<Vec<f64>> {
     let number = |name: &str| {
         let mut own = said.numbers.iter().filter(|n| n.id == ID && n.channel == still.headings[channel]);

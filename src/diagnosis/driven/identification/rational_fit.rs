@@ -4,8 +4,8 @@
 //! Over a finite record (ω₀² − ω² + 2jζω₀ω) Y = (g + jω g₁) U + t₀ + jω t₁, where the last two are
 //! what the mass brings from before the record and takes beyond it (Pintelon & Schoukens, System
 //! Identification: A Frequency Domain Approach, 2nd ed., §6.3), and g₁ is what an input that is held
-//! between its samples, or comes late, turns the phase by. It is linear in all of them but ω₀ and
-//! ζ, and in ω₀² and 2ζω₀; each pass divides by the denominator of the one before, so that errors count as those of
+//! between its samples, or comes late, turns the phase by. It is linear in ω₀², 2ζω₀ and the
+//! others; each pass divides by the denominator of the one before, so that errors count as those of
 //! the output (Sanathanan & Koerner, IEEE Trans. Autom. Control 8, 1963). Not the fit itself
 //! (`fit`).
 

@@ -233,11 +233,12 @@ fn by_response(data: &Data, input: &[f64]) -> Vec<Place> {
     polished(places)
 }
 
-/// The resonance that the spectra of the whole recording show, from the best place of a grid on.
+/// The resonance that the spectra of the fitted range show as a whole, from the best place of a grid
+/// on.
 fn by_spectra(data: &Data, input: &[f64], best: &Place) -> Option<Place> {
     let from = Rational { gain: best.gain, omega_rad_s: best.omega, zeta: best.zeta };
     let [u, y] = [input, &data.reading].map(|values| &values[data.hull.clone()]);
-    let found = rational_fit(u, y, data.rate_hz, from)?;
+    let found = rational_fit(u, y, data.rate_hz, from).filter(|found| found.gain != 0.0)?;
     Some(Place { gain: found.gain, omega: found.omega_rad_s, zeta: found.zeta, residual: 1.0 })
 }
 

@@ -5,8 +5,8 @@
 //! The errors are taken for an autoregressive process of low order (Yule–Walker equations). Errors
 //! that physics leaves remember for a good part of a cycle, or until a free oscillation has died
 //! away: they follow the resonance, the input or time. So the process counts only where its memory
-//! is short beside either. Not for noise inside the
-//! model (`force-noise`, `bias-random-walk`): what that does to the errors, the filter knows.
+//! is short beside either. Not for noise inside the model (`force-noise`, `bias-random-walk`): what
+//! that does to the errors, the filter knows.
 
 use std::f64::consts::TAU;
 
@@ -47,6 +47,9 @@ pub(crate) struct Coloured {
     coefficients: Vec<f64>,
     /// Correlation of each error with the one before.
     pub(crate) neighbour: f64,
+    /// Standard deviation of the white noise that has the same density at low frequencies, over
+    /// that of the errors.
+    pub(crate) low_frequency: f64,
 }
 
 impl Coloured {
@@ -63,8 +66,12 @@ impl Coloured {
         let process = |order: usize| {
             let matrix = DMatrix::from_fn(order, order, |i, j| correlations[i.abs_diff(j)]);
             let right = DVector::from_fn(order, |i, _| correlations[i + 1]);
-            let coefficients = matrix.cholesky()?.solve(&right).iter().copied().collect();
-            Some(Self { coefficients, neighbour: correlations[1] })
+            let coefficients: Vec<f64> = matrix.cholesky()?.solve(&right).iter().copied().collect();
+            // The white noise behind it has the fraction 1 − Σ aᵢρᵢ of the variance, and a density at
+            // zero frequency that is 1/(1 − Σ aᵢ)² as large as its own (Box & Jenkins, §3.2).
+            let behind = 1.0 - coefficients.iter().zip(&correlations[1..]).map(|(a, r)| a * r).sum::<f64>();
+            let low_frequency = behind.max(0.0).sqrt() / (1.0 - coefficients.iter().sum::<f64>());
+            Some(Self { coefficients, neighbour: correlations[1], low_frequency })
         };
         let soon = |c: &Self| c.memory().is_some_and(|m| m as f64 <= resonance.short());
         (1..=MOST).filter_map(process).filter(soon).collect()
@@ -126,6 +133,8 @@ mod tests {
             assert_eq!(found.len(), MOST, "{a}");
             assert!((found[0].coefficients[0] - a).abs() < 0.03, "{found:?}");
             assert!((found[0].neighbour - a).abs() < 0.03, "{found:?}");
+            // First order: √((1 + a)/(1 − a)).
+            assert!((found[0].low_frequency / ((1.0 + a) / (1.0 - a)).sqrt() - 1.0).abs() < 0.05, "{found:?}");
             let white = found[0].whitened(&errors);
             assert_eq!(white.len(), ROWS - 1);
             assert!(neighbour(&white).abs() < 0.03 && neighbour(&errors).abs() > 0.07);

@@ -42,8 +42,18 @@ pub struct NoiseCharacter {
     pub with_amplitude: Option<f64>,
     /// The loudest stretch, where it stands out and neither of the two changes accounts for it.
     pub stretch: Option<LoudStretch>,
-    /// Correlation of each reading's error with the one before, where the noise has a short memory.
-    pub neighbour: Option<f64>,
+    /// Its memory, where it has a short one.
+    pub memory: Option<ReadoutMemory>,
+}
+
+/// Memory of readout noise over a few samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReadoutMemory {
+    /// Correlation of each reading's error with the one before.
+    pub neighbour: f64,
+    /// Standard deviation of the white noise that has the same density at low frequencies, over
+    /// that of the noise.
+    pub low_frequency: f64,
 }
 
 /// A stretch of samples that is louder than the others.
@@ -69,7 +79,7 @@ pub(crate) fn noise_character(errors: &[f64], motion: &MassMotion<'_>) -> NoiseC
     // What is only uneven has no heavy tails.
     let scale = local_scale(errors, motion);
     let even: Vec<f64> = errors.iter().zip(&scale).map(|(e, s)| e / s).collect();
-    NoiseCharacter { tails: tails(&even), growth, with_amplitude, stretch, neighbour: None }
+    NoiseCharacter { tails: tails(&even), growth, with_amplitude, stretch, memory: None }
 }
 
 /// Squares, clipped; `None` where the typical error is zero.

@@ -102,7 +102,7 @@ pub fn answer(
         doubts,
         has_input: data.input.is_some(),
         predictable: c.after.r_squared,
-        neighbour: c.noise.neighbour,
+        neighbour: c.noise.memory.map(|m| m.neighbour),
         is_structured: c.after.r_squared >= WHITE,
         detectable_r_squared: c.after.detectable_r_squared,
         series: c.series,
@@ -138,7 +138,7 @@ pub fn answer(
         named: !c.named.is_empty(),
         candidates: ranking.iter().map(|r| (r.id.to_owned(), r.gain, r.named)).collect(),
     };
-    let repair = Some(repair(data, &c.base.fit, &c.model.fit, data.input.as_ref().and(columns.input.as_deref())));
+    let repair = Some(repair(data, c, data.input.as_ref().and(columns.input.as_deref())));
     Answer {
         kind: Kind::Driven,
         outcome: c.outcome,

@@ -11,7 +11,7 @@ use crate::diagnosis::driven::selection::held_out::held_out;
 use crate::diagnosis::driven::selection::judged::{Departing, Judged, Selection};
 use crate::diagnosis::driven::selection::lattice::Lattice;
 use crate::diagnosis::driven::selection::noise_character::{
-    LoudStretch, NoiseCharacter, disturbance_by_chance, noise_character,
+    LoudStretch, NoiseCharacter, ReadoutMemory, disturbance_by_chance, noise_character,
 };
 use crate::diagnosis::driven::selection::noise_scale::MassMotion;
 use crate::diagnosis::driven::selection::residual_structure::{
@@ -168,7 +168,8 @@ fn character(data: &Data, fit: &Fit, coloured: Option<&Coloured>) -> NoiseCharac
         noise_character(&innovations, &MassMotion { x: &states.x, v: &states.v, omega_rad_s: fit.point[OMEGA] });
     let start = data.hull.start;
     let stretch = noise.stretch.map(|s| LoudStretch { from: start + s.from, to: start + s.to, ..s });
-    NoiseCharacter { stretch, neighbour: coloured.map(|c| c.neighbour), ..noise }
+    let memory = coloured.map(|c| ReadoutMemory { neighbour: c.neighbour, low_frequency: c.low_frequency });
+    NoiseCharacter { stretch, memory, ..noise }
 }
 
 /// The three questions asked of what a model leaves.

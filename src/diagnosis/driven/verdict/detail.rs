@@ -64,7 +64,7 @@ pub struct Account {
     /// Whether it was driven; else it is a free ring-down.
     pub has_input: bool,
     /// Fraction of the variance of what is left that is predictable from its past, the input and
-    /// the state.
+    /// the state; less what a short memory of the noise accounts for.
     pub predictable: f64,
     /// Correlation of neighbouring readings' errors, where the noise has a short memory.
     pub neighbour: Option<f64>,

@@ -147,12 +147,12 @@ pub fn noise(noise: &NoiseCharacter, rate_hz: f64) -> Vec<String> {
             short(s.to as f64 / rate_hz)
         )
     });
-    let neighbour = noise.neighbour.map(|correlation| {
+    let memory = noise.memory.map(|memory| {
         format!(
-            "the noise is coloured: the errors of neighbouring readings have a correlation of {}, and nothing else \
-             in the residual can be predicted",
-            short(correlation)
+            "the noise is coloured: the errors of neighbouring readings have a correlation of {}; once that is taken \
+             out, less than 1 % of the residual can be predicted",
+            short(memory.neighbour)
         )
     });
-    [tails, growth, with_amplitude, stretch, neighbour].into_iter().flatten().collect()
+    [tails, growth, with_amplitude, stretch, memory].into_iter().flatten().collect()
 }

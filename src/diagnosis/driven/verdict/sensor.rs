@@ -16,11 +16,20 @@ use crate::physics::library::Term;
 use crate::sensor::{Accelerometer, ProofMass, Sensor};
 use crate::units::key::Sign;
 
-/// Sensors with and without the terms of `after`. One unit of input is taken as 1 m/s²; without an
-/// input, one unit of output as 1 m.
-pub(super) fn repair(data: &Data, before: &Fit, after: &Fit, input: Option<&str>) -> Repair {
+use super::conclude::Conclusion;
+
+/// Sensors with and without the terms of the final model. One unit of input is taken as 1 m/s²;
+/// without an input, one unit of output as 1 m. Readout noise with a memory is written as the white
+/// noise of the same density at low frequencies, from which drift comes.
+pub(super) fn repair(data: &Data, conclusion: &Conclusion, input: Option<&str>) -> Repair {
+    let [before, after] = [&conclusion.base.fit, &conclusion.model.fit];
+    let low_frequency = conclusion.noise.memory.map_or(1.0, |memory| memory.low_frequency);
     let mut not_expressible = Vec::new();
-    let repaired = sensor(data, after, Some(&mut not_expressible));
+    let with_noise = |mut sensor: Sensor| {
+        sensor.accelerometer.velocity_random_walk_m_s_rts *= low_frequency;
+        sensor
+    };
+    let repaired = with_noise(sensor(data, after, Some(&mut not_expressible)));
     let vibration = match &data.input {
         Some(values) => {
             let u = &values.samples()[data.hull.clone()];
@@ -43,7 +52,7 @@ pub(super) fn repair(data: &Data, before: &Fit, after: &Fit, input: Option<&str>
         None => "one unit of the output is taken as 1 m of displacement".to_owned(),
     };
     Repair {
-        before: sensor(data, before, None),
+        before: with_noise(sensor(data, before, None)),
         after: repaired,
         by_axis: Vec::new(),
         temperature: Temperature::default(),

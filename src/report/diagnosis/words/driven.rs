@@ -103,7 +103,7 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
              and an effect worth {} % of its variance would have been detected.",
             short(before),
             account.neighbour.map_or("white".to_owned(), |c| format!(
-                "noise of which neighbouring readings share a little (correlation {})",
+                "noise, correlated between neighbouring readings ({}) and otherwise white",
                 short(c)
             )),
             short(100.0 * account.detectable_r_squared)
