@@ -223,8 +223,8 @@ fn drift() -> Result<(), Failed> {
     check(missed.len() <= 2, missed.join("\n"))
 }
 
-/// An offset that drifts by about twice the noise of a pose is told and not named, and told by what
-/// is not there without it.
+/// A drift of the size that 1/f noise may have is never named. It is told where it is seen, and never
+/// where there is none (control).
 fn small_drift() -> Result<(), Failed> {
     let told = |d: &Diagnosis| d.verdict.findings.iter().any(|f| f.starts_with("slow drift of the accelerometer"));
     let outcomes = many(12, |seed| {
@@ -234,11 +234,11 @@ fn small_drift() -> Result<(), Failed> {
         // 0.008 m/s² over the root of 100 readings of a pose are 0.8 mm/s²; the drift is 1.7 rms.
         imu.drift_per_minute[0][0] = 0.004;
         let d = diagnose(&imu, 5000 + seed)?;
-        let right = told(&d) && names(&d).is_empty() && !told(&without);
-        Ok(unless(right, 5000 + seed, &d))
+        check(names(&d).is_empty() && !told(&without), format!("IMU {}: {:?}", 5000 + seed, names(&d)))?;
+        Ok(unless(told(&d), 5000 + seed, &d))
     })?;
-    // A drift near the bound of what is named, and near what is seen, is one or the other at times.
-    check(outcomes.len() <= 3, outcomes.join("\n"))
+    // Twice the noise of one pose in thirty of them is near what is seen: a few are, at the least.
+    check(outcomes.len() <= 9, outcomes.join("\n"))
 }
 
 fn knocked() -> Result<(), Failed> {
