@@ -1,5 +1,6 @@
 //! Numbers of three axes as a study of six axes writes them.
 
+use crate::numerics::moments::mean_sd;
 use crate::units::key::Key;
 
 /// A number as a study draws it, SI: one that was fitted with its standard error, or the mean of
@@ -14,10 +15,8 @@ pub struct Drawn {
 
 /// Mean and spread of elements that a study draws apart.
 pub(super) fn over(elements: &[f64]) -> Drawn {
-    let count = elements.len().max(1) as f64;
-    let mean = elements.iter().sum::<f64>() / count;
-    let variance = elements.iter().map(|e| (e - mean) * (e - mean)).sum::<f64>() / count;
-    Drawn { mean, sd: variance.sqrt() }
+    let (mean, sd) = mean_sd(elements);
+    Drawn { mean, sd }
 }
 
 /// An SI number in the unit of its key.

@@ -15,11 +15,8 @@ use crate::control::{Control, Stopped};
 use crate::error::{Error, Result};
 use crate::numerics::moments::mean_sd;
 use crate::numerics::order;
-use crate::parallel;
-use crate::physics::input_lag::InputLag;
 pub use crate::physics::library::CANDIDATES;
 use crate::physics::library::Term;
-use crate::physics::readout_delay::ReadoutDelay;
 use crate::physics::scales::Scales;
 use crate::recording::Recording;
 
@@ -29,14 +26,13 @@ use super::recordings::Recordings;
 
 use identification::fit::{self, Fit};
 use identification::refined_scales::refined;
+use identification::settled_shift::settled;
 use identification::{chaos, start};
 use intake::data::Data;
 use intake::input::Interpolation;
 use intake::notes::Notes;
 use intake::prepare::Prepared;
-use intake::reading_noise::{Sample, reading_noise};
 use intake::several::{self, Taken};
-use intake::shift::Shift;
 use intake::stretches::{self, Stretches};
 use intake::work::{Budget, Stage};
 use selection::folds::{self, Fold};
@@ -46,18 +42,12 @@ use simulation::run;
 use verdict::answer::Asked;
 use verdict::conclude::{self, Conclusion};
 pub use verdict::detail::Detail;
+use verdict::dropped::Dropped;
 use verdict::{answer, findings};
 
-/// Part of the reading's power that free simulation of the base model must leave before the
-/// response is asked for chaos, and its input for another way between the samples.
-const MUCH: f64 = 0.05;
-/// Part of the base model's error to which moving the input, or another way of it between its
-/// samples, must bring it.
+/// Part of the base model's error to which another way of the input between its samples must bring
+/// it.
 const BY_FAR: f64 = 0.5;
-/// Part of what the moved input leaves to which a delay of its own length must bring the error.
-const CLEARLY: f64 = 0.9;
-/// Iterations of a fit with such a delay.
-const DELAY_ITERATIONS: usize = 25;
 
 /// Diagnoses it.
 ///
@@ -74,7 +64,7 @@ pub fn diagnose(recording: &Recording, model: &model::Driven, control: &Control)
 pub(crate) fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, control: &Control) -> Result<Answer> {
     let recording = &recordings.train[0];
     let attempt = || format!("could not diagnose {}", recording.path.display());
-    let Taken { prepared, pieces, judging } = several::taken(recordings, model)?;
+    let Taken { prepared, pieces, judging } = several::taken(recordings, model, settled)?;
     let mut course = Course::begin(prepared);
     let (base, scales) = course.base().map_err(|cause| {
         let hint = "check that input and output are the right columns and that the input moves the output";
@@ -105,8 +95,6 @@ struct Course {
     own_test: bool,
     /// Samples that were not recorded.
     filled: Stretches,
-    /// By how much the input was moved, until it is known whether that holds.
-    shift: Option<Shift>,
     notes: Notes,
     /// What the search may cost.
     budget: Budget,
@@ -114,7 +102,7 @@ struct Course {
 
 impl Course {
     fn begin(prepared: Prepared) -> Self {
-        let Prepared { data, start, own_test, filled, shift, mut notes } = prepared;
+        let Prepared { data, start, own_test, filled, mut notes, .. } = prepared;
         let narrow = stretches::loudest(&data).unwrap_or_else(|| data.clone());
         if narrow.hull != data.hull {
             notes.findings.push(format!(
@@ -124,7 +112,7 @@ impl Course {
             ));
         }
         let budget = narrow.work.budget(Stage::Search, narrow.hull.len());
-        Self { data, narrow, start, own_test, filled, shift, notes, budget }
+        Self { data, narrow, start, own_test, filled, notes, budget }
     }
 
     /// Whether terms are chosen on all of the recording.
@@ -134,7 +122,6 @@ impl Course {
 
     /// The base model; what was not recorded is bridged by its readings.
     fn base(&mut self) -> Result<(Fit, Scales), String> {
-        self.settle_shift();
         let mut notes = self.notes.clone();
         let mut free = base_model::base(&self.narrow, &self.start, &mut notes);
         let left = free.as_ref().map_or(self.power(), |found| found.0.variance);
@@ -155,45 +142,12 @@ impl Course {
         Ok((base, scales))
     }
 
-    /// A lag is seen in the spectra, where a mass that rings for longer than they are long looks
-    /// out of step with its input. What counts is whether the base model, started from the same
-    /// places, follows the moved input better than the one that was recorded; and whether whole
-    /// samples are what it lags by, as two columns of a file do, and not a delay of the sensor.
-    fn settle_shift(&mut self) {
-        let Some(shift) = self.shift.take() else { return };
-        let as_recorded = shift.undone(&self.narrow);
-        let fitted = |data: &Data| start::base(data, &self.start);
-        let (moved, stayed) = parallel::join(|| fitted(&self.narrow), || fitted(&as_recorded));
-        let variance = |found: Option<&(Fit, Scales)>| found.map_or(f64::INFINITY, |f| f.0.variance);
-        let noise = reading_noise(&Sample::of(&self.narrow)).map_or(0.0, |n| n.deviation.powi(2));
-        let above_noise = |found: Option<&(Fit, Scales)>| (variance(found) - noise).max(0.0);
-        let lagging = || {
-            let (base, scales) = moved.as_ref()?;
-            let scales = Scales { lag_samples: shift.lag_samples(), ..scales.clone() };
-            let late = [Term::ReadoutDelay(ReadoutDelay), Term::InputLag(InputLag)];
-            let fits = late.into_iter().filter_map(|term| {
-                // The one that begins at the lag, where the term has its sign.
-                let start = term.starts(&scales).into_iter().find(|start| start[0] > 0.0)?;
-                let (structure, point) = base.with(term, &start);
-                fit::fit(&as_recorded, &structure, &point, &scales, DELAY_ITERATIONS)
-            });
-            fits.map(|fit| fit.variance).min_by(f64::total_cmp)
-        };
-        let is_delay = || lagging().is_some_and(|with| with < CLEARLY * variance(moved.as_ref()));
-        if above_noise(moved.as_ref()) < BY_FAR * above_noise(stayed.as_ref()) && !is_delay() {
-            shift.noted(&mut self.notes);
-            return;
-        }
-        self.data = shift.undone(&self.data);
-        self.narrow = as_recorded;
-    }
-
     /// An input that is held between its samples, or goes along straight lines, turns the phase by
     /// far where there are few samples to a cycle: the mean square `left` that the base model then
     /// leaves is no physics. Whether the base model follows the reading on such an input, and no
     /// other.
     fn settle_interpolation(&mut self, left: f64) -> bool {
-        let least = MUCH * self.power();
+        let least = start::POOR * self.power();
         let Some(input) = self.narrow.input.as_ref().filter(|_| left >= least && self.filled.is_empty()) else {
             return false;
         };
@@ -220,7 +174,7 @@ impl Course {
     /// The base model in windows, where the response is chaotic and its free simulation therefore
     /// leaves much.
     fn chaotic(&mut self, free: Option<&Fit>) -> Option<(Fit, Scales)> {
-        let follows = free.is_some_and(|fit| fit.variance < MUCH * self.power());
+        let follows = free.is_some_and(|fit| fit.variance < start::POOR * self.power());
         if follows || self.notes.broken || !self.filled.is_empty() || !self.data.breaks.is_empty() {
             return None;
         }
@@ -297,6 +251,10 @@ impl Course {
     }
 
     fn note_what_was_not_tried(&mut self, selection: &Selection) {
+        if selection.follows_input {
+            let reason = findings::dropped(Dropped::FollowsInput);
+            self.notes.findings.push(format!("an oscillation in the residual has no name: {reason}"));
+        }
         if selection.cut_short {
             let said = "the search for terms stopped at its work limit, with structure left in the residual";
             self.notes.findings.push(said.to_owned());

@@ -81,7 +81,7 @@ pub struct Cost {
 const COMMENT_WIDTH: usize = 100;
 /// A study lasts so long, s, without a temperature.
 const USUAL_S: f64 = 60.0;
-/// And at most so long with one, s.
+/// And at most so long with one, s; the document says how far the temperature goes on.
 const LONGEST_S: f64 = 3600.0;
 
 /// The repaired sensor as a study: DIR/repaired.toml. What a study cannot run stands in comments,

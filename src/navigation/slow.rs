@@ -73,12 +73,12 @@ pub fn settled_after_still_start(tau_s: f64, still_s: f64, integrations: u32, ti
     (-still_s / tau_s).exp() * settled(tau_s, integrations, time_s) - taken * mean
 }
 
-/// Mean of e^(−t/τ) over so many seconds from t = 0 on.
+/// Mean of e^(−t/τ) over the first `seconds`.
 pub fn mean_settling(tau_s: f64, seconds: f64) -> f64 {
     if seconds > 0.0 { settled(tau_s, 1, seconds) / seconds } else { 1.0 }
 }
 
-/// Mean of a sine over so many seconds, over its value in their middle: sin(ωs/2)/(ωs/2).
+/// Mean of a sine over s `seconds`, divided by its value in the middle: sin(ωs/2)/(ωs/2).
 pub fn mean_turning(omega_rad_s: f64, seconds: f64) -> f64 {
     let half = 0.5 * omega_rad_s * seconds;
     if half > 0.0 { half.sin() / half } else { 1.0 }

@@ -96,8 +96,8 @@ impl Gain {
         inputs
     }
 
-    /// The mean of the inputs over so many seconds from a time after the end of the still start on,
-    /// when this is felt: that of their middle but for a course of time that is no straight line.
+    /// Mean of the inputs over `seconds` that begin `begin_s` after the still start: their value in
+    /// the middle, except for the two terms whose course in time is not a straight line.
     pub fn mean(self, felt: &Felt, begin_s: f64, seconds: f64) -> SMatrix<f64, 6, 1> {
         let mut inputs = SMatrix::zeros();
         match self {

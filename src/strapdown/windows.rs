@@ -192,7 +192,7 @@ pub fn compare(motion: &InMotion, control: &Control) -> Result<Option<Compared>>
     let recorded = Recorded::read(&flown.imu, &flown.reference, flown, motion)?;
     let mut findings: Vec<String> = recorded.trajectory.findings.iter().map(ToString::to_string).collect();
     let mut found = recorded.findings.clone();
-    found.extend(linear::since_switch_on(motion).map(|source| Finding::SinceSwitchOn { source }));
+    found.extend(linear::left_out(motion).map(|source| Finding::NotInBands { source }));
     let biased = biased(&recorded, flown, motion, &mut found)?;
     let (mut sensors, laid) = sensors(flown, motion, biased.bases())?;
     let beside = Beside::new(biased, laid);

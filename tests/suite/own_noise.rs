@@ -138,10 +138,12 @@ fn harmonic() -> Result<(), Failed> {
     for hz in [21.9, 19.6] {
         let said = with(hz)?;
         let named = said.names.iter().any(|n| n == "periodic-disturbance");
-        said.check(&format!("{hz} Hz"), !named && said.verdict != "adequate")?;
+        let is_said = said.findings.contains("the input may cause it");
+        said.check(&format!("{hz} Hz"), !named && is_said && said.verdict != "adequate")?;
     }
     let said = with(50.0)?;
-    said.check("50 Hz", said.verdict == "explained" && said.names == ["periodic-disturbance"])
+    let is_said = said.findings.contains("the input may cause it");
+    said.check("50 Hz", said.verdict == "explained" && said.names == ["periodic-disturbance"] && !is_said)
 }
 
 fn ringing() -> Result<(), Failed> {

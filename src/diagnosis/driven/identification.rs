@@ -8,6 +8,7 @@ pub mod local_minima;
 pub mod profile;
 mod rational_fit;
 pub mod refined_scales;
+pub mod settled_shift;
 pub mod start;
 pub mod start_search;
 pub mod step_length;

@@ -66,7 +66,7 @@ pub enum Finding {
         seconds: f64,
     },
     /// The sensor has a slow error that the bands of the windows do not have.
-    SinceSwitchOn {
+    NotInBands {
         /// What makes it.
         source: ErrorSource,
     },
@@ -119,7 +119,7 @@ impl fmt::Display for Finding {
                     rounded(from_s, 4)
                 )
             }
-            Self::SinceSwitchOn { source } => {
+            Self::NotInBands { source } => {
                 let why = match source {
                     ErrorSource::Term(term) if term.law() == ErrorLaw::Settling => {
                         "no window tells how long the sensor has been on"

@@ -170,8 +170,8 @@ fn is_left_out(cause: Cause) -> bool {
     matches!(term.law(), ErrorLaw::Markov(_) | ErrorLaw::Settling | ErrorLaw::Sine)
 }
 
-/// Those that a sensor has.
-pub fn since_switch_on(sensor: &InMotion) -> impl Iterator<Item = ErrorSource> {
+/// Errors of a sensor that windows leave out.
+pub fn left_out(sensor: &InMotion) -> impl Iterator<Item = ErrorSource> {
     let has = |source: &ErrorSource| is_left_out(Cause::Sensor(*source)) && Given::of(*source, sensor).is_some();
     ErrorSource::ALL.into_iter().filter(has)
 }

@@ -37,8 +37,9 @@ const LEAST_RINGING: f64 = 0.05;
 const RINGING_ZETAS: [f64; 3] = [0.003, 0.02, 0.1];
 /// The same of a reading that rings for long.
 const LONG_RINGING_ZETAS: [f64; 2] = [3e-4, 3e-3];
-/// Part of the reading's power that a fit leaves where it has not found the resonance.
-const POOR: f64 = 0.05;
+/// Part of the reading's power that a fit leaves where it has not found the resonance, or where the
+/// response or the input is not what the base model takes it for.
+pub(crate) const POOR: f64 = 0.05;
 /// The same of a reading without an input.
 const SPECTRUM_ZETAS: [f64; 4] = [0.003, 0.02, 0.1, 0.4];
 /// Fraction by which two frequencies differ that lead to one place.

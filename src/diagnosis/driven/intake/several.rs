@@ -46,23 +46,27 @@ pub struct Taken {
     pub judging: model::Ranges,
 }
 
-/// All recordings as one data set.
+/// Decides whether an input that was moved stays where it is, which takes a fit: intake itself
+/// fits nothing.
+pub(crate) type Settle = fn(Prepared) -> Prepared;
+
+/// All recordings as one data set, each settled by itself.
 ///
 /// # Errors
 /// As [`prepare::prepare`] for each; several recordings whose rates differ, with ranges of samples
 /// in the model, or with more samples than are fitted at once.
-pub(crate) fn taken(recordings: Recordings<'_>, model: &model::Driven) -> Result<Taken> {
+pub(crate) fn taken(recordings: Recordings<'_>, model: &model::Driven, settle: Settle) -> Result<Taken> {
     match recordings.only() {
-        Some(only) => alone(only, model),
-        None => joined(recordings, model),
+        Some(only) => alone(only, model, settle),
+        None => joined(recordings, model, settle),
     }
 }
 
 /// One recording; of a long one its loudest stretch.
-fn alone(recording: &Recording, model: &model::Driven) -> Result<Taken> {
+fn alone(recording: &Recording, model: &model::Driven, settle: Settle) -> Result<Taken> {
     let part = excerpt::excerpt(recording, model);
     let (kept, model) = part.as_ref().map_or((recording, model), |p| (&p.recording, &p.model));
-    let mut prepared = prepare::prepare(kept, model)?;
+    let mut prepared = settle(prepare::prepare(kept, model)?);
     let piece = Piece { file: file(recording), role: Role::Train, range: prepared.data.hull.clone() };
     let judging = model.split.test.clone();
     prepared.notes.doubts.extend(part.as_ref().and_then(|p| p.doubt.clone()));
@@ -85,9 +89,11 @@ struct Part<'a> {
     prepared: Prepared,
 }
 
-fn joined(recordings: Recordings<'_>, model: &model::Driven) -> Result<Taken> {
+fn joined(recordings: Recordings<'_>, model: &model::Driven, settle: Settle) -> Result<Taken> {
     agree(recordings, model)?;
-    let of = |role: Role| move |recording| Ok(Part { recording, role, prepared: prepare::prepare(recording, model)? });
+    let of = |role: Role| {
+        move |recording| Ok(Part { recording, role, prepared: settle(prepare::prepare(recording, model)?) })
+    };
     let train = recordings.train.iter().map(of(Role::Train));
     let parts = train.chain(recordings.test.iter().map(of(Role::Test))).collect::<Result<Vec<Part<'_>>>>()?;
     let mut all = Joined::default();
@@ -183,11 +189,7 @@ struct Joined {
 impl Joined {
     /// Adds one recording; where it lies.
     fn add(&mut self, part: &Part<'_>) -> Range<usize> {
-        let Prepared { data, filled, shift, notes, .. } = &part.prepared;
-        let mut notes = notes.clone();
-        if let Some(shift) = shift {
-            shift.noted(&mut notes);
-        }
+        let Prepared { data, filled, notes, .. } = &part.prepared;
         let (from, to) = (self.reading.len(), data.hull.clone());
         let moved = |ranges: &[Range<usize>]| -> Stretches {
             let inside = ranges.iter().map(|r| r.start.max(to.start)..r.end.min(to.end)).filter(|r| r.start < r.end);

@@ -39,6 +39,9 @@ pub struct Trial {
     pub promised: f64,
     /// The fit with it, where it came that far.
     pub judged: Option<Judged>,
+    /// Whether it is an oscillation that would describe the reading better, and is not tried because
+    /// the input may cause it.
+    pub follows_input: bool,
     /// Against the model without it.
     pub comparison: Comparison,
 }
@@ -78,6 +81,8 @@ pub struct Selection {
     pub departing: Option<Departing>,
     /// Whether the search ended because its work was spent, with structure left.
     pub cut_short: bool,
+    /// Whether an oscillation was left that the input may cause.
+    pub follows_input: bool,
     /// What the input and the length of the recording leave undetermined.
     pub reach: Reach,
     /// Whether some of those candidates were not tried because the work for it was spent.

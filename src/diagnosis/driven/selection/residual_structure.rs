@@ -20,8 +20,11 @@ use super::noise_scale::{MassMotion, local_scale};
 pub(crate) const EVEN: f64 = 0.01;
 /// Lags of their own past from which innovations are forecast.
 const OWN_LAGS: usize = 24;
-/// Structure that the memory of the noise may leave: of the variance, and of what there was.
+/// Fraction of the variance that may stay predictable once the memory of the noise is accounted
+/// for: as much as the noise's own strength may ([`EVEN`]), a tenth of the standard deviation.
 const SPARED: f64 = 0.01;
+/// And fraction of what was predictable before: an autoregression of third order is a fit to any
+/// short memory, and leaves part of one that is none; a missing law leaves most.
 const SPARED_PART: f64 = 0.2;
 /// Lags over which one-step errors are taken to be correlated.
 pub(crate) const MEMORY: usize = 40;

@@ -127,19 +127,22 @@ pub(crate) fn round(
     let mut trials: Vec<Trial> = parallel::map_indices(promised.len(), |i| {
         let (term, promised, starts) = &promised[i];
         let nothing = Comparison { gain: 0.0, ci95: [-1.0, 1.0], p_value: 1.0 };
-        let mut trial = Trial { term: *term, promised: *promised, judged: None, comparison: nothing };
+        let mut trial =
+            Trial { term: *term, promised: *promised, judged: None, follows_input: false, comparison: nothing };
         let known = starts.first().and_then(|start| known(data, model.fit.with(*term, start).0));
         if !(worth[i] || known.is_some()) || control.cancelled() {
             return trial;
         }
-        let best = starts
+        let fits = starts
             .iter()
             .map(|start| model.fit.with(*term, start))
             .chain(known)
-            .filter_map(|(structure, point)| fit(data, &structure, &point, scales, HEAT))
-            .filter(|fit| !follows_input(data, fit, fit.structure.terms.len() - 1))
-            .min_by(|a, b| a.variance.total_cmp(&b.variance));
-        trial.judged = best.map(|found| judge(data, found, scales));
+            .filter_map(|(structure, point)| fit(data, &structure, &point, scales, HEAT));
+        let (following, others): (Vec<Fit>, Vec<Fit>) =
+            fits.partition(|fit| follows_input(data, fit, fit.structure.terms.len() - 1));
+        let best = |fits: Vec<Fit>| fits.into_iter().min_by(|a, b| a.variance.total_cmp(&b.variance));
+        trial.judged = best(others).map(|found| judge(data, found, scales));
+        trial.follows_input = best(following).is_some_and(|found| judge(data, found, scales).score() > model.score());
         trial
     });
     control.go_on()?;

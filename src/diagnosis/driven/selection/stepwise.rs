@@ -52,10 +52,20 @@ pub(crate) fn search(
 ) -> Result<Selection, Stopped> {
     let progress = control.stage("candidates", MOST_TERMS as u64);
     let tried = candidates.len();
-    let mut steps = Stepwise { data, base: &base, scales, tried, control, progress, budget, alone: Vec::new() };
+    let mut steps = Stepwise {
+        data,
+        base: &base,
+        scales,
+        tried,
+        control,
+        progress,
+        budget,
+        alone: Vec::new(),
+        follows_input: false,
+    };
     let reach = Reach::of(data, &base.fit);
     let way = steps.best_way(candidates, &reach)?;
-    let Way { mut chosen, predictable: mut rest, cut_short } = way;
+    let Way { mut chosen, predictable: mut rest, cut_short, follows_input } = way;
     let mut look = Look {
         data,
         scales,
@@ -80,6 +90,7 @@ pub(crate) fn search(
         departing: None,
         reach,
         cut_short,
+        follows_input,
         rivals_left_out: false,
     };
     if !cut_short && !hopeless {
@@ -104,6 +115,8 @@ struct Stepwise<'a> {
     budget: Budget,
     /// Every candidate alone, once it has been tried.
     alone: Vec<Trial>,
+    /// Whether the last step left an oscillation that the input may cause.
+    follows_input: bool,
 }
 
 /// Where a walk ended.
@@ -113,6 +126,8 @@ struct Way {
     predictable: f64,
     /// Whether it ended because the work was spent.
     cut_short: bool,
+    /// Whether it left an oscillation that the input may cause.
+    follows_input: bool,
 }
 
 impl Stepwise<'_> {
@@ -166,7 +181,8 @@ impl Stepwise<'_> {
                 break;
             }
         }
-        Ok(Way { predictable: residual_structure(data, &chosen.fit).r_squared, chosen, cut_short })
+        let predictable = residual_structure(data, &chosen.fit).r_squared;
+        Ok(Way { predictable, chosen, cut_short, follows_input: self.follows_input })
     }
 
     /// Whether next to nothing is left of the base model's error.
@@ -193,6 +209,7 @@ impl Stepwise<'_> {
             let open: Vec<Term> = candidates.iter().copied().filter(|t| !chosen.has(t.id())).collect();
             round(data, chosen, &open, &here, SURE, self.control)?
         };
+        self.follows_input = trials.iter().any(|t| t.follows_input);
         let rest = if chosen.fit.structure.terms.len() < 2 || self.is_nearly_done(chosen) {
             LEAST_OF_REST
         } else {
