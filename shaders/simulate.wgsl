@@ -20,8 +20,8 @@ override HAS_STILL: bool = false;
 // first begins. Uniform memory, because all members read the same place at the same time.
 @group(0) @binding(4) var<uniform> forces: array<vec4<f32>, 4096>;
 @group(0) @binding(5) var<storage, read_write> errors: array<f32>;
-// How much warmer than its reference the sensor is in each sample of the tile, K; one zero where it
-// stays there.
+// How much warmer than its reference the sensor is in each sample of the tile, K, and behind that
+// what the late force has more than the force itself; one zero where neither is needed.
 @group(0) @binding(6) var<storage, read> warmer: array<f32>;
 #trace declare
 
@@ -135,6 +135,17 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
         vec2<f32>(state[STATE_VELOCITY_TOTAL * stride + i], state[(STATE_VELOCITY_TOTAL + 1u) * stride + i]);
     var rate_total = vec2<f32>(state[STATE_RATE_TOTAL * stride + i], state[(STATE_RATE_TOTAL + 1u) * stride + i]);
     var failed = state[STATE_FAILED * stride + i];
+    var low_pass = state[STATE_LOW_PASS * stride + i];
+    var weights = array<f32, 7>();
+    if HAS_READOUT_LOW_PASS {
+        weights[0] = column(i, LOW_PASS_KEPT);
+        weights[1] = column(i, LOW_PASS_E_BEGIN);
+        weights[2] = column(i, LOW_PASS_V_BEGIN);
+        weights[3] = column(i, LOW_PASS_E_END);
+        weights[4] = column(i, LOW_PASS_V_END);
+        weights[5] = column(i, LOW_PASS_GROWTH);
+        weights[6] = column(i, LOW_PASS_PUSH);
+    }
     let bound = bitcast<u32>(f32(BOUND_M_S2));
 
     // At its end the means are taken off and the integrals begin.
@@ -208,15 +219,31 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
                             fma(gain, now.w, own.z - own.x),
                         );
                         before = now.x;
+                        let from = s;
                         s = advance(k, laws, s, f, push, f32(n * SUBSTEPS + substep));
                         felt = f.end;
+                        if HAS_READOUT_LOW_PASS {
+                            var p = fma(weights[5], f.to_end, weights[6] * push);
+                            p = fma(weights[4], s.y - f.to_end, p);
+                            p = fma(weights[3], s.x, p);
+                            p = fma(weights[2], from.y - f.to_end, p);
+                            p = fma(weights[1], from.x, p);
+                            low_pass = fma(weights[0], low_pass, p);
+                        }
                     }
 
                     // The accelerometer's reading.
-                    error = s.x + bias;
+                    let shown = select(s.x, low_pass, HAS_READOUT_LOW_PASS);
+                    error = shown + bias;
                     if HAS_READING {
-                        let a = felt + s.x;
+                        let a = felt + shown;
                         error = fma(fma(k2, a, scale), a, error);
+                    }
+                    // Until here the force was the one that the reading is late of.
+                    if HAS_READOUT_DELAY {
+                        let late = gain * warmer[tile.samples + n - tile.first_sample];
+                        error += late;
+                        felt -= late;
                     }
 #terms add accelerometer
                     if HAS_RANGE {
@@ -280,6 +307,9 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     state[STATE_RATE_TOTAL * stride + i] = rate_total.x;
     state[(STATE_RATE_TOTAL + 1u) * stride + i] = rate_total.y;
     state[STATE_FAILED * stride + i] = failed;
+    if HAS_READOUT_LOW_PASS {
+        state[STATE_LOW_PASS * stride + i] = low_pass;
+    }
     if HAS_STILL {
         state[STATE_MEAN * stride + i] = mean;
         state[STATE_GYRO_MEAN * stride + i] = gyro_mean;

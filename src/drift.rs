@@ -16,7 +16,7 @@ pub mod windows;
 
 use crate::control::Control;
 use crate::error::{Error, Result};
-use crate::kernel::integrator::{Choice, Integrator};
+use crate::kernel::integrator::Choice;
 use crate::kernel::job::{Clock, Job};
 use crate::navigation::closed_form::Process;
 use crate::navigation::power_law;
@@ -118,10 +118,7 @@ pub fn jobs(study: &Study) -> Result<Vec<Job>> {
 
 fn integrator(study: &Study) -> Result<Choice> {
     study.along_one_axis()?;
-    let stiffest = study.stiffest();
-    let choice = Integrator::choose(stiffest.as_ref(), study.clock.step_s);
-    choice.integrator.check(stiffest.as_ref(), study.clock.step_s)?;
-    Ok(choice)
+    study.integrator()
 }
 
 /// The report times and the points of the curves between a thousandth of the run (or one sample)

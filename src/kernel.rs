@@ -12,6 +12,7 @@ pub mod fragment;
 pub mod integrator;
 pub mod job;
 pub mod layout;
+pub(crate) mod low_pass;
 pub mod member;
 pub mod orbit;
 pub mod passage;

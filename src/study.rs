@@ -30,6 +30,7 @@ use crate::excitation;
 use crate::excitation::plan::Plan;
 use crate::excitation::reader::Run;
 use crate::kernel::flight::Flight;
+use crate::kernel::integrator::Choice;
 use crate::kernel::job::{Clock, Integrator, Job, Member};
 use crate::motion::temperature::Temperature;
 use crate::sensor::{ProofMass, SensorTerm};
@@ -184,6 +185,7 @@ impl Study {
         let excitation = excitation::plan(&file.excitation, run)?;
         excitation.drawn.iter().for_each(|(key, number)| tolerances[key] = Some(*number));
         check::signs(source, &tolerances)?;
+        check::delayed_force(source, &tolerances, excitation.variation)?;
         let excitation = excitation.resolved(source, clock.step_s)?;
         let sweep = file.sweep.as_ref().map(sweep::Sweep::read).transpose().map_err(|cause| {
             let hint = "e.g. [sweep] with gyro.bias_deg_h = \"1:20:log8\"";
@@ -257,6 +259,14 @@ impl Study {
     pub fn stiffest(&self) -> Option<ProofMass> {
         let masses = (0..self.members.min(1000)).filter_map(|m| self.member(m).sensor.proof_mass);
         masses.reduce(|a, b| a.stiffer(&b))
+    }
+
+    /// How its proof masses are stepped along one axis.
+    ///
+    /// # Errors
+    /// A proof mass that no integrator can step.
+    pub fn integrator(&self) -> Result<Choice> {
+        self.tolerances.integrator(self.stiffest().as_ref(), self.clock.step_s)
     }
 
     /// Refuses a study in six axes where one of a single axis is meant.

@@ -49,6 +49,7 @@ mod suite {
     pub mod parity;
     pub mod planted;
     pub mod ranks;
+    pub mod readout;
     pub mod recording;
     pub mod require;
     pub mod resume_in_motion;
@@ -109,6 +110,8 @@ fn main() {
         suite::convergence::tests(),
         // parity: CPU and GPU agree.
         suite::parity::tests(),
+        // readout: a low-pass and a delay behind the proof mass follow their closed forms.
+        suite::readout::tests(),
         // laws: the same law in both precisions, on both backends, in the diagnosis and as the trial wrote it.
         suite::laws::tests(),
         // start search: it finds the local minima that a few starts miss; profiles are what refits give.

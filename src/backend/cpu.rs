@@ -165,9 +165,10 @@ impl Cpu {
         while let Some(tile) = tile::next(&job.clock, from, most) {
             let count = tile.samples.end - from;
             let (table, warmer) = (force::table::<T>(job, from, count), job.warmer_k::<T>(from, count));
+            let late = force::late::<T>(job, from, count);
             parallel::for_each_mut(groups, |_, members| {
-                let (force, warmer) = (&table[..], &warmer[..]);
-                Simulate { shared, members, force, warmer, first: from, count, observer: None }.run(self.level);
+                let (force, warmer, late) = (&table[..], &warmer[..], &late[..]);
+                Simulate { shared, members, force, warmer, late, first: from, count, observer: None }.run(self.level);
             });
             from = tile.samples.end;
             after(&tile, groups);
@@ -304,6 +305,7 @@ pub fn readings<T: Real>(job: &Job, member: u64, control: &Control, mut sink: im
             members: &mut members,
             force: &force,
             warmer: &job.warmer_k::<T>(from, count),
+            late: &force::late::<T>(job, from, count),
             first: from,
             count,
             observer: Some(&mut sink),

@@ -240,11 +240,12 @@ impl FlightCpu {
         while let Some(next) = tile::next(clock, from, most) {
             let (first, count) = (next.samples.start, next.samples.end - next.samples.start);
             let force = flight.axes.each_ref().map(|job| force::table::<T>(job, first, count));
+            let late = flight.axes.each_ref().map(|job| force::late::<T>(job, first, count));
             let passages = match first.checked_sub(clock.still_samples) {
                 Some(passed) => flight.course.table::<T>(passed, count),
                 None => Vec::new(),
             };
-            let tile = Tile { flight, shared: &shared, force: &force, passages: &passages, first, count };
+            let tile = Tile { flight, shared: &shared, force: &force, late: &late, passages: &passages, first, count };
             parallel::for_each_mut(&mut groups, |_, group| group.run(&tile, self.level));
             from = next.samples.end;
             (batch.progress)(count * size);

@@ -7,7 +7,6 @@ use super::say::remark;
 use crate::columns::{Columns, Format, Values};
 use crate::ensemble;
 use crate::error::{Error, Result};
-use crate::kernel::integrator::Integrator;
 use crate::output::{self, Folder};
 use crate::progress;
 use crate::study::Study;
@@ -53,8 +52,7 @@ pub(super) fn write(asked: &Request<'_>, study: &Study) -> Result<()> {
         keeps: true,
     };
     let mut folder = Folder::open(parent, request)?;
-    let choice = Integrator::choose(study.stiffest().as_ref(), study.clock.step_s);
-    let job = study.job(choice.integrator, vec![study.clock.samples]);
+    let job = study.job(study.integrator()?.integrator, vec![study.clock.samples]);
     let columns = ensemble::samples(&job, members, &progress::terminal())?;
     folder.write(name, &format.bytes(&columns))?;
     folder.finish()?;

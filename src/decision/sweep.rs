@@ -8,7 +8,6 @@ use super::watched::Watched;
 use crate::control::Control;
 use crate::error::Result;
 use crate::kernel::flight::Flight;
-use crate::kernel::integrator::Integrator;
 use crate::kernel::job::Job;
 use crate::statistics::Summary;
 use crate::strapdown::aiding;
@@ -134,12 +133,7 @@ pub fn run(
         samples.dedup();
         let summed = match &here.in_motion {
             Some(motion) => run(Work::InMotion(&aiding::flight(&here, motion, samples.clone())?))?,
-            None => {
-                let stiffest = here.stiffest();
-                let integrator = Integrator::choose(stiffest.as_ref(), here.clock.step_s).integrator;
-                integrator.check(stiffest.as_ref(), here.clock.step_s)?;
-                run(Work::OneAxis(&here.job(integrator, samples.clone())))?
-            }
+            None => run(Work::OneAxis(&here.job(here.integrator()?.integrator, samples.clone())))?,
         };
         let summaries = |sample: &u64| samples.binary_search(sample).ok().and_then(|k| summed.at.get(k).cloned());
         let Some(there) = summaries(&followed_at) else { continue };

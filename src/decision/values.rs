@@ -10,7 +10,6 @@ use super::watched::{IN_MOTION, Watched};
 use crate::backend::{cpu, flight};
 use crate::control::{Control, Progress};
 use crate::error::{Error, Result};
-use crate::kernel::integrator::Integrator;
 use crate::strapdown::aiding;
 use crate::study::Study;
 
@@ -108,10 +107,7 @@ impl<'a> Work<'a> {
             }
             Watched::OneAxis(at) => {
                 study.along_one_axis()?;
-                let stiffest = study.stiffest();
-                let choice = Integrator::choose(stiffest.as_ref(), study.clock.step_s);
-                choice.integrator.check(stiffest.as_ref(), study.clock.step_s)?;
-                let job = study.job(choice.integrator, vec![place.samples]);
+                let job = study.job(study.integrator()?.integrator, vec![place.samples]);
                 let samples = place.samples + job.clock.still_samples;
                 self.batches(members, |batch, control| {
                     let rows = cpu::outcomes_at::<f32>(&job, batch, samples, control)?;

@@ -10,7 +10,6 @@ use crate::backend::cpu;
 use crate::control::Control;
 use crate::error::Result;
 use crate::kernel::cpu::lanes::LANES;
-use crate::kernel::integrator::Integrator;
 use crate::kernel::job::Job;
 use crate::numerics::allan::{Accumulator, curve};
 use crate::numerics::order;
@@ -170,9 +169,7 @@ fn likeness(study: &Study, axis: &Axis, log: &Recording, control: &Control) -> R
     let (sense, scale) = axis.unit();
     let values: Vec<f64> = log.column(&axis.column).unwrap_or_default().iter().map(|v| v * scale).collect();
     let still = study.at_rest(axis, 1.0 / log.rate_hz, values.len() as u64, LANES as u64)?;
-    let mass = still.stiffest();
-    let choice = Integrator::choose(mass.as_ref(), still.clock.step_s);
-    let job = still.job(choice.integrator, vec![still.clock.samples]);
+    let job = still.job(still.integrator()?.integrator, vec![still.clock.samples]);
     let mut members = vec![Accumulator::new(); LANES];
     cpu::readings::<f32>(&job, 0, control, |seen| {
         let lane = if sense == Sense::Accelerometer { seen.accelerometer } else { seen.gyro };

@@ -237,6 +237,7 @@ fn law_of_term(study: &Study, term: SensorTerm, key: &Key) -> Law {
             }
         }
         ErrorLaw::FullScale => Law::None("it acts only beyond full scale"),
+        ErrorLaw::LowPass | ErrorLaw::Delay => Law::None("its error follows the motion and stays bounded"),
         law => match law.growth() {
             Growth::OfAConstant(integrals) => {
                 let (mean, variance) = study.tolerances.moments(key);

@@ -313,7 +313,7 @@ fn job(study: &Study, axis: &Axis, log: &Recording, still: usize, points: &[usiz
     let mut resting = study.at_rest(axis, 1.0 / log.rate_hz, samples, study.members.min(MOST_MEMBERS))?;
     resting.alignment = Alignment::Still { samples: still as u64 };
     let integrator = match sense {
-        Sense::Accelerometer => Integrator::choose(resting.stiffest().as_ref(), resting.clock.step_s).integrator,
+        Sense::Accelerometer => resting.integrator()?.integrator,
         Sense::Gyro => Integrator::Ideal,
     };
     let job = resting.job(integrator, points.iter().map(|p| *p as u64).collect());

@@ -222,6 +222,8 @@ fn errors(numbers: &Tolerances, sense: Sense) -> Errors {
             | ErrorLaw::Markov(_)
             | ErrorLaw::Settling
             | ErrorLaw::Sine
+            | ErrorLaw::LowPass
+            | ErrorLaw::Delay
             | ErrorLaw::Shape(_) => {}
         }
     }

@@ -15,6 +15,7 @@ mod follow;
 mod general;
 pub mod imu;
 pub mod lanes;
+mod low_pass;
 pub mod lyapunov;
 pub mod members;
 pub mod navigate;

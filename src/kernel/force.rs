@@ -1,5 +1,8 @@
 //! The shared excitation over one tile, tabulated once in f64 for all members: at the beginning,
 //! the middle and the end of each substep, and the differences, which f32 would lose.
+//!
+//! A delay of the readings commutes with the mechanics, so it is one of the force that moves the
+//! masses; by how much that force differs from the true one is tabulated for each sample.
 
 use super::job::Job;
 use crate::numerics::elementary::Real;
@@ -30,7 +33,9 @@ pub fn table<T: Real>(job: &Job, first_sample: u64, count: u64) -> Vec<Force<T>>
     let per_sample = per_step * u64::from(job.clock.steps_per_sample);
     let half_s = 0.5 * job.clock.step_s / per_step as f64;
     let first = first_sample * per_sample;
-    let at = |half: u64| job.waveform.specific_force_m_s2(half as f64 * half_s);
+    let delay_s = job.readout_delay_s();
+    let before = before_the_run(job);
+    let at = |half: u64| delayed(job, half as f64 * half_s, delay_s, before);
     let still = job.clock.still_samples * per_sample;
     let standing = T::of(job.waveform.standing_m_s2());
     let one = |substep: u64| {
@@ -53,4 +58,36 @@ pub fn table<T: Real>(job: &Job, first_sample: u64, count: u64) -> Vec<Force<T>>
         (begin..substeps.min(begin + STRETCH)).map(|i| one(first + i)).collect()
     };
     parallel::map_indices(substeps.div_ceil(STRETCH) as usize, stretch).concat()
+}
+
+/// What the late force has more than the force itself at the end of each of `count` samples from
+/// `first` on, m/s²; empty where no reading is late.
+pub fn late<T: Real>(job: &Job, first: u64, count: u64) -> Vec<T> {
+    let delay_s = job.readout_delay_s();
+    if delay_s == 0.0 {
+        return Vec::new();
+    }
+    let before = before_the_run(job);
+    let one = |n: u64| {
+        let Some(passed) = n.checked_sub(job.clock.still_samples) else { return T::of(0.0) };
+        let time_s = (passed + 1) as f64 * job.clock.sample_s();
+        T::of(delayed(job, time_s, delay_s, before) - delayed(job, time_s, 0.0, before))
+    };
+    (first..first + count).map(one).collect()
+}
+
+/// The force `delay_s` before a time of the run, m/s².
+fn delayed(job: &Job, time_s: f64, delay_s: f64, before: f64) -> f64 {
+    match time_s - delay_s {
+        then_s if then_s < 0.0 => before,
+        then_s => job.waveform.specific_force_m_s2(then_s),
+    }
+}
+
+/// The force before the run, m/s²: that of the still start, or the run's first.
+fn before_the_run(job: &Job) -> f64 {
+    match job.clock.still_samples {
+        0 => job.waveform.specific_force_m_s2(0.0),
+        _ => job.waveform.standing_m_s2(),
+    }
 }

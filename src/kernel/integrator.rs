@@ -193,6 +193,22 @@ impl Integrator {
         )
     }
 
+    /// The same for a proof mass with a low-pass behind it, which follows the motion within a step:
+    /// what is not linear is resolved.
+    pub fn choose_resolving(proof_mass: Option<&ProofMass>, step_s: f64) -> Choice {
+        let choice = Self::choose(proof_mass, step_s);
+        let (Self::ExponentialRk2 { .. } | Self::RosenbrockEuler { .. }, Some(m)) = (choice.integrator, proof_mass)
+        else {
+            return choice;
+        };
+        let substeps = ((m.natural_frequency_rad_s * step_s / RK4_ACCURATE).ceil() as u32).max(1);
+        let because = format!(
+            "the spring is cubic and stiff, and a low-pass follows its motion: Runge-Kutta of order 4, {substeps} \
+             substeps a step keep ω₀h ≤ 0.25"
+        );
+        Choice { integrator: Self::RungeKutta4 { substeps }, because }
+    }
+
     /// Substeps per integration step.
     pub fn substeps(self) -> u32 {
         match self {
@@ -282,6 +298,10 @@ mod tests {
         assert_eq!(chosen(1200.0, 0.7, 1e9), Integrator::ExponentialRk2 { substeps: 4 });
         assert_eq!(chosen(1200.0, 0.001, 1e9), Integrator::RosenbrockEuler { substeps: 1 });
         assert_eq!(chosen(1200.0, 0.001, -1e9), Integrator::RungeKutta4 { substeps: 31 });
+        let resolved = |hz, z, b| Integrator::choose_resolving(Some(&mass(hz, z, b)), 1e-3).integrator;
+        assert_eq!(resolved(1200.0, 0.7, 1e9), Integrator::RungeKutta4 { substeps: 31 });
+        assert_eq!(resolved(1200.0, 0.001, 1e9), Integrator::RungeKutta4 { substeps: 31 });
+        assert_eq!(resolved(5000.0, 1e-4, 0.0), Integrator::ExactHold);
         let further = mass(30.0, 0.7, 0.0).with(&coulomb_friction::GIVEN[0].key, 0.1);
         assert_eq!(Integrator::choose(Some(&further), 1e-3).integrator, Integrator::RungeKutta4General { substeps: 1 });
     }

@@ -6,7 +6,7 @@ pub use super::integrator::Integrator;
 pub use crate::excitation::{MemberSine, Waveform};
 use crate::motion::temperature::Temperature;
 use crate::numerics::elementary::Real;
-use crate::sensor::Sensor;
+use crate::sensor::{Sensor, SensorTerm};
 
 /// Discrete time. A sample is `steps_per_sample` integration steps; a run is a whole number of
 /// samples.
@@ -89,6 +89,11 @@ impl Job {
         }
         let time_s = |n: u64| (n as f64 - self.clock.still_samples as f64 + 0.5) * self.clock.sample_s();
         (first..first + count).map(|n| T::of(self.temperature.above_reference_k(time_s(n)))).collect()
+    }
+
+    /// How late the readings of the proof masses are, s: the first member's, as all have the same.
+    pub fn readout_delay_s(&self) -> f64 {
+        (self.draw)(0).sensor.error(SensorTerm::ReadoutDelay)
     }
 
     /// Steps that the integrator does in a sample, substeps counted.

@@ -44,8 +44,10 @@ pub mod state {
     pub const MEAN: usize = 12;
     /// Mean error of the gyro that it takes off.
     pub const GYRO_MEAN: usize = 13;
+    /// Error of what a low-pass shows.
+    pub const LOW_PASS: usize = 14;
     /// Random walks, one for each term that is one.
-    pub const WALKS: usize = 14;
+    pub const WALKS: usize = 15;
     /// How many random walks there are.
     pub const WALK_COUNT: usize = alike(ErrorLaw::Walk(Stream::Host), SensorTerm::COUNT);
     /// Gauss–Markov processes, one for each term that is one.
@@ -55,7 +57,7 @@ pub mod state {
     /// Flicker terms follow here, a set for each sensor term that is switched on.
     pub const TERMS: usize = MARKOVS + MARKOV_COUNT;
     /// Indices by the names that the shader uses.
-    pub const NAMED: [(&str, usize); 12] = [
+    pub const NAMED: [(&str, usize); 13] = [
         ("E", E),
         ("Q", Q),
         ("POSITION", POSITION),
@@ -67,6 +69,7 @@ pub mod state {
         ("FAILED", FAILED),
         ("MEAN", MEAN),
         ("GYRO_MEAN", GYRO_MEAN),
+        ("LOW_PASS", LOW_PASS),
         ("TERMS", TERMS),
     ];
 }

@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 use super::flicker;
 use super::integrator::{Integrator, Reach};
 use super::job::{Clock, Member};
+use super::low_pass;
 use crate::physics::coefficients;
 use crate::physics::dimension::Units;
 use crate::physics::free_oscillator::transition;
@@ -65,6 +66,8 @@ pub struct Column {
     /// Coefficients of its laws with the substep as unit of time and the reading as displacement,
     /// where the integrator takes them one by one; else 0.
     pub laws: [f64; coefficients::MOST],
+    /// Weights of the low-pass behind its proof mass, see `low_pass`; else 0.
+    pub low_pass: [f64; low_pass::WEIGHTS],
     /// Phase of its own sine at t = 0 and per half substep, in 2⁻³² turns.
     pub turns: [u32; 2],
     /// The same of each sinusoid of its readings, per half sample.
@@ -95,6 +98,11 @@ impl Column {
         for term in SensorTerm::ALL {
             values[column::of(term)] = term.law().per_sample(sensor.error(term), sample_s);
         }
+        let time_s = sensor.error(SensorTerm::ReadoutLowPass);
+        let mut low_pass = [0.0; low_pass::WEIGHTS];
+        if time_s > 0.0 {
+            low_pass = low_pass::weights(sensor.proof_mass.as_ref(), integrator, substep_s, time_s);
+        }
         values[column::STEPS] = steps_per_m_s2(values[column::QUANTISATION]);
         // Turns wrap, as the kernels' arithmetic on them does.
         let fixed = |turn: f64| ((turn.rem_euclid(1.0)) * 4_294_967_296.0).round() as u64 as u32;
@@ -118,7 +126,7 @@ impl Column {
             let phase = fixed(sine.phase_rad / TAU);
             turns = [phase.wrapping_sub(before.wrapping_mul(step)), step];
         }
-        Self { values, laws, turns, waves }
+        Self { values, laws, low_pass, turns, waves }
     }
 
     /// Whether the member has this term.

@@ -14,7 +14,8 @@ use super::cpu::sums::BOUND_M_S2;
 use super::flicker::{PLACE_MASK, RENEWED, RETAINED, SPREAD};
 use super::integrator::{METHODS, Reach};
 use super::layout::state;
-use super::member::column;
+use super::low_pass;
+use super::member::{COLUMNS, column};
 use crate::physics::coefficients::StudyLaw;
 use crate::physics::cubic_stiffness;
 use crate::rng::Stream;
@@ -66,9 +67,14 @@ fn ensemble(int64: bool, laws: &[StudyLaw], traced: bool) -> Shader {
     for (line, text) in TRACE {
         own = own.replace(line, if traced { text } else { "" });
     }
-    let text =
-        [&constants(), LAYOUT, cubic_stiffness::WGSL, OSCILLATOR, &laws::text(laws), &advance(), ACCUMULATE, &own]
-            .join("\n");
+    let mut declared = constants();
+    // The weights of a low-pass stand behind the coefficients of the laws.
+    let first = COLUMNS + laws.iter().map(|law| law.given().len()).sum::<usize>();
+    for (place, name) in low_pass::NAMED.iter().enumerate() {
+        declared += &format!("const LOW_PASS_{name} = {}u;\n", first + place);
+    }
+    let text = [&declared, LAYOUT, cubic_stiffness::WGSL, OSCILLATOR, &laws::text(laws), &advance(), ACCUMULATE, &own]
+        .join("\n");
     with_random_numbers("simulate", &text, int64)
 }
 

@@ -240,8 +240,7 @@ pub(super) fn simulate<'py>(
     let study = read_study(given, &changes).map_err(|error| raised(py, error))?;
     let columns = detached(py, move |control| {
         study.along_one_axis()?;
-        let choice = Integrator::choose(study.stiffest().as_ref(), study.clock.step_s);
-        let job = study.job(choice.integrator, vec![study.clock.samples]);
+        let job = study.job(study.integrator()?.integrator, vec![study.clock.samples]);
         ensemble::samples(&job, members, control)
     })?;
     let numbers = columns.all().iter().filter_map(|column| match &column.values {

@@ -45,6 +45,11 @@ pub enum ErrorLaw {
     Rounding,
     /// Full scale: the largest magnitude of a reading, unit.
     FullScale,
+    /// A first-order low-pass between the proof mass and all that is added to its reading: its time
+    /// constant, s.
+    LowPass,
+    /// The reading of the proof mass comes late by so long, s: the same for all members.
+    Delay,
 }
 
 /// A number by which a term is more than its strength.
@@ -102,6 +107,8 @@ impl ErrorLaw {
             Self::Settling => 12,
             Self::Sine => 13,
             Self::Shape(_) => 14,
+            Self::LowPass => 15,
+            Self::Delay => 16,
         }
     }
 
@@ -121,7 +128,9 @@ impl ErrorLaw {
             | Self::Sine
             | Self::Shape(_)
             | Self::Rounding
-            | Self::FullScale => Growth::Other,
+            | Self::FullScale
+            | Self::LowPass
+            | Self::Delay => Growth::Other,
         }
     }
 
@@ -163,7 +172,9 @@ impl ErrorLaw {
             | Self::Settling
             | Self::Sine
             | Self::Shape(_)
-            | Self::Rounding => coefficient,
+            | Self::Rounding
+            | Self::LowPass
+            | Self::Delay => coefficient,
         }
     }
 

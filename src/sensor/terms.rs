@@ -289,6 +289,18 @@ sensor_terms! {
             law: ErrorLaw::FullScale,
             keys: &[Key::new(12, "sensor.range_g", "range", "g", STANDARD_GRAVITY_M_S2, Positive)],
         };
+        /// Time constant of a first-order low-pass behind the proof mass, s.
+        readout_lowpass_s: ReadoutLowPass = Row {
+            name: "readout low-pass",
+            law: ErrorLaw::LowPass,
+            keys: &[Key::new(68, "sensor.readout_lowpass_s", "time constant of the readout's low-pass", "s", 1.0, NotNegative)],
+        };
+        /// How late the reading of the proof mass is, s.
+        readout_delay_s: ReadoutDelay = Row {
+            name: "readout delay",
+            law: ErrorLaw::Delay,
+            keys: &[Key::new(69, "sensor.readout_delay_s", "delay of the readout", "s", 1.0, NotNegative)],
+        };
     }
     /// The gyro's errors; its integral is tilt, which through gravity becomes a horizontal
     /// acceleration error.

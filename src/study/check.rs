@@ -4,6 +4,7 @@ use super::file::File;
 use super::section::Section;
 use super::tolerances::{Tolerances, keys};
 use crate::error::{Error, Result};
+use crate::excitation::plan::Variation;
 use crate::kernel::job::Clock;
 use crate::sensor::error_law::{ErrorLaw, Shape};
 use crate::sensor::{SensorTerm, mechanics};
@@ -41,6 +42,7 @@ pub(super) fn tolerances(name: &str, file: &File, axis: usize) -> Result<Toleran
 pub(super) fn numbers(name: &str, all: &Tolerances) -> Result<()> {
     SensorTerm::ALL.into_iter().try_for_each(|term| given_once(name, all, term))?;
     SensorTerm::ALL.into_iter().filter(|term| !term.is_shape()).try_for_each(|term| given_whole(name, all, term))?;
+    one_delay(name, all)?;
     sizes(name, all)?;
     signs(name, all)
 }
@@ -99,6 +101,32 @@ fn below_half_the_rate(name: &str, file: &File, all: &Tolerances) -> Result<()> 
         }
     }
     Ok(())
+}
+
+/// Refuses a delay that differs between members: it is one of the force that all of them share.
+fn one_delay(name: &str, all: &Tolerances) -> Result<()> {
+    let key = &SensorTerm::ReadoutDelay.row().keys[0];
+    match all[key] {
+        None | Some(Number::Fixed(_)) => Ok(()),
+        Some(_) => Err(refuse(
+            name,
+            format!("`{}` is drawn per member: a study runs one delay for all of them", key.path),
+            format!("give one number, and sweep it for others, e.g. [sweep] {} = \"0.001:0.01:4\"", key.path),
+        )),
+    }
+}
+
+/// Refuses a delay beside a sine that is drawn per member.
+pub(super) fn delayed_force(name: &str, all: &Tolerances, variation: Variation) -> Result<()> {
+    let key = &SensorTerm::ReadoutDelay.row().keys[0];
+    if variation != Variation::Sine || all[key].is_none_or(|n| n.is_zero()) {
+        return Ok(());
+    }
+    Err(refuse(
+        name,
+        format!("`{}` cannot be combined with a sine that is drawn per member", key.path),
+        "give the sine's amplitude, frequency and phase as one number each",
+    ))
 }
 
 fn mechanics(name: &str, all: &Tolerances) -> Result<()> {

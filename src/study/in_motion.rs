@@ -18,7 +18,6 @@ use crate::excitation::plan::Variation;
 use crate::excitation::random::{RandomVibration, Spectrum};
 use crate::kernel::flight::{Coupling, Flight, Misalignment, Vertical, axis_seed};
 use crate::kernel::follow::Follow;
-use crate::kernel::integrator::Integrator;
 use crate::kernel::job::{Clock, Job};
 use crate::kernel::passage::{Along, Course};
 use crate::motion::{Earth, Integrator as Mechanisation, Sampling, sources};
@@ -291,9 +290,8 @@ impl InMotion {
         let axis = |axis: usize| -> Result<Job> {
             let seed = axis_seed(run.seed, axis as u64);
             let stiffest = self.stiffest(run.seed, run.members, axis);
-            let integrator = Integrator::choose(stiffest.as_ref(), clock.step_s).integrator;
-            integrator.check(stiffest.as_ref(), clock.step_s)?;
             let tolerances = self.tolerances[axis].clone();
+            let integrator = tolerances.integrator(stiffest.as_ref(), clock.step_s)?.integrator;
             Ok(Job {
                 seed,
                 members: run.members,

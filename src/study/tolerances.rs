@@ -5,10 +5,12 @@
 
 use std::ops::{Index, IndexMut};
 
+use crate::error::Result;
 use crate::excitation;
+use crate::kernel::integrator::{Choice, Integrator};
 use crate::rng::{Stream, philox4x32_10};
 use crate::sensor::error_law::{ErrorLaw, Shape};
-use crate::sensor::{SensorTerm, coupling, mechanics};
+use crate::sensor::{ProofMass, SensorTerm, coupling, mechanics};
 use crate::units::key::{Key, SLOTS};
 use crate::units::number::Number;
 
@@ -80,6 +82,19 @@ impl Tolerances {
             }
         };
         value * key.factor
+    }
+
+    /// How proof masses of which this is the stiffest are stepped.
+    ///
+    /// # Errors
+    /// One that no integrator can step.
+    pub fn integrator(&self, stiffest: Option<&ProofMass>, step_s: f64) -> Result<Choice> {
+        let choice = match self.given(SensorTerm::ReadoutLowPass) {
+            Some(_) => Integrator::choose_resolving(stiffest, step_s),
+            None => Integrator::choose(stiffest, step_s),
+        };
+        choice.integrator.check(stiffest, step_s)?;
+        Ok(choice)
     }
 
     /// A number of a term's shape, SI, where it is given and the same for all members.

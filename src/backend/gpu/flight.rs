@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use bytemuck::{Zeroable, bytes_of, cast_slice};
 
-use super::simulate::{Plan, Shape, forces};
+use super::simulate::{Plan, Shape, forces, per_sample};
 use super::{Buffer, Dispatch, Gpu, Kernel, Submission};
 use crate::backend::flight::{FlightBackend, FlightBatch, QUANTITIES, Sums};
 use crate::backend::{Batch, tile};
@@ -95,8 +95,6 @@ struct Carried<'a> {
     batch: &'a FlightBatch<'a>,
     axes: Vec<Plan>,
     traces: Vec<Buffer>,
-    /// What the axes' own kernels know of the temperature: nothing, it acts in `navigate`.
-    at_reference: Buffer,
     navigate: Kernel,
     reduce: Kernel,
     given: Buffer,
@@ -108,7 +106,7 @@ struct Carried<'a> {
 
 /// Uniforms of one tile.
 struct Uniforms {
-    tiles: Vec<[Buffer; 2]>,
+    tiles: Vec<[Buffer; 3]>,
     flight: Buffer,
     passages: Buffer,
     fix: Buffer,
@@ -141,7 +139,6 @@ impl<'a> Carried<'a> {
         let carried = Self {
             batch,
             traces: (0..3).map(|_| trace()).collect::<Result<_>>()?,
-            at_reference: gpu.upload(cast_slice(&[0.0_f32]))?,
             navigate: gpu.kernel(&source::navigate(gpu.adapter.int64), &constants)?,
             reduce: gpu.kernel(&source::reduce(), &[])?,
             given: gpu.zeros(4 * u64::from(stride) * (6 + COUPLINGS + FOLLOWED) as u64)?,
@@ -266,10 +263,12 @@ impl<'a> Carried<'a> {
         let flight = self.batch.flight;
         let clock = flight.clock();
         let (first, count) = (next.samples.start, next.samples.end - next.samples.start);
-        let axis = |axis: usize| -> Result<[Buffer; 2]> {
+        let axis = |axis: usize| -> Result<[Buffer; 3]> {
             let tile = layout::Tile { first_sample: first as u32, samples: count as u32, ..self.axes[axis].tile };
             let force = forces(&flight.axes[axis], first, count);
-            Ok([gpu.uniform(bytes_of(&tile))?, gpu.uniform(cast_slice(&force))?])
+            let samples = per_sample(&flight.axes[axis], first, count);
+            let [tile, force] = [gpu.uniform(bytes_of(&tile))?, gpu.uniform(cast_slice(&force))?];
+            Ok([tile, force, gpu.upload(cast_slice(&samples))?])
         };
         let passed = first.saturating_sub(clock.still_samples);
         let heading_rad = flight.heading_rad(passed + count);
@@ -331,10 +330,10 @@ impl<'a> Carried<'a> {
         let uniforms = tiles.iter().map(|tile| self.uniforms(gpu, tile)).collect::<Result<Vec<_>>>()?;
         let mut buffers: Vec<(&Kernel, Vec<&Buffer>, u32)> = Vec::new();
         for (tile, shared) in tiles.iter().zip(&uniforms) {
-            for (axis, [uniform, force]) in shared.tiles.iter().enumerate() {
+            for (axis, [uniform, force, samples]) in shared.tiles.iter().enumerate() {
                 let plan = &self.axes[axis];
                 let own = [uniform, &plan.columns, &plan.turns, &plan.state, force, &plan.errors];
-                let bound = own.into_iter().chain([&self.at_reference, &self.traces[axis]]).collect();
+                let bound = own.into_iter().chain([samples, &self.traces[axis]]).collect();
                 buffers.push((&plan.simulate, bound, self.stride / SIMULATE_WORKGROUP));
             }
             if tile.samples.start < still_samples {

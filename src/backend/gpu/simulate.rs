@@ -22,6 +22,7 @@ use crate::backend::{Backend, Batch, Partial, Ran, Unfinished, tile};
 use crate::error::{Error, Result};
 use crate::kernel::job::Job;
 use crate::kernel::layout::{self, BLOCK, SIMULATE_WORKGROUP, state};
+use crate::kernel::low_pass::WEIGHTS;
 use crate::kernel::member::{COLUMNS, Column, WAVES, flicker_amplitudes};
 use crate::kernel::source;
 use crate::parallel;
@@ -30,7 +31,7 @@ use crate::sensor::SensorTerm;
 use crate::sensor::error_law::ErrorLaw;
 use crate::statistics::histogram::BINS;
 use crate::statistics::{Bins, Histogram, Machine, Moments};
-pub(super) use tables::{forces, warmer};
+pub(super) use tables::{forces, per_sample};
 
 /// Seconds a submission should take.
 const TARGET_S: f64 = 0.08;
@@ -82,7 +83,7 @@ impl Backend for Ensembles {
         let terms = flicker_amplitudes(&job.clock).len();
         // Two sets of flicker terms at most; moments of every report stay on the device until the
         // end.
-        let widest = 4 * ((COLUMNS + coefficients::MOST).max(state::TERMS + 2 * terms) as u64);
+        let widest = 4 * ((COLUMNS + coefficients::MOST + WEIGHTS).max(state::TERMS + 2 * terms) as u64);
         let moments = (job.clock.report_samples.len() * 4 * size_of::<layout::Partial>()) as u64;
         let room = self.gpu.adapter.largest_binding;
         let counts = (job.clock.report_samples.len() * 4 * (BINS + 2) * 4) as u64;
@@ -158,7 +159,11 @@ impl Plan {
         let mut columns: Vec<f32> = Vec::with_capacity(COLUMNS * stride as usize);
         let laws = needed::acting(job, &drawn)?;
         let coefficients = laws.iter().flat_map(|law| law.places());
-        let numbers: Vec<Number> = (0..COLUMNS).map(Number::Value).chain(coefficients.map(Number::Law)).collect();
+        let constants = needed::constants(job, &drawn)?;
+        let on = |term: &SensorTerm| constants.iter().any(|(n, v)| *n == source::terms::switch(*term) && *v != 0.0);
+        let weights = if on(&SensorTerm::ReadoutLowPass) { WEIGHTS } else { 0 };
+        let beside = coefficients.map(Number::Law).chain((0..weights).map(Number::LowPass));
+        let numbers: Vec<Number> = (0..COLUMNS).map(Number::Value).chain(beside).collect();
         for number in numbers {
             place(number).into_iter().for_each(|part: Vec<f32>| columns.extend(part));
             columns.extend(std::iter::repeat_n(0.0, pad));
@@ -167,7 +172,6 @@ impl Plan {
         let turns: Vec<u32> = (0..2 + WAVES)
             .flat_map(|t| drawn.iter().map(move |d| of(d, t)).chain(std::iter::repeat_n(0, pad)))
             .collect();
-        let constants = needed::constants(job, &drawn)?;
         let named: Vec<(&str, f64)> = constants.iter().map(|(name, value)| (name.as_str(), *value)).collect();
         let amplitudes = flicker_amplitudes(&job.clock);
         let sample_s = job.clock.sample_s();
@@ -190,7 +194,6 @@ impl Plan {
             padding: 0,
             flicker,
         };
-        let on = |term: &SensorTerm| constants.iter().any(|(n, v)| *n == source::terms::switch(*term) && *v != 0.0);
         let flickers = SensorTerm::ALL.into_iter().filter(|term| matches!(term.law(), ErrorLaw::Flicker(_)));
         let sets = flickers.filter(on).count();
         let reports = job.clock.report_samples.len() as u64;
@@ -276,7 +279,7 @@ impl Plan {
                 gpu.uniform(bytes_of(&tile))?,
                 gpu.uniform(cast_slice(&force))?,
                 gpu.uniform(bytes_of(&report))?,
-                gpu.upload(cast_slice(&warmer(batch.job, next.samples.start, count)))?,
+                gpu.upload(cast_slice(&per_sample(batch.job, next.samples.start, count)))?,
             ])
         };
         let uniforms = tiles.iter().map(uniforms).collect::<Result<Vec<_>>>()?;
@@ -360,6 +363,8 @@ enum Number {
     Value(usize),
     /// Among the coefficients of its laws.
     Law(usize),
+    /// Among the weights of its low-pass.
+    LowPass(usize),
 }
 
 impl Number {
@@ -367,6 +372,7 @@ impl Number {
         match self {
             Self::Value(place) => column.values[place],
             Self::Law(place) => column.laws[place],
+            Self::LowPass(place) => column.low_pass[place],
         }
     }
 }

@@ -6,6 +6,7 @@
 //! stage.
 
 use super::lanes::{Kernel, LANES, Lane};
+use super::low_pass::Moved;
 use super::oscillator::{ProofMasses, read, sines};
 use crate::kernel::force::Force;
 use crate::kernel::member::column;
@@ -48,6 +49,7 @@ impl<T: Real> Kernel for General<'_, T> {
         let zero = Lane::splat(T::of(0.0));
         let base = Base { gain: m.k[0].0, stiffness: m.k[0].0, damping: m.k[1].0 };
         let mut mass = Mass { laws, base: &base, e: m.e.0, q: m.q.0 };
+        let mut low_pass = m.low_pass;
         let mut half = m.sine.map_or(0, |(_, half)| half);
         let mut substep = self.first;
         let samples = m.error.iter_mut().zip(m.felt).zip(m.force.chunks_exact(m.substeps)).enumerate();
@@ -59,11 +61,17 @@ impl<T: Real> Kernel for General<'_, T> {
             for f in steps {
                 let sine = m.sine.map_or([zero; 3], |(turns, _)| sines::<T, FMA>(m.k, turns, half));
                 let force = felt_by_each::<T, FMA>(&m.k[column::GAIN], f, &sine);
+                let from = [Lane(mass.e), Lane(mass.q)];
                 mass.step::<FMA>(&force, &push.0, T::of(substep as f64));
+                if let Some(low_pass) = &mut low_pass {
+                    let ([e0, q0], [e, q]) = (&from, &[Lane(mass.e), Lane(mass.q)]);
+                    low_pass.step::<FMA>(&Moved { from: [e0, q0], to: [e, q], growth: &force[4], push: &push });
+                }
                 *felt = force[2];
                 (half, substep) = (half + 2, substep + 1);
             }
-            read::<T, FMA>(m.k, &Lane(mass.e), felt, m.scaled, error);
+            let shown = low_pass.as_ref().map_or(Lane(mass.e), |low_pass| low_pass.p);
+            read::<T, FMA>(m.k, &shown, felt, m.scaled, error);
         }
         (m.e.0, m.q.0) = (mass.e, mass.q);
     }

@@ -40,6 +40,9 @@ pub struct Tile<'a, T: Real> {
     pub shared: &'a [Shared<T>; 3],
     /// The specific force along each axis.
     pub force: &'a [Vec<Force<T>>; 3],
+    /// What the late force has more than the force itself along each axis; empty where no reading is
+    /// late.
+    pub late: &'a [Vec<T>; 3],
     /// The truth; empty during a still start.
     pub passages: &'a [Passage<T>],
     /// First sample of the block, counted from the beginning of the flight.
@@ -157,6 +160,7 @@ impl<T: Real> Imu<T> {
             members: &mut self.axes[axis],
             force: &tile.force[axis],
             warmer: &[],
+            late: &tile.late[axis],
             first: tile.first,
             count: tile.count,
             observer: None,

@@ -6,11 +6,13 @@
 use super::flicker::Flicker;
 use super::general::Acting;
 use super::lanes::{LANES, Lane};
+use super::low_pass::LowPass;
 use super::noise::Drawer;
 use super::reading::State;
 use super::sums::{BOUND_M_S2, CHUNK, Sums};
 use crate::kernel::integrator::Integrator;
 use crate::kernel::job::Job;
+use crate::kernel::low_pass::WEIGHTS;
 use crate::kernel::member::{COLUMNS, Column, WAVES, absent, column, flicker_amplitudes};
 use crate::numerics::elementary::Real;
 use crate::physics::coefficients;
@@ -115,6 +117,8 @@ pub struct Members<T> {
     /// Laws that some of these members follow beside the linear one, where the integrator takes
     /// them one by one.
     pub(super) laws: Vec<Acting<T>>,
+    /// The low-pass behind the proof masses, if some of these members have one.
+    pub(super) low_pass: Option<Box<LowPass<T>>>,
     pub(super) e: Lane<T>,
     pub(super) q: Lane<T>,
     pub(super) reading: State<T>,
@@ -152,6 +156,7 @@ impl<T: Real> Members<T> {
     ) -> Result<Box<Self>, E> {
         let mut members = Box::new(Self::none(Drawer { seed, first_member }));
         let mut laws = [Lane::splat(T::of(0.0)); coefficients::MOST];
+        let mut low_pass = [Lane::splat(T::of(0.0)); WEIGHTS];
         let mut last: Option<Column> = None;
         for l in 0..LANES {
             last = columns.next().transpose()?.or(last);
@@ -160,7 +165,9 @@ impl<T: Real> Members<T> {
             (0..2).for_each(|i| members.turns[i][l] = member.turns[i]);
             (0..WAVES).for_each(|i| members.waves[i][l] = member.waves[i]);
             (0..coefficients::MOST).for_each(|c| laws[c][l] = T::of(member.laws[c]));
+            (0..WEIGHTS).for_each(|c| low_pass[c][l] = T::of(member.low_pass[c]));
         }
+        members.low_pass = LowPass::of(low_pass);
         members.laws = Acting::of(&laws);
         members.active = Active::of(&members.columns);
         for term in SensorTerm::ALL {
@@ -180,6 +187,7 @@ impl<T: Real> Members<T> {
             turns: [Lane::splat(0); 2],
             waves: [Lane::splat(0); WAVES],
             laws: Vec::new(),
+            low_pass: None,
             e: zero,
             q: zero,
             reading: State::new(),
@@ -202,6 +210,7 @@ impl<T: Real> Members<T> {
             turns: _,
             waves: _,
             laws: _,
+            low_pass,
             e,
             q,
             reading,
@@ -213,7 +222,8 @@ impl<T: Real> Members<T> {
         } = self;
         let Sums { velocity, position, rate, velocity_total, position_total, rate_total, failed } = sums;
         let lanes = [e, q, mean, gyro_mean, acceleration, velocity, position, rate];
-        let numbers = lanes.into_iter().chain(reading.lanes()).flat_map(|lane| &mut lane.0);
+        let shown = low_pass.as_mut().map(|low_pass| &mut low_pass.p);
+        let numbers = lanes.into_iter().chain(shown).chain(reading.lanes()).flat_map(|lane| &mut lane.0);
         numbers.for_each(|v| *v = T::of(with(v.f64())));
         let totals = [start_tilt, velocity_total, position_total, rate_total].into_iter().flat_map(|lane| &mut lane.0);
         totals.for_each(|v| *v = with(*v));

@@ -7,6 +7,7 @@
 //! γa³) = W(f + w), with w held. Further laws: `general`.
 
 use super::lanes::{Kernel, LANES, Lane};
+use super::low_pass::{LowPass, Moved};
 use crate::kernel::force::Force;
 use crate::kernel::member::{COEFFICIENTS, COLUMNS, column};
 use crate::numerics::elementary::{Real, fma, sin_cos, sin_cos_turns};
@@ -143,6 +144,8 @@ pub(super) struct ProofMasses<'a, T> {
     pub gain: bool,
     /// Phases of the members' own sines and the first half substep's number, if there are any.
     pub sine: Option<(&'a [Lane<u32>; 2], u64)>,
+    /// The low-pass behind them, if some member has one.
+    pub low_pass: Option<&'a mut LowPass<T>>,
     /// Whether some member has a scale error or a second-order one.
     pub scaled: bool,
     /// Receives the error of each reading: the proof mass's, the bias and the scale's.
@@ -161,10 +164,31 @@ impl<T: Real, O: Oscillator<T>> Kernel for Step<'_, T, O> {
         let m = self.1;
         let zero = Lane::splat(T::of(0.0));
         let (mut e, mut q) = (*m.e, *m.q);
-        // Two loops: with the choice inside one, the state goes through memory (Runge-Kutta a fifth
+        // Loops of their own: with the choice inside one, the state goes through memory (Runge-Kutta a fifth
         // slower, the exact map a third).
         let samples = m.error.iter_mut().zip(m.felt).zip(m.force.chunks_exact(m.substeps)).enumerate();
-        if m.gain || m.sine.is_some() {
+        if let Some(low_pass) = m.low_pass {
+            let mut half = m.sine.map_or(0, |(_, half)| half);
+            let (mut growth, mut noise) = (zero, zero);
+            for (i, ((error, felt), steps)) in samples {
+                let push = m.push.map_or(&zero, |p| &p[i]);
+                for l in 0..LANES {
+                    noise[l] = m.k[column::FORCE][l] * push[l];
+                }
+                for f in steps {
+                    let sine = m.sine.map_or([zero; 3], |(turns, _)| sines::<T, FMA>(m.k, turns, half));
+                    half += 2;
+                    let from = [e, q];
+                    pushed_each::<T, O, FMA>(m.k, f, &sine, push, &mut e, &mut q, felt);
+                    for l in 0..LANES {
+                        growth[l] = fma::<T, FMA>(m.k[column::GAIN][l], f.to_end, sine[2][l] - sine[0][l]);
+                    }
+                    let [e0, q0] = &from;
+                    low_pass.step::<FMA>(&Moved { from: [e0, q0], to: [&e, &q], growth: &growth, push: &noise });
+                }
+                read::<T, FMA>(m.k, &low_pass.p, felt, m.scaled, error);
+            }
+        } else if m.gain || m.sine.is_some() {
             let mut half = m.sine.map_or(0, |(_, half)| half);
             for (i, ((error, felt), steps)) in samples {
                 let push = m.push.map_or(&zero, |p| &p[i]);
@@ -246,7 +270,8 @@ fn pushed_each<T: Real, O: Oscillator<T>, const FMA: bool>(
     }
 }
 
-/// The reading's error: the proof mass's, the bias, and the scale's on what it shows.
+/// The reading's error: the proof mass's or its low-pass's, the bias, and the scale's on what that
+/// shows.
 #[inline(always)]
 pub(super) fn read<T: Real, const FMA: bool>(
     k: &[Lane<T>; COLUMNS],

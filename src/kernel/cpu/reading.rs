@@ -69,7 +69,9 @@ pub(crate) fn fragment(law: ErrorLaw) -> Option<&'static Fragment> {
         | ErrorLaw::Proportional(_)
         | ErrorLaw::Shape(_)
         | ErrorLaw::Rounding
-        | ErrorLaw::FullScale => None,
+        | ErrorLaw::FullScale
+        | ErrorLaw::LowPass
+        | ErrorLaw::Delay => None,
     }
 }
 
@@ -129,12 +131,15 @@ pub(super) fn add<T: Real>(
             let [phase, step] = [0, 1].map(|i| &waves[2 * term.rank() + i]);
             level.run(AddSine { amplitude: scale, phase, step, first: numbers.from, out });
         }
-        // In `oscillator` with the reading itself, and in `Limit`; a shape is none.
+        // In `oscillator` with the reading itself, in `low_pass`, `Late` and `Limit`; a shape is
+        // none.
         ErrorLaw::Constant
         | ErrorLaw::Proportional(_)
         | ErrorLaw::Shape(_)
         | ErrorLaw::Rounding
-        | ErrorLaw::FullScale => {}
+        | ErrorLaw::FullScale
+        | ErrorLaw::LowPass
+        | ErrorLaw::Delay => {}
     }
 }
 
@@ -308,6 +313,29 @@ impl<T: Real> Kernel for AddOffset<'_, T> {
         for out in self.out.iter_mut() {
             for l in 0..LANES {
                 out[l] = out[l] + self.scale[l];
+            }
+        }
+    }
+}
+
+/// A delay of the reading: until here the force was the one that it is late of.
+pub(super) struct Late<'a, T> {
+    /// What the late force has more than the force itself, at unit gain.
+    pub late: &'a [T],
+    /// Factor of each member on the shared force.
+    pub gain: &'a Lane<T>,
+    pub felt: &'a mut [Lane<T>],
+    pub error: &'a mut [Lane<T>],
+}
+
+impl<T: Real> Kernel for Late<'_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        for ((error, felt), late) in self.error.iter_mut().zip(self.felt).zip(self.late) {
+            for l in 0..LANES {
+                error[l] = fma::<T, FMA>(self.gain[l], *late, error[l]);
+                felt[l] = fma::<T, FMA>(-self.gain[l], *late, felt[l]);
             }
         }
     }

@@ -11,7 +11,7 @@ use super::general::General;
 use super::lanes::{Lane, Level};
 use super::members::{Members, Shared};
 use super::oscillator::{ExactHold, ExponentialRk2, Ideal, ProofMasses, RosenbrockEuler, RungeKutta4, Step};
-use super::reading::{self, Limit, Samples, TakeOff};
+use super::reading::{self, Late, Limit, Samples, TakeOff};
 use super::stretch::{Numbers, Room, STRETCH};
 use super::sums::Integrate;
 use crate::kernel::force::Force;
@@ -45,6 +45,9 @@ pub(crate) struct Simulate<'a, T: Real> {
     pub force: &'a [Force<T>],
     /// How much warmer than its reference the sensor is at each, K; empty where it is not.
     pub warmer: &'a [T],
+    /// What the late force has more than the force itself at each, m/s²; empty where no reading is
+    /// late.
+    pub late: &'a [T],
     pub first: u64,
     pub count: u64,
     pub observer: Option<&'a mut Observer<'a, T>>,
@@ -144,6 +147,7 @@ impl<T: Real> Simulate<'_, T> {
             push: on.force.then(|| numbers.each(Stream::Force)),
             gain: on.gain,
             sine: (on.sine && !still).then_some((&m.turns, from * u64::from(shared.substeps) * 2)),
+            low_pass: m.low_pass.as_deref_mut(),
             scaled: on.any(Sense::Accelerometer, |law| matches!(law, ErrorLaw::Proportional(_))),
             error,
             felt,
@@ -164,6 +168,9 @@ impl<T: Real> Simulate<'_, T> {
         }
 
         let k = &m.columns;
+        if let Some(late) = self.late.get(tile_samples.clone()).filter(|_| on.has(SensorTerm::ReadoutDelay)) {
+            level.run(Late { late, gain: &k[column::GAIN], felt: &mut *felt, error: &mut *error });
+        }
         for term in on.terms() {
             let out = if term.sense() == Sense::Gyro { &mut *turn } else { &mut *error };
             let samples = Samples { felt, warmer: self.warmer.get(tile_samples.clone()).unwrap_or_default(), out };

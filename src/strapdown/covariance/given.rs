@@ -124,7 +124,12 @@ impl<'a> Given<'a> {
         let first = if sense == Sense::Gyro { 3 } else { 0 };
         Some(match term.law() {
             // What follows the temperature is given between the axes.
-            ErrorLaw::Rounding | ErrorLaw::FullScale | ErrorLaw::Warm(_) | ErrorLaw::Shape(_) => return None,
+            ErrorLaw::Rounding
+            | ErrorLaw::FullScale
+            | ErrorLaw::LowPass
+            | ErrorLaw::Delay
+            | ErrorLaw::Warm(_)
+            | ErrorLaw::Shape(_) => return None,
             ErrorLaw::Markov(_) => (Vec::new(), vec![self.markov(term, found, step_s)?]),
             ErrorLaw::Settling => (self.settling(term, flight, found)?, Vec::new()),
             ErrorLaw::Sine => (self.sines(term, flight, found)?, Vec::new()),

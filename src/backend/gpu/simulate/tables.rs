@@ -14,8 +14,14 @@ pub(in crate::backend::gpu) fn forces(job: &Job, first: u64, count: u64) -> Vec<
     entries
 }
 
-/// How much warmer the sensor is in some samples as the kernel reads it: a buffer is never empty.
-pub(in crate::backend::gpu) fn warmer(job: &Job, first: u64, count: u64) -> Vec<f32> {
-    let warmer = job.warmer_k(first, count);
-    if warmer.is_empty() { vec![0.0] } else { warmer }
+/// What is known of each of some samples, as the kernel reads it: how much warmer than its reference
+/// the sensor is, and behind that what the late force has more than the force itself. A buffer is
+/// never empty.
+pub(in crate::backend::gpu) fn per_sample(job: &Job, first: u64, count: u64) -> Vec<f32> {
+    let (mut all, late) = (job.warmer_k(first, count), force::late::<f32>(job, first, count));
+    if !late.is_empty() {
+        all.resize(count as usize, 0.0);
+        all.extend(late);
+    }
+    if all.is_empty() { vec![0.0] } else { all }
 }

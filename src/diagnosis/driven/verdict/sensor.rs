@@ -125,6 +125,8 @@ fn at_the_readout(accelerometer: &mut Accelerometer, term: &Term, p: &[f64], per
             accelerometer.sinusoid_m_s2 = p[0].hypot(p[1]) * per_unit.abs();
             accelerometer.sinusoid_frequency_rad_s = TAU * p[2];
         }
+        Term::ReadoutDelay(_) => accelerometer.readout_delay_s = p[0],
+        Term::ReadoutLowpass(_) => accelerometer.readout_lowpass_s = p[0],
         Term::ReadoutQuantisation(_) => accelerometer.quantisation_m_s2 = p[0] * per_unit.abs(),
         Term::ReadoutSaturation(_) if (p[0] + p[1]).abs() < LOPSIDED * (p[1] - p[0]) => {
             accelerometer.range_m_s2 = 0.5 * (p[1] - p[0]) * per_unit.abs();
@@ -178,6 +180,9 @@ mod tests {
         assert_eq!(given("warm-up", &[2.0, 5.0]), (true, warm));
         let sine = Accelerometer { sinusoid_m_s2: 15.0, sinusoid_frequency_rad_s: TAU * 7.0, ..bare };
         assert_eq!(given("periodic-disturbance", &[3.0, -4.0, 7.0]), (true, sine));
+        // Times are no displacement.
+        assert_eq!(given("readout-delay", &[0.5]), (true, Accelerometer { readout_delay_s: 0.5, ..bare }));
+        assert_eq!(given("readout-lowpass", &[0.5]), (true, Accelerometer { readout_lowpass_s: 0.5, ..bare }));
         assert_eq!(given("readout-quantisation", &[0.5]), (true, Accelerometer { quantisation_m_s2: 1.5, ..bare }));
         assert_eq!(given("readout-saturation", &[-2.0, 2.0]), (true, Accelerometer { range_m_s2: 6.0, ..bare }));
         // Control: a range that lies on one side of zero is no range of a study.
