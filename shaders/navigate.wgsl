@@ -195,10 +195,15 @@ fn navigate(@builtin(global_invocation_id) id: vec3<u32>) {
     var warm_rate = array<vec3<f32>, 2>();
     // Offset and jitter of the stamps, s, and what they gain on the true time.
     var stamps = vec3<f32>();
+    // Full scale of the gyros, and what their axes' kernels have taken off.
+    var range = vec3<f32>();
+    var taken_before = vec3<f32>();
     if FOLLOWS {
         warm_force = array<vec3<f32>, 2>(followed(i, 0u), followed(i, 1u));
         warm_rate = array<vec3<f32>, 2>(followed(i, 2u), followed(i, 3u));
         stamps = followed(i, 4u);
+        range = followed(i, 5u);
+        taken_before = followed(i, 6u);
     }
 
     for (var n = 0u; n < flight.samples; n++) {
@@ -225,6 +230,8 @@ fn navigate(@builtin(global_invocation_id) id: vec3<u32>) {
             }
             error += p.warmer * (warm_force[1] * p.body_force + warm_force[0]) - late * p.force_change;
             turn += p.warmer * (warm_rate[1] * p.body_rate + warm_rate[0]) - late * p.rate_change;
+            let shown = p.body_rate + taken_turn + taken_before;
+            turn = max(min(turn, range - shown), -range - shown);
         }
         let f = error * p.attitude;
         let w = turn * p.attitude;

@@ -219,15 +219,15 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
                             fma(gain, now.w, own.z - own.x),
                         );
                         before = now.x;
-                        let from = s;
+                        let begin = s;
                         s = advance(k, laws, s, f, push, f32(n * SUBSTEPS + substep));
                         felt = f.end;
                         if HAS_READOUT_LOW_PASS {
                             var p = fma(weights[5], f.to_end, weights[6] * push);
                             p = fma(weights[4], s.y - f.to_end, p);
                             p = fma(weights[3], s.x, p);
-                            p = fma(weights[2], from.y - f.to_end, p);
-                            p = fma(weights[1], from.x, p);
+                            p = fma(weights[2], begin.y - f.to_end, p);
+                            p = fma(weights[1], begin.x, p);
                             low_pass = fma(weights[0], low_pass, p);
                         }
                     }

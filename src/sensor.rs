@@ -8,10 +8,12 @@
 pub mod coupling;
 pub mod error_law;
 pub mod mechanics;
+pub mod sense;
 pub mod source;
 pub mod terms;
 
-pub use terms::{Accelerometer, Gyro, Sense, SensorTerm};
+pub use sense::Sense;
+pub use terms::{Accelerometer, Gyro, SensorTerm};
 
 use crate::physics::coefficients::Coefficients;
 use crate::units::key::Key;

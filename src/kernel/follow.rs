@@ -1,5 +1,5 @@
-//! What readings take from the temperature and from stamps that come late: errors that follow the
-//! run, the same law for all members with numbers of their own.
+//! What readings take from the temperature and from stamps that come late, and where a gyro's range
+//! ends: errors that follow the run, the same law for all members with numbers of their own.
 //!
 //! A reading that is stamped τ late was taken τ earlier: its error is −τ times the rate of change
 //! of what it reads. A clock that gains d on the true time stamps the reading at time t by d t
@@ -7,8 +7,10 @@
 
 use nalgebra::Vector3;
 
+use crate::sensor::error_law::full_scale;
+
 /// One member's numbers, SI.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Follow {
     /// Change per kelvin of the accelerometers' biases (m/s²) and scale factors (1), and of the
     /// gyros' (rad/s and 1).
@@ -19,16 +21,23 @@ pub struct Follow {
     pub jitter_s: f64,
     /// What the stamps gain on the true time from the end of the still start on, 1.
     pub drift: f64,
+    /// Largest magnitude that each gyro reads, rad/s; infinity for none.
+    pub gyro_range_rad_s: [f64; 3],
 }
 
 /// Numbers of a [`Follow`] as the kernels take them.
-pub const FOLLOWED: usize = 15;
+pub const FOLLOWED: usize = 18;
 
 impl Follow {
-    /// Row by row, and the times.
+    /// Row by row, the times, and the ranges.
     pub fn numbers(&self) -> [f64; FOLLOWED] {
         let times = [self.late_s, self.jitter_s, self.drift];
-        std::array::from_fn(|i| if i < 12 { self.per_kelvin[i / 3][i % 3] } else { times[i - 12] })
+        let ranges = self.gyro_range_rad_s.map(full_scale);
+        std::array::from_fn(|i| match i {
+            0..12 => self.per_kelvin[i / 3][i % 3],
+            12..15 => times[i - 12],
+            _ => ranges[i - 15],
+        })
     }
 
     /// Mean reading errors of accelerometers and gyros that stand still with this force and rate,

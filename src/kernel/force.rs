@@ -31,11 +31,9 @@ const STRETCH: u64 = 1024;
 pub fn table<T: Real>(job: &Job, first_sample: u64, count: u64) -> Vec<Force<T>> {
     let per_step = u64::from(job.integrator.substeps());
     let per_sample = per_step * u64::from(job.clock.steps_per_sample);
-    let half_s = 0.5 * job.clock.step_s / per_step as f64;
+    let late = Late::of(job);
     let first = first_sample * per_sample;
-    let delay_s = job.readout_delay_s();
-    let before = before_the_run(job);
-    let at = |half: u64| delayed(job, half as f64 * half_s, delay_s, before);
+    let at = |half: u64| late.force(half);
     let still = job.clock.still_samples * per_sample;
     let standing = T::of(job.waveform.standing_m_s2());
     let one = |substep: u64| {
@@ -63,31 +61,53 @@ pub fn table<T: Real>(job: &Job, first_sample: u64, count: u64) -> Vec<Force<T>>
 /// What the late force has more than the force itself at the end of each of `count` samples from
 /// `first` on, m/s²; empty where no reading is late.
 pub fn late<T: Real>(job: &Job, first: u64, count: u64) -> Vec<T> {
-    let delay_s = job.readout_delay_s();
-    if delay_s == 0.0 {
+    let late = Late::of(job);
+    if late.halves == 0.0 {
         return Vec::new();
     }
-    let before = before_the_run(job);
-    let one = |n: u64| {
-        let Some(passed) = n.checked_sub(job.clock.still_samples) else { return T::of(0.0) };
-        let time_s = (passed + 1) as f64 * job.clock.sample_s();
-        T::of(delayed(job, time_s, delay_s, before) - delayed(job, time_s, 0.0, before))
+    let halves = 2 * job.steps_per_sample();
+    let one = |n: u64| match n.checked_sub(job.clock.still_samples) {
+        Some(passed) => {
+            let half = (passed + 1) * halves;
+            T::of(late.force(half) - job.waveform.specific_force_m_s2(half as f64 * late.half_s))
+        }
+        None => T::of(0.0),
     };
     (first..first + count).map(one).collect()
 }
 
-/// The force `delay_s` before a time of the run, m/s².
-fn delayed(job: &Job, time_s: f64, delay_s: f64, before: f64) -> f64 {
-    match time_s - delay_s {
-        then_s if then_s < 0.0 => before,
-        then_s => job.waveform.specific_force_m_s2(then_s),
-    }
+/// The force as the readings are late of it.
+struct Late<'a> {
+    job: &'a Job,
+    /// Half a substep, s.
+    half_s: f64,
+    /// The delay, in half substeps.
+    halves: f64,
+    /// The force before the run: that of the still start, or the run's first, m/s².
+    before: f64,
 }
 
-/// The force before the run, m/s²: that of the still start, or the run's first.
-fn before_the_run(job: &Job) -> f64 {
-    match job.clock.still_samples {
-        0 => job.waveform.specific_force_m_s2(0.0),
-        _ => job.waveform.standing_m_s2(),
+impl<'a> Late<'a> {
+    /// Nearer than this to a whole number of half substeps, a delay is one: an edge of the force then
+    /// stays on the step that it falls on.
+    const WHOLE: f64 = 1e-6;
+
+    fn of(job: &'a Job) -> Self {
+        let half_s = 0.5 * job.clock.step_s / f64::from(job.integrator.substeps());
+        let halves = job.readout_delay_s() / half_s;
+        let before = match job.clock.still_samples {
+            0 => job.waveform.specific_force_m_s2(0.0),
+            _ => job.waveform.standing_m_s2(),
+        };
+        let halves = if (halves - halves.round()).abs() < Self::WHOLE { halves.round() } else { halves };
+        Self { job, half_s, halves, before }
+    }
+
+    /// After so many half substeps of the run.
+    fn force(&self, half: u64) -> f64 {
+        match half as f64 - self.halves {
+            then if then < 0.0 => self.before,
+            then => self.job.waveform.specific_force_m_s2(then * self.half_s),
+        }
     }
 }

@@ -1,12 +1,12 @@
 //! The keys of study.toml by which a reading takes from another axis or instrument, from the
 //! temperature or from a late clock: a gyro's scale factor, misalignments and g-sensitivity,
-//! temperature coefficients, a time offset and a clock that drifts. Along one axis the g-sensitivity
+//! temperature coefficients, a time offset and a clock that drifts; and where a gyro's range ends. Along one axis the g-sensitivity
 //! and all temperature coefficients except that of the gyro's scale factor are sensor terms of
 //! their own, in the same slots.
 
 use crate::units::key::Key;
-use crate::units::key::Sign::{Any, NotNegative};
-use crate::units::{DEGREE_PER_HOUR, MICRO_G, PPM, STANDARD_GRAVITY_M_S2};
+use crate::units::key::Sign::{Any, NotNegative, Positive};
+use crate::units::{DEGREE, DEGREE_PER_HOUR, MICRO_G, PPM, STANDARD_GRAVITY_M_S2};
 
 const MILLI: f64 = 1e-3;
 const MICRO: f64 = 1e-6;
@@ -53,6 +53,9 @@ pub(crate) const TIME_JITTER: Key = Key::new(52, "sensor.time_jitter_us", "time 
 /// What the clock of all readings gains on the true time: stamps come later and later.
 pub(crate) const CLOCK_DRIFT: Key = Key::new(53, "sensor.clock_drift_ppm", "clock drift", "ppm", PPM, Any);
 
+/// Full scale of a gyro: the largest magnitude of a rate that it reads.
+pub(crate) const GYRO_RANGE: Key = Key::new(70, "gyro.range_deg_s", "gyro range", "°/s", DEGREE, Positive);
+
 /// What one axis takes from another one or from the other instrument.
 pub(crate) const COUPLINGS: [&Key; 4] =
     [&ACCELEROMETER_MISALIGNMENT, &GYRO_SCALE_FACTOR, &GYRO_MISALIGNMENT, &G_SENSITIVITY];
@@ -62,7 +65,7 @@ pub(crate) const OVER_TEMPERATURE: [&Key; 4] =
 
 /// All that act along a trajectory by the motion or the temperature, in the order of a sensor
 /// table.
-pub(crate) const KEYS: [&Key; 11] = [
+pub(crate) const KEYS: [&Key; 12] = [
     &ACCELEROMETER_MISALIGNMENT,
     &GYRO_SCALE_FACTOR,
     &GYRO_MISALIGNMENT,
@@ -74,12 +77,13 @@ pub(crate) const KEYS: [&Key; 11] = [
     &TIME_OFFSET,
     &TIME_JITTER,
     &CLOCK_DRIFT,
+    &GYRO_RANGE,
 ];
 /// What is wrong with the one clock of all axes.
 pub(crate) const OF_THE_CLOCK: [&Key; 3] = [&TIME_OFFSET, &TIME_JITTER, &CLOCK_DRIFT];
 
 /// Those that mean something only along a trajectory.
-pub(crate) const IN_MOTION: [&Key; 6] =
-    [&TIME_OFFSET, &TIME_JITTER, &CLOCK_DRIFT, &GYRO_SCALE_FACTOR, &GYRO_MISALIGNMENT, &GYRO_SCALE_PER_K];
-/// Those of them that multiply a rate of rotation, which one axis has not.
-pub(crate) const OF_ROTATION: [&Key; 3] = [&GYRO_SCALE_FACTOR, &GYRO_MISALIGNMENT, &GYRO_SCALE_PER_K];
+pub(crate) const IN_MOTION: [&Key; 7] =
+    [&TIME_OFFSET, &TIME_JITTER, &CLOCK_DRIFT, &GYRO_SCALE_FACTOR, &GYRO_MISALIGNMENT, &GYRO_SCALE_PER_K, &GYRO_RANGE];
+/// Those of them that act on a rate of rotation, which one axis has not.
+pub(crate) const OF_ROTATION: [&Key; 4] = [&GYRO_SCALE_FACTOR, &GYRO_MISALIGNMENT, &GYRO_SCALE_PER_K, &GYRO_RANGE];

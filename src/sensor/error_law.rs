@@ -80,6 +80,11 @@ pub enum Growth {
 /// Stands for "no limit" in the kernels: f32 arithmetic on it must not overflow into NaN.
 const NO_LIMIT: f64 = 1e30;
 
+/// A full scale as a kernel takes it, which knows no infinity.
+pub(crate) fn full_scale(limit: f64) -> f64 {
+    limit.min(NO_LIMIT)
+}
+
 impl ErrorLaw {
     /// The coefficient that switches it off.
     pub const fn neutral(self) -> f64 {
@@ -158,7 +163,7 @@ impl ErrorLaw {
             Self::White(_) => coefficient / sample_s.sqrt(),
             Self::Walk(_) => coefficient * sample_s.sqrt(),
             Self::Ramp => coefficient * sample_s,
-            Self::FullScale => coefficient.min(NO_LIMIT),
+            Self::FullScale => full_scale(coefficient),
             // Exact: the part of itself that a process loses over a sample, 1 − e^(−T/τ).
             Self::Shape(Shape::Memory) if coefficient > 0.0 => -(-sample_s / coefficient).exp_m1(),
             Self::Shape(Shape::Settling) if coefficient > 0.0 => sample_s / coefficient,

@@ -16,6 +16,7 @@ use std::f64::consts::TAU;
 
 use super::coupling::{ACCELEROMETER_BIAS_PER_K, ACCELEROMETER_SCALE_PER_K, G_SENSITIVITY, GYRO_BIAS_PER_K};
 use super::error_law::{ErrorLaw, Shape};
+use super::sense::Sense;
 use crate::rng::Stream;
 use crate::units::key::Key;
 use crate::units::key::Sign::{Any, NotNegative, Positive};
@@ -23,25 +24,6 @@ use crate::units::{
     DEGREE, DEGREE_PER_HOUR, DEGREE_PER_HOUR_PER_ROOT_HOUR, DEGREE_PER_ROOT_HOUR, DENSITY_TO_RANDOM_WALK, MICRO_G,
     MILLI_G, PPM, STANDARD_GRAVITY_M_S2,
 };
-
-/// Kind of sensor in an IMU.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sense {
-    /// Accelerometer: specific force, m/s².
-    Accelerometer,
-    /// Gyro: angular rate, rad/s.
-    Gyro,
-}
-
-impl Sense {
-    /// Name as a word in a sentence.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Accelerometer => "accelerometer",
-            Self::Gyro => "gyro",
-        }
-    }
-}
 
 /// What a row of the table says.
 #[derive(Debug, Clone, Copy)]

@@ -151,6 +151,9 @@ pub fn causes(motion: &InMotion, flight: &Flight, stride: u64) -> (Vec<Carried>,
             None => left_out.push(cause),
         }
     }
+    if motion.between.iter().any(|axis| axis[&coupling::GYRO_RANGE].is_some()) {
+        left_out.push(Cause::Coupling(&coupling::GYRO_RANGE));
+    }
     for key in coupling::KEYS {
         let columns = given::couplings(key, motion, found, flight);
         if !columns.is_empty() {

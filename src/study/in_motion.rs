@@ -24,6 +24,7 @@ use crate::motion::{Earth, Integrator as Mechanisation, Sampling, sources};
 use crate::sensor::{ProofMass, coupling};
 use crate::units::DEGREE;
 use crate::units::key::Key;
+use crate::units::number::Number;
 
 /// Members that are asked for the stiffest proof mass.
 const ASKED: u64 = 1000;
@@ -138,7 +139,7 @@ fn one_axis(name: &str, file: &File) -> Result<()> {
     let all = check::tolerances(name, file, 0)?;
     if let Some(key) = coupling::IN_MOTION.into_iter().find(|key| all[key].is_some()) {
         let cause = match coupling::OF_ROTATION.contains(&key) {
-            true => format!("`{}` multiplies a rate of rotation, and a study of one axis does not rotate", key.path),
+            true => format!("`{}` acts on a rate of rotation, and a study of one axis does not rotate", key.path),
             false => format!("`{}` follows the motion, and the study has no trajectory", key.path),
         };
         return Err(refuse(name, cause, "add a [trajectory], e.g. kind = \"rest\""));
@@ -270,12 +271,17 @@ impl InMotion {
         }
     }
 
-    /// What one member's readings take from the temperature and from late stamps.
+    /// What one member's readings take from the temperature and from late stamps, and where its gyros
+    /// end.
     fn follow(all: &[Tolerances; 3], seed: u64, member: u64) -> Follow {
         let draw = |key, axis: usize| all[axis].draw(key, axis_seed(seed, axis as u64), member);
         let bias_then_scale = coupling::OVER_TEMPERATURE.map(|key| std::array::from_fn(|axis| draw(key, axis)));
         let [late_s, jitter_s, drift] = coupling::OF_THE_CLOCK.map(|key| draw(key, 0));
-        Follow { per_kelvin: bias_then_scale, late_s, jitter_s, drift }
+        let endless = Number::Fixed(f64::INFINITY);
+        let gyro_range_rad_s = std::array::from_fn(|axis| {
+            all[axis].draw_or(&coupling::GYRO_RANGE, endless, axis_seed(seed, axis as u64), member)
+        });
+        Follow { per_kelvin: bias_then_scale, late_s, jitter_s, drift, gyro_range_rad_s }
     }
 
     /// The ensemble of a run, with statistics at `report_samples` after the end of the still start.
@@ -314,7 +320,7 @@ impl InMotion {
         let has = |keys: &[&Key]| all.iter().any(|t| keys.iter().any(|key| t[*key].is_some_and(|n| !n.is_zero())));
         let couples = has(&coupling::COUPLINGS);
         let jitters = has(&[&coupling::TIME_JITTER]);
-        let follows = has(&coupling::OVER_TEMPERATURE) || has(&coupling::OF_THE_CLOCK);
+        let follows = has(&coupling::OVER_TEMPERATURE) || has(&coupling::OF_THE_CLOCK) || has(&[&coupling::GYRO_RANGE]);
         let again = all.clone();
         let followed = move |member: u64| Self::follow(&again, seed, member);
         let draws = move |member: u64| Self::coupling(&all, seed, member);

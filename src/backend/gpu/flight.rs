@@ -30,6 +30,9 @@ const CHUNK: u64 = 64;
 const TARGET_S: f64 = 0.08;
 /// Most samples of a submission.
 const MOST_SAMPLES: u64 = 1 << 14;
+/// What a member is given: what is taken off its readings, couplings, what follows, and what the
+/// axes' own kernels have taken off the gyros.
+const GIVEN: usize = 9 + COUPLINGS + FOLLOWED;
 /// Groups of four quantities, as the reduction takes them.
 const GROUPS: usize = QUANTITIES / 4;
 
@@ -141,7 +144,7 @@ impl<'a> Carried<'a> {
             traces: (0..3).map(|_| trace()).collect::<Result<_>>()?,
             navigate: gpu.kernel(&source::navigate(gpu.adapter.int64), &constants)?,
             reduce: gpu.kernel(&source::reduce(), &[])?,
-            given: gpu.zeros(4 * u64::from(stride) * (6 + COUPLINGS + FOLLOWED) as u64)?,
+            given: gpu.zeros(4 * u64::from(stride) * GIVEN as u64)?,
             state: gpu.zeros(4 * u64::from(stride) * NAVIGATE_STATE as u64)?,
             groups: (0..GROUPS).map(|g| Group::new(gpu, batch, stride, g)).collect::<Result<_>>()?,
             axes,
@@ -158,7 +161,7 @@ impl<'a> Carried<'a> {
     /// has found, accelerometers and gyros, member by member.
     fn begin(&self, gpu: &Gpu, means: Option<&[Vec<(f32, f32)>]>) -> Result<()> {
         let (flight, stride) = (self.batch.flight, self.stride as usize);
-        let mut given = vec![0.0_f32; stride * (6 + COUPLINGS + FOLLOWED)];
+        let mut given = vec![0.0_f32; stride * GIVEN];
         let mut state = vec![0.0_f32; stride * NAVIGATE_STATE];
         for i in 0..self.members as usize {
             let member = self.batch.members.start + i as u64;
@@ -173,6 +176,7 @@ impl<'a> Carried<'a> {
                         let (accelerometer, gyro) = of(axis);
                         given[axis * stride + i] = (begin.accelerometer[axis] - accelerometer) as f32;
                         given[(3 + axis) * stride + i] = (begin.gyro[axis] - gyro) as f32;
+                        given[(6 + COUPLINGS + FOLLOWED + axis) * stride + i] = gyro as f32;
                     }
                     begin
                 }

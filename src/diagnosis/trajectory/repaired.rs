@@ -63,8 +63,8 @@ pub struct Repaired {
     pub time_offset: Drawn,
     /// One-sided noise densities of gyro and accelerometer in motion, unit/√Hz.
     pub density: [f64; 2],
-    /// Limits of the accelerometer's readings, m/s², where it has any.
-    pub range_m_s2: Option<f64>,
+    /// Limits of the gyro's readings, rad/s, and of the accelerometer's, m/s², where they have any.
+    pub range: [Option<f64>; 2],
     /// From the IMU's axes to the body's.
     pub mounting: UnitQuaternion<f64>,
     /// From the reference's origin to the accelerometer, body axes, m.
@@ -96,7 +96,7 @@ impl Repaired {
         let mut text = format!("\n[sensor]\nsample_rate_hz = {rate_hz:?}\n");
         let row = |term: SensorTerm| term.row().keys;
         let one = |key: &Key, value: f64| if value == 0.0 { String::new() } else { line(key, &number(key, value)) };
-        text += &self.range_m_s2.map_or(String::new(), |limit| one(&row(SensorTerm::Range)[0], limit));
+        text += &self.range[1].map_or(String::new(), |limit| one(&row(SensorTerm::Range)[0], limit));
         if self.time_offset.mean != 0.0 && self.time_offset.mean.abs() <= LATEST_S {
             text += &line(&coupling::TIME_OFFSET, &drawn(&coupling::TIME_OFFSET, self.time_offset));
         }
@@ -106,6 +106,7 @@ impl Repaired {
         text += "\n[gyro]\n";
         text += &three(&row(SensorTerm::GyroBias)[0], self.gyro_bias);
         text += &one(&row(SensorTerm::AngleRandomWalk)[0], self.density[0] * DENSITY_TO_RANDOM_WALK);
+        text += &self.range[0].map_or(String::new(), |limit| one(&coupling::GYRO_RANGE, limit));
         text += &three(&coupling::GYRO_SCALE_FACTOR, self.gyro_scale);
         text += &three(&coupling::GYRO_MISALIGNMENT, self.gyro_misalignment.map(|row| over(&row)));
         text += &three(&coupling::G_SENSITIVITY, self.g_sensitivity.map(|row| over(&row)));

@@ -1,6 +1,6 @@
 //! From what was named to the sensor that a study runs.
 
-use super::candidate::{AXIS_SWAP, REFERENCE_NOISE, SATURATION, Term};
+use super::candidate::{AXIS_SWAP, REFERENCE_NOISE, Term};
 use super::clipping::Limit;
 use super::course::{Case, vector};
 use super::parameters::{
@@ -62,7 +62,7 @@ impl Diagnosed<'_> {
             g_sensitivity: [0, 1, 2].map(sensitive),
             time_offset: chosen.drawn(OFFSET),
             density: self.density,
-            range_m_s2: self.limits[1].iter().map(|limit| limit.value).reduce(f64::min),
+            range: [0, 1].map(|kind| self.limits[kind].iter().map(|limit| limit.value).reduce(f64::min)),
             mounting: self.case.mounting(&chosen.point),
             lever_arm_m: vector(&chosen.point, LEVER_ARM.start).into(),
             not_expressible: self.not_expressible(),
@@ -83,9 +83,6 @@ impl Diagnosed<'_> {
         }
         if self.chosen.drawn(OFFSET).mean.abs() > LATEST_S {
             all.push(format!("time-offset beyond {LATEST_S} s: a study moves its readings by the first order of it"));
-        }
-        if !self.limits[0].is_empty() {
-            all.push(format!("{} of the gyro: a study limits the accelerometer alone", SATURATION.id));
         }
         if self.errs {
             all.push(format!("{}: the study takes the reference for the truth", REFERENCE_NOISE.id));

@@ -1,4 +1,5 @@
-//! What 64 members take from the temperature and from late stamps, added to consecutive samples.
+//! What 64 members take from the temperature and from late stamps, added to consecutive samples, and
+//! the end of their gyros' range.
 //! Twin of `followed` in `shaders/navigate.wgsl`.
 
 use super::lanes::{Kernel, LANES, Lane};
@@ -41,7 +42,9 @@ impl<T: Real> Kernel for Followed<'_, T> {
                     let warm_force = fma::<T, FMA>(force, p.warmer, error[l]);
                     let warm_rate = fma::<T, FMA>(rate, p.warmer, turn[l]);
                     error[l] = fma::<T, FMA>(late, p.force_change[axis], warm_force);
-                    turn[l] = fma::<T, FMA>(late, p.rate_change[axis], warm_rate);
+                    let (range, rate) = (k[15 + axis][l], p.body_rate[axis]);
+                    let turned = fma::<T, FMA>(late, p.rate_change[axis], warm_rate);
+                    turn[l] = turned.min(range - rate).max(-range - rate);
                 }
             }
         }

@@ -232,6 +232,8 @@ fn every_sensor_term_is_taken_up_by_the_shader() {
                 simulate.text.contains(&format!("column(i, {of} + 1u)"))
             }
             ErrorLaw::Shape(Shape::Frequency | Shape::Phase) => uses(&simulate, &format!("TURNS_{of}")),
+            // What they do stands behind their switch.
+            ErrorLaw::LowPass | ErrorLaw::Delay => uses(&simulate, &switch),
             _ => uses(&simulate, &of),
         };
         assert!(taken_up, "{term:?} is in no one's hands");

@@ -22,8 +22,8 @@ pub fn couplings(key: &'static Key, motion: &InMotion, found: Option<&Found>, fl
         let gain = if *key == coupling::CLOCK_DRIFT { Gain::Later } else { Gain::Late };
         return if moments == (0.0, 0.0) { Vec::new() } else { vec![column(gain, moments, found, flight)] };
     }
-    if *key == coupling::TIME_JITTER {
-        // It is noise: no column.
+    if *key == coupling::TIME_JITTER || *key == coupling::GYRO_RANGE {
+        // Noise is no column, and a range is not linear.
         return Vec::new();
     }
     match coupling::OVER_TEMPERATURE.into_iter().position(|other| other == key) {
