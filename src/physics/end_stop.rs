@@ -42,7 +42,7 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     statement: "Beyond a gap the mass runs into a stop, on one side or both.",
     equation: "x″ + 2ζω₀x′ + ω₀²x + k_c (x − gap)₊ = g·u (mirrored for the other side)",
     parameters: &[
-        Parameter { name: "k_c", unit: "1/s^2", range: (0.3, 1000.0) },
+        Parameter { name: "k_c", unit: "1/s^2", range: (0.003, 1000.0) },
         Parameter { name: "gap", unit: "y", range: (0.0, 5.0) },
     ],
     acts: "equation of motion",
@@ -50,6 +50,9 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     confusable_with: &["readout-saturation", "cubic-stiffness", "quadratic-stiffness"],
     reference: "Shaw & Holmes, A periodically forced piecewise linear oscillator, J. Sound Vib. 90 (1983)",
 };
+
+/// Stiffness of the softest stop, over that of the spring.
+const SOFTEST: f64 = 0.003;
 
 impl Law for EndStop {
     fn candidate(&self) -> &'static Candidate {
@@ -60,15 +63,15 @@ impl Law for EndStop {
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
         let spring = s.omega_rad_s.powi(2);
-        // Softer than this is a bend in the spring, not a stop.
-        vec![Coordinate::Log(0.3 * spring, 1e3 * spring), Coordinate::Log(0.3 * s.output, 10.0 * s.output)]
+        // Softer than this no recording tells it from a bend in the spring.
+        vec![Coordinate::Log(SOFTEST * spring, 1e3 * spring), Coordinate::Log(0.3 * s.output, 10.0 * s.output)]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
         let reach = self.0.reach(s);
         let spring = s.omega_rad_s.powi(2);
-        [0.55, 0.7, 0.8, 0.88, 0.95]
+        [0.35, 0.55, 0.7, 0.8, 0.88, 0.95]
             .into_iter()
-            .flat_map(|r| [1.0, 10.0].map(|k| vec![k * spring, r * reach.max(0.5 * s.output)]))
+            .flat_map(|r| [0.02, 0.15, 1.0, 10.0].map(|k| vec![k * spring, r * reach.max(0.5 * s.output)]))
             .collect()
     }
     /// Harder and further away, softer and nearer: the same energy goes into it where the mass gets
@@ -88,7 +91,7 @@ impl Law for EndStop {
     fn start_grid(&self, s: &Scales) -> Option<StartGrid> {
         let (spring, reach) = (s.omega_rad_s.powi(2), self.0.reach(s).max(0.5 * s.output));
         let gaps = [0.3, 0.4, 0.5, 0.58, 0.66, 0.73, 0.79, 0.84, 0.88, 0.92, 0.95, 0.975, 0.99];
-        let stops = [0.6, 2.0, 6.0, 18.0];
+        let stops = [0.02, 0.15, 0.6, 2.0, 6.0, 18.0];
         Some(StartGrid::Points(gaps.iter().flat_map(|g| stops.map(|k| vec![k * spring, g * reach])).collect()))
     }
     #[inline(always)]

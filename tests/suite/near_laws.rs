@@ -20,6 +20,7 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("near laws: powers beside those of the library have no second name, and depart by something", powers),
         test("near laws: powers of the library are explained and depart by nothing", letters),
+        test("near laws: a stop that is softer than the spring is a stop, and a bent spring is none", soft_stop),
         test("near laws: a measured input that comes late is named as that", late),
         test("near laws: what a smoothed friction or a saturation leaves is not called noise", not_noise),
         test("near laws: a drift along a power of time is no random walk, and a walk is one", not_a_walk),
@@ -119,6 +120,25 @@ fn letters() -> Result<(), Failed> {
         let (verdict, names, forms) = diagnosed(&recording(force, 3 + seed as u64, 0.0))?;
         let said = format!("{id}: {verdict} {names:?} {forms:?}");
         check(verdict == "explained" && names == [id] && forms.iter().all(|f| f[1] == 0.0 && f[2] < 0.05), said)?;
+    }
+    Ok(())
+}
+
+/// Stops of 10, 4 and 1 % of the spring's stiffness. A weak cubic spring bends as little (control).
+fn soft_stop() -> Result<(), Failed> {
+    fn beyond(x: f64, gap: f64) -> f64 {
+        (x - gap).max(0.0)
+    }
+    let laws: [(&str, Force); 4] = [
+        ("end-stop", |x, _| 0.1 * (beyond(x, 0.9) - beyond(-x, 0.9))),
+        ("end-stop", |x, _| 0.04 * beyond(x, 0.5)),
+        ("end-stop", |x, _| -0.01 * beyond(-x, 0.8)),
+        ("cubic-stiffness", |x, _| 0.005 * x.powi(3)),
+    ];
+    for (seed, (id, force)) in laws.into_iter().enumerate() {
+        let (verdict, names, forms) = diagnosed(&recording(force, 31 + seed as u64, 0.0))?;
+        let said = format!("{id}: {verdict} {names:?} {forms:?}");
+        check(verdict == "explained" && names == [id], said)?;
     }
     Ok(())
 }
