@@ -53,6 +53,16 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
 
 /// Stiffness of the softest stop, over that of the spring.
 const SOFTEST: f64 = 0.003;
+/// The same beside a spring that bends smoothly: of a softer stop the other law takes up all but
+/// the corner.
+const SOFTEST_BESIDE_A_BEND: f64 = 0.3;
+
+impl EndStop {
+    /// Whether it is too soft to be told from the bend of another spring in the same model.
+    pub(crate) fn may_be_a_bend(parameters: &[f64], s: &Scales) -> bool {
+        parameters[0] < SOFTEST_BESIDE_A_BEND * s.omega_rad_s.powi(2)
+    }
+}
 
 impl Law for EndStop {
     fn candidate(&self) -> &'static Candidate {

@@ -8,6 +8,7 @@ use crate::diagnosis::driven::simulation::filter::Nothing;
 use crate::diagnosis::driven::simulation::run::{Run, innovations};
 use crate::numerics::least_squares::{Linear, Minimum, Residuals, minimise};
 use crate::parallel;
+use crate::physics::end_stop::EndStop;
 use crate::physics::library::Term;
 use crate::physics::scales::{Coordinate, Scales};
 use crate::physics::state::{LANES, Lanes};
@@ -220,6 +221,11 @@ impl Fit {
     pub fn term_at_bound(&self, index: usize, scales: &Scales) -> bool {
         let term = self.structure.terms[index];
         let values = self.structure.of(index, &self.point);
+        let bends = |t: &Term| matches!(t, Term::CubicStiffness(_) | Term::QuadraticStiffness(_));
+        let is_stop = matches!(term, Term::EndStop(_));
+        if is_stop && EndStop::may_be_a_bend(values, scales) && self.structure.terms.iter().any(bends) {
+            return true;
+        }
         term.noise().is_none()
             && term.coordinates(scales).iter().zip(values).any(|(c, v)| match *c {
                 Coordinate::Log(low, high) | Coordinate::Bounded(_, low, high) => *v < 1.01 * low || *v > 0.99 * high,
