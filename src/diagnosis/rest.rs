@@ -18,6 +18,7 @@ mod departure;
 mod describe;
 pub mod detail;
 mod disturbance;
+mod earth;
 mod effects;
 mod estimate;
 mod findings;
@@ -27,8 +28,8 @@ mod jump;
 mod laws;
 mod level;
 mod location;
+mod mean;
 mod near_law;
-mod place;
 mod plausible;
 mod profile;
 mod residual;
@@ -72,6 +73,7 @@ const FEWEST: usize = 256;
 /// # Errors
 /// Fewer than 256 samples, or columns that are not there.
 pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control) -> Result<Answer> {
+    earth::check(model)?;
     let rows = rows(recording, model)?;
     // A linear search for each of many thousand channels would take minutes.
     let places: HashMap<&str, usize> =

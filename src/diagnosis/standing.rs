@@ -94,4 +94,6 @@ pub enum Note {
     },
     /// Never fitted: no pose can tell it from the common scale.
     Indistinguishable,
+    /// Never fitted: one pose cannot tell it from biases and scale factors.
+    OnePose,
 }

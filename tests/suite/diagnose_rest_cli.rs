@@ -124,7 +124,10 @@ fn survived() -> Result<(), Failed> {
     let told = survived("a promise wrong by a thousand", &good, &promise, "check the unit")?;
     check(told["verdict"] != "adequate", "a level wrong by a thousand is called adequate")?;
     let silent = bench.verdict(&good, MODEL)?;
-    check(silent["findings"].as_array().is_some_and(Vec::is_empty), format!("{}", silent["findings"]))
+    // Of a walk it is said that the mean is no bias; that is no damage.
+    let is_damage = |f: &Value| !f.as_str().is_some_and(|f| f.contains("the mean of this recording is"));
+    let damage = silent["findings"].as_array().is_none_or(|all| all.iter().any(is_damage));
+    check(!damage, format!("{}", silent["findings"]))
 }
 
 /// The turntable's recording with its poses, shifted by so many rows.

@@ -18,6 +18,7 @@ use plant::{PLANTED, Plant, relaxation, sized, smoothed, walk, white};
 
 mod level;
 mod near;
+mod place;
 mod plant;
 mod recordings;
 
@@ -35,6 +36,8 @@ pub fn tests() -> Vec<Trial> {
         test("static: powers of time have no cause in common, what settles in two speeds is no walk", near::courses),
         test("static: a density near 1/f has one name, with its exponent", near::exponents),
         test("static: a pickup whose frequency wanders is no rounding", near::wandering_pickup),
+        test("static: intervals of the means hold the bias, whatever the noise", place::intervals),
+        test("static: gravity and the Earth's rate are references, and name nothing", place::references),
         test("static: what one channel cannot describe leaves the names of another alone", channel_by_channel),
         test("static: rounding coarser than the noise is named alone, wherever the value lies", coarse),
         test("static: noise as real sensors have it is adequate and said", noisy),

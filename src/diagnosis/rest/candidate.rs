@@ -5,8 +5,10 @@
 //! and `row`.
 
 mod band_limit;
+mod earth_rate;
 mod flicker_noise;
 mod gauss_markov;
+mod local_gravity;
 mod quantisation_noise;
 mod random_walk;
 mod rate_ramp;
@@ -23,6 +25,11 @@ use super::cause::Cause;
 use crate::diagnosis::candidate::Candidate;
 use row::JUMP;
 
+/// What one pose cannot tell from biases and scale factors: in the library to be said, never to be
+/// fitted (`earth`).
+pub(super) const LOCAL_GRAVITY: Candidate = local_gravity::CANDIDATE;
+pub(super) const EARTH_RATE: Candidate = earth_rate::CANDIDATE;
+
 /// The library of this kind.
 pub const CANDIDATES: &[Candidate] = &[
     white_noise::CANDIDATE,
@@ -34,6 +41,8 @@ pub const CANDIDATES: &[Candidate] = &[
     sinusoid::CANDIDATE,
     warm_up::CANDIDATE,
     temperature_sensitivity::CANDIDATE,
+    LOCAL_GRAVITY,
+    EARTH_RATE,
 ];
 
 /// What each channel's selection offers, in this order. White noise is in every model; its level is
@@ -76,6 +85,7 @@ mod tests {
         let mut entries: Vec<&str> = OFFERED.iter().filter_map(|c| row(*c).entry).map(|e| e.id).collect();
         assert_eq!(entries.len(), OFFERED.len() - 1, "the band limit alone is no physics left out");
         entries.extend(row(Cause::WhiteNoise).entry.map(|e| e.id));
+        entries.extend([LOCAL_GRAVITY.id, EARTH_RATE.id]);
         assert!(CANDIDATES.iter().all(|c| entries.contains(&c.id)) && entries.len() == CANDIDATES.len(), "{entries:?}");
     }
 }

@@ -10,6 +10,7 @@ use super::effects::{self, Basis, Found};
 use super::findings;
 use super::jump;
 use super::level::{self, Levels};
+use super::mean::Mean;
 use super::near_law::{self, Judged};
 use super::residual::{Residual, TOLERANCE, residual};
 use super::score::{fit, ranking};
@@ -17,7 +18,7 @@ use super::selection::Selection;
 use super::spectrum::{self, Law};
 use super::standing::correction;
 use super::statement::Statement;
-use super::{describe, location, place, plausible, sensor, statements, telegraph};
+use super::{describe, earth, location, plausible, sensor, statements, telegraph};
 use crate::diagnosis::answer::{self, Answer};
 use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model;
@@ -140,7 +141,8 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// One name for the slow laws of a channel whose drift has an exponent of its own.
+    /// Where one power law f^−α fits a channel's drift as well as its slow laws together, one effect
+    /// with the fitted exponent replaces theirs.
     fn name_near_laws(&mut self) {
         let count = self.channels.len();
         for place in 0..count {
@@ -298,14 +300,9 @@ impl<'a> Draft<'a> {
         self.departures.iter().enumerate().filter_map(of).collect()
     }
 
-    fn means(&self) -> Vec<Estimate> {
-        place::means(self.channels, &self.finals, self.unit)
-    }
-
-    fn statements(&self) -> Vec<Statement> {
-        let place = place::reference(self.model, &self.means());
-        let of = statements::of(self.recording, self.channels, &self.finals, &self.residuals);
-        of.into_iter().chain(place).collect()
+    fn means(&self) -> Vec<Mean> {
+        let noise = self.model.noise.as_ref();
+        self.channels.iter().zip(&self.finals).map(|(c, f)| Mean::of(c, f, noise)).collect()
     }
 
     fn answer(self) -> Answer {
@@ -320,12 +317,20 @@ impl<'a> Draft<'a> {
             fits: fits[i],
             ..describe::detail(&channels[i], &before[i], &self.finals[i])
         };
+        let means = self.means();
+        let base: Vec<Estimate> = means.iter().map(|m| m.estimate(self.unit)).collect();
+        let reference = earth::reference(self.model, &base);
+        let mut ranking = ranking(channels, self.selected, &self.effects);
+        let names = || channels.iter().map(|c| c.name.clone()).collect();
+        ranking.extend(reference.as_ref().and_then(|r| earth::ranked(r, names())));
+        let of_readings = statements::of(self.recording, channels, &self.finals, &self.residuals);
+        let statements = of_readings.into_iter().chain(means.iter().filter_map(Mean::statement)).chain(reference);
+        let statements: Vec<Statement> = statements.collect();
         let follows_temperature = self.effects.iter().any(|e| e.cause == Cause::TemperatureSensitivity);
         let of_static = Detail {
             unit: self.unit.into(),
             channels: (0..count).map(of_channel).collect(),
-            statements: self.statements(),
-            means: self.means(),
+            statements,
             departures: self.departures_named(),
             temperature_unlogged: follows_temperature && self.model.columns.environment.is_empty(),
             location,
@@ -337,10 +342,10 @@ impl<'a> Draft<'a> {
             places,
             fit: fit(channels, self.selected, &self.finals, &before, self.unit),
             residual_after: self.remainder().whiteness(),
-            ranking: ranking(channels, self.selected, &self.effects),
+            ranking,
             repair: sensor::repair(self.recording, channels, &self.finals, &self.effects, self.model),
             detail: answer::Detail::Static(Box::new(of_static)),
-            base: Vec::new(),
+            base,
             effects,
             findings: self.findings,
         }

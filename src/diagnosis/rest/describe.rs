@@ -9,10 +9,16 @@ use crate::numerics::allan;
 /// Variance per bin that a datasheet promises beyond white noise, in the channel's scale.
 pub(super) fn promised(channel: &Channel, noise: Option<&Noise>) -> Vec<f64> {
     let Some(noise) = noise.filter(|n| n.bias_instability > 0.0 || n.random_walk > 0.0) else { return Vec::new() };
+    let laws = promised_laws(channel, noise);
+    let at = |b: &Bin| laws.iter().map(|(law, strength)| strength * law.variance(b.theta)).sum();
+    spectrum::bins(&channel.coefficients).iter().map(at).collect()
+}
+
+/// Slow laws that a datasheet promises, with their strengths in the channel's scale.
+pub(super) fn promised_laws(channel: &Channel, noise: &Noise) -> [(Law, f64); 2] {
     let flicker = (noise.bias_instability / channel.scale).powi(2);
     let walk = (noise.random_walk / channel.scale).powi(2) / channel.rate_hz;
-    let at = |b: &Bin| flicker * Law::Flicker.variance(b.theta) + walk * Law::Walk.variance(b.theta);
-    spectrum::bins(&channel.coefficients).iter().map(at).collect()
+    [(Law::Flicker, flicker), (Law::Walk, walk)]
 }
 
 /// Variance of a white sample that a one-sided density promises, in the channel's scale.

@@ -2,7 +2,7 @@
 //! words.
 
 use super::statement::Statement;
-use crate::diagnosis::verdict::{Estimate, Stretch};
+use crate::diagnosis::verdict::Stretch;
 
 /// Plain numbers behind the figures.
 #[derive(Debug, Clone, Default)]
@@ -15,8 +15,6 @@ pub struct Detail {
     pub temperature_unlogged: bool,
     /// Location of the mismatch.
     pub location: Location,
-    /// The mean of every channel.
-    pub means: Vec<Estimate>,
     /// Drifts whose exponent is not, or may not be, that of a library law.
     pub departures: Vec<Departure>,
     /// What is found of the readings and their noise besides.

@@ -29,7 +29,7 @@ pub(super) enum Basis {
     Shape,
     /// More than that: a column, a common cause, a grid, a promise.
     Witness,
-    /// A spectrum of an exponent of its own, which leaves noise.
+    /// A power-law spectrum with a fitted exponent; the residual is noise.
     Exponent,
 }
 

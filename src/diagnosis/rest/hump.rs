@@ -1,9 +1,9 @@
 //! Humps in the spectrum that are wider than a line and narrower than a band: a pickup whose
 //! frequency wanders.
 //!
-//! A band a third wide holds thousands of coefficients of a long recording, in which a hump of
-//! thirty is lost; a line is one frequency. Windows of a few widths between the two, each laid half
-//! over the next, look for what stands out. Not for humps of a law of noise: those are wide.
+//! In a long recording a band a third wide holds thousands of coefficients and averages a hump of
+//! thirty away; a line covers only one. Windows of 8, 32 and 128 coefficients, each overlapping the
+//! next by half, are tested for excess power. Not for humps of a law of noise: those are wide.
 
 use std::f64::consts::PI;
 

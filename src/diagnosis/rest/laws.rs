@@ -27,7 +27,7 @@ fn is_slow_law(term: &Term) -> bool {
 }
 
 /// Akaike's criterion, turned so that more is better; what all models here share is left out.
-fn merit(fitted: &Fitted) -> f64 {
+pub(super) fn merit(fitted: &Fitted) -> f64 {
     let numbers: f64 = fitted.terms.iter().map(|t| row(t.cause).numbers).sum();
     2.0 * (fitted.log_likelihood() - numbers)
 }

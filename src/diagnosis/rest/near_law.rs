@@ -1,4 +1,5 @@
-//! A drift with an exponent of its own is named for the nearest law, and for that one alone.
+//! A drift whose spectrum is a power law f^−α gets one name, that of the law with the nearest whole
+//! exponent.
 //!
 //! A sum of flicker, a walk and a memory takes up what one law near 1/f or 1/f² leaves: the second
 //! and third names would be given for the freedom of the first. Where one law of free exponent does

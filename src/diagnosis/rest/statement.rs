@@ -14,6 +14,19 @@ pub enum Earth {
     Rate,
 }
 
+/// What may lie behind the difference between the length of the means and what the Earth shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Difference {
+    /// Nothing: the interval holds what is expected.
+    None,
+    /// Gravity, which deviates as much from that of the ellipsoid.
+    Anomaly,
+    /// An error of the sensor as well as gravity of another latitude, °, at the same height.
+    Latitude(f64),
+    /// An error of the sensor: no place shows as much or as little.
+    Sensor,
+}
+
 /// A statement; the words are made in `report`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Statement {
@@ -49,18 +62,33 @@ pub enum Statement {
         /// Sampling rate, Hz.
         rate_hz: f64,
     },
+    /// Drift makes the bias less certain than the mean of the recording.
+    Mean {
+        /// Heading of the channel.
+        channel: String,
+        /// Mean of the recording, in the channel's unit.
+        value: f64,
+        /// Half the 95 % interval of the recording's own mean.
+        of_recording: f64,
+        /// Half the 95 % interval of the bias that the drift was added to.
+        of_bias: f64,
+    },
     /// What the Earth should show of itself, beside the length of the three means.
-    Place {
+    Reference {
         /// Gravity or its rate.
         earth: Earth,
         /// Of the means, in their unit.
         length: f64,
-        /// Its 95 % interval, of the noise alone.
+        /// Its 95 % interval.
         ci95: [f64; 2],
         /// What it should be.
         expected: f64,
-        /// Where, °.
+        /// Geodetic latitude, °.
         latitude_deg: f64,
+        /// Height above the ellipsoid, m.
+        height_m: f64,
+        /// What may lie behind the difference.
+        difference: Difference,
     },
     /// The power of the noise is not the same at all times.
     Uneven {

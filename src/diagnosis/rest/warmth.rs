@@ -5,6 +5,7 @@ use super::cause::Cause;
 use super::channel::{Addition, Channel, Fitted, Term};
 use super::followed::{Delay, Followed};
 use crate::motion::temperature::{POSSIBLE_DEG_C, Temperature};
+use crate::numerics::moments;
 use crate::recording::Recording;
 
 /// Points of a profile, at most.
@@ -68,7 +69,7 @@ pub(super) fn of(channel: &Channel, fitted: &Fitted, recording: &Recording) -> R
         return Err(Unfit::Curved);
     };
     let logged = recording.columns.iter().find(|c| c.name == *column).ok_or(Unfit::Unlogged)?;
-    let mean = logged.values.iter().sum::<f64>() / logged.values.len().max(1) as f64;
+    let mean = moments::mean(&logged.values);
     let points = profile(&curve.values, channel.rate_hz, |value| mean + unit * value);
     if !points.iter().all(|[_, deg_c]| POSSIBLE_DEG_C.contains(deg_c)) {
         return Err(Unfit::NoTemperature);
@@ -88,7 +89,7 @@ fn profile(values: &[f64], rate_hz: f64, to: impl Fn(f64) -> f64) -> Vec<[f64; 2
     let at = |quarters: usize| quarters * values.len() / (4 * parts);
     let mean = |from: usize, to: usize| {
         let around = &values[at(from)..at(to)];
-        around.iter().sum::<f64>() / around.len().max(1) as f64
+        moments::mean(around)
     };
     let end = |outer: f64, inner: f64| outer + 0.5 * (outer - inner);
     let last = 4 * parts;

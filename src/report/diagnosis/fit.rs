@@ -35,6 +35,9 @@ fn noise(verdict: &Verdict) -> String {
     }
 }
 
+/// Numbers of the base model in a line, at most; the table has them all.
+const IN_A_LINE: usize = 12;
+
 /// The base model's numbers in a line.
 pub(crate) fn base_words(verdict: &Verdict) -> String {
     let one = |e: &Estimate| {
@@ -53,7 +56,11 @@ pub(crate) fn base_words(verdict: &Verdict) -> String {
         };
         format!("{symbol} = {}{unit}{hz}", estimate(e))
     };
-    verdict.base.iter().map(one).collect::<Vec<String>>().join(", ")
+    let words = verdict.base.iter().take(IN_A_LINE).map(one).collect::<Vec<String>>().join(", ");
+    match verdict.base.len().saturating_sub(IN_A_LINE) {
+        0 => words,
+        more => format!("{words} and {more} more in verdict.json"),
+    }
 }
 
 /// The same as a table.

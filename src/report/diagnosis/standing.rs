@@ -21,6 +21,7 @@ pub(crate) fn note(note: &Note) -> String {
         Note::BesideNamed => "what it adds to the other named effects".into(),
         Note::Dropped(reason) => format!("dropped: {}", dropped(*reason)),
         Note::InPoses { judged, fate } => format!("scored by {}{}", residual(*judged), fated(fate)),
+        Note::OnePose => "cannot be separated from biases and scale factors in one pose; see the findings".into(),
         Note::Indistinguishable => "cannot be separated from the common scale by any pose: both multiply |f|".into(),
     }
 }

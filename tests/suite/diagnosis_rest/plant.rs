@@ -48,6 +48,17 @@ pub fn walk(count: usize, rng: &mut Philox) -> Vec<f64> {
         .collect()
 }
 
+/// White noise of unit size summed exponent/2 times from the first sample on (Kasdin, Proceedings
+/// of the IEEE 83, 1995): its density is (2 sin(ω/2))^−exponent to the letter, at all frequencies.
+pub fn fractional(count: usize, exponent: f64, rng: &mut Philox) -> Vec<f64> {
+    let mut response = vec![1.0; count];
+    for k in 1..count {
+        response[k] = response[k - 1] * (k as f64 - 1.0 + 0.5 * exponent) / k as f64;
+    }
+    let steps = white(count, rng);
+    (0..count).map(|n| (0..=n).map(|k| response[k] * steps[n - k]).sum()).collect()
+}
+
 /// A sum of relaxations in octaves.
 pub fn flicker(count: usize, rng: &mut Philox) -> Vec<f64> {
     let mut out = vec![0.0; count];

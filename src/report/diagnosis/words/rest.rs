@@ -63,7 +63,7 @@ fn open(detail: &Detail) -> String {
     detail.departures.iter().filter(|d| !d.refuted).map(departure).collect::<Vec<_>>().join(" ")
 }
 
-/// A drift with an exponent of its own.
+/// What the fitted exponent of a channel's drift says about its laws.
 fn departure(of: &Departure) -> String {
     let Departure { channel, ids, near, refuted, in_time, exponent, ci95 } = of;
     let ids = ids.join(" and ");

@@ -100,7 +100,7 @@ fn drift(drift: &Drift, has_column: bool) -> String {
     let unit = if drift.sensor == Sense::Gyro { "°/s" } else { "mm/s²" };
     let [x, y, z] = drift.range.map(short);
     let why = if has_column {
-        "the environment column does not explain it"
+        "the environment column explains it no better"
     } else {
         "1/f noise, warm-up and a draining battery look alike here; a temperature column under `environment` would \
         tell them apart"

@@ -2,8 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::diagnosis::rest::statement::{Earth, Filter, Statement};
-use crate::number::{duration, short, significant};
+use crate::diagnosis::rest::statement::{Difference, Earth, Filter, Statement};
+use crate::number::{duration, short, significant, with_uncertainty};
 
 /// All of them in sentences; `unit` is that of the channels. Many bad readings of a channel are
 /// told together.
@@ -75,20 +75,13 @@ fn statement(statement: &Statement, unit: &str) -> String {
             short(rate_hz / 2.0),
             shape(*filter, *rate_hz)
         ),
-        Statement::Place { earth, length, ci95, expected, latitude_deg } => {
-            let (what, beyond) = match earth {
-                Earth::Gravity => ("gravity", "scale factors and biases would have to account for the difference"),
-                Earth::Rate => ("the Earth's rate", "the excess is bias"),
-            };
-            let [low, high] = ci95.map(|v| significant(v, 6));
-            format!(
-                "the vector of the means has length {} {unit} ({low} to {high} by their noise); {what} at {}° is {} \
-                {unit}: {beyond}",
-                significant(*length, 6),
-                short(*latitude_deg),
-                significant(*expected, 6)
-            )
-        }
+        Statement::Mean { channel, value, of_recording, of_bias } => format!(
+            "`{channel}`: the mean of this recording is {} {unit}; the bias that its drift was added to is {} {unit}, \
+            less certain because drift does not average out",
+            with_uncertainty(*value, *of_recording),
+            with_uncertainty(*value, *of_bias)
+        ),
+        Statement::Reference { .. } => reference(statement, unit),
         Statement::Uneven { channel, power, creep } => {
             let [low, high] = power.map(short);
             let how = match creep {
@@ -100,6 +93,53 @@ fn statement(statement: &Statement, unit: &str) -> String {
                 None => format!("its power is {low} to {high} times its mean"),
             };
             format!("`{channel}`: the noise is uneven, {how}; stated levels are means over the recording")
+        }
+    }
+}
+
+/// The length of the three means beside what the Earth shows.
+fn reference(of: &Statement, unit: &str) -> String {
+    let Statement::Reference { earth, length, ci95, expected, latitude_deg, height_m, difference } = of else {
+        return String::new();
+    };
+    let off = length - expected;
+    let more = if off > 0.0 { "more" } else { "less" };
+    let [size, ppm] = [off.abs(), 1e6 * (off / expected).abs()].map(short);
+    let [low, high] = ci95.map(|v| significant(v, 6));
+    let [length, expected] = [*length, *expected];
+    let found = format!("the vector of the three means has length {} {unit} ({low} to {high})", significant(length, 6));
+    let place = format!("{}° and {} m", short(*latitude_deg), short(*height_m));
+    match earth {
+        Earth::Gravity => {
+            let what = format!("`local-gravity`: {found}, gravity at {place} is {} {unit}", significant(expected, 6));
+            match difference {
+                Difference::None => {
+                    format!("{what}: they agree; a scale error and a bias that cancel along gravity would not show")
+                }
+                Difference::Anomaly => {
+                    format!("{what}: {size} {unit} {more}, no more than gravity deviates from the ellipsoid's")
+                }
+                Difference::Latitude(other) => format!(
+                    "{what}: {size} {unit} {more}; a scale error of {ppm} ppm, biases of at least {size} {unit} and \
+                    gravity at {}° look alike in one pose, so none is named",
+                    short(*other)
+                ),
+                Difference::Sensor => format!(
+                    "{what}: {size} {unit} {more}, and no latitude at this height has such gravity: it is a scale \
+                    error of {ppm} ppm or biases of at least {size} {unit}, which look alike in one pose"
+                ),
+            }
+        }
+        Earth::Rate => {
+            let what = format!("`earth-rate`: {found}, the Earth turns at {} {unit}", significant(expected, 6));
+            let reach = short(length + expected);
+            match difference {
+                Difference::Sensor => format!(
+                    "{what}: {size} {unit} {more}, so biases of {size} to {reach} {unit} together, or a scale error, \
+                    are in the means"
+                ),
+                _ => format!("{what}: they agree; biases of up to {reach} {unit} together could hide in one pose"),
+            }
         }
     }
 }
