@@ -36,6 +36,8 @@ pub struct Imu {
     pub heading_rad_s: f64,
     /// Accelerometer error by pointing on one side only (a soft stop), m/s²: not in the library.
     pub soft_stop_m_s2: f64,
+    /// Scale error of the gyro by |ω|, s/rad: not in the library.
+    pub bend_s: f64,
     /// White noise per sample of both sensors, SI.
     pub noise: [f64; 2],
     /// Poses.
@@ -59,6 +61,7 @@ impl Imu {
             hysteresis_m_s2: 0.0,
             heading_rad_s: 0.0,
             soft_stop_m_s2: 0.0,
+            bend_s: 0.0,
             noise: [about(0.008, 0.004), about(0.006, 0.003)],
             poses: 30,
         }
@@ -131,7 +134,9 @@ impl Imu {
             + stop;
         let heading = attitude.inverse() * Vector3::new(1.0, 0.0, 0.0);
         let turning = rate + attitude.inverse() * self.frame_rate_rad_s;
-        let angular = curved(self.alignment[1] * turning + self.g_sensitivity * force, &self.quadratic[1])
+        let along = self.alignment[1] * turning + self.g_sensitivity * force;
+        let angular = curved(along, &self.quadratic[1])
+            + along.map(|w| self.bend_s * w.abs() * w)
             + self.drift_per_minute[1] * minutes
             + heading * self.heading_rad_s;
         [acceleration, angular]

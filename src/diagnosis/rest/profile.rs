@@ -36,7 +36,7 @@ pub(super) fn profile([from, to]: [f64; 2], points: usize, at: impl Fn(f64) -> f
             let far = (best.0 + direction * reach).clamp(from, to);
             if !inside(far) {
                 let mut out = far;
-                for _ in 0..6 {
+                for _ in 0..10 {
                     let middle = 0.5 * (near + out);
                     if inside(middle) { near = middle } else { out = middle }
                 }

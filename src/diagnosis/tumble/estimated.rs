@@ -3,15 +3,19 @@
 //!
 //! It frees what nearly every unit has (offset, scale per axis, misalignment) beside whatever was
 //! chosen, so that a number is not forced to zero because it was too small to be named, and comes
-//! out also where something else is left out.
+//! out also where something else is left out. There, leaving out poses in turn tells how the numbers
+//! scatter and not how the law that is missing moves them; what each candidate of that sensor would
+//! move them by is added to their intervals.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::calibration::{Calibration, Point, Triad};
-use super::candidate::{Role, terms};
+use super::candidate::{Role, Term, terms};
 use super::fit::Fit;
+use super::group::Group;
 use super::imu::Observed;
 use super::jackknife::half_width;
+use super::residual::Residual;
 use crate::diagnosis::verdict::{SensorCalibration, Triads};
 use crate::sensor::Sense;
 
@@ -32,9 +36,12 @@ pub(crate) fn calibration(observed: &Observed<'_>, chosen: &Fit) -> Option<Triad
     }
     let replicates = fit.replicates(observed.poses.len());
     let sensor = |sense: Sense, unit: &str| {
+        let others = alternatives(observed, fit, sense);
         let number = |of: &dyn Fn(&Triad) -> f64| {
             let of = |p: &Point| of(triad(&Calibration::from_point(p), sense));
-            let (value, half) = (of(&fit.point), half_width(&of, fit, &replicates));
+            let value = of(&fit.point);
+            let moved = others.iter().map(|other| (of(other) - value).abs()).fold(0.0, f64::max);
+            let half = half_width(&of, fit, &replicates).hypot(AS_MUCH_AGAIN * moved);
             (value, [value - half, value + half])
         };
         let entry = |i: usize, j: usize| number(&|t| matrix(t)[(i, j)]);
@@ -52,6 +59,27 @@ pub(crate) fn calibration(observed: &Observed<'_>, chosen: &Fit) -> Option<Triad
         gyro: with_gyro.then(|| sensor(Sense::Gyro, "rad/s")),
         accelerometer: sensor(Sense::Accelerometer, "m/s^2"),
     })
+}
+
+/// What a law outside the library moves a number by, over what the candidate nearest to it does: the
+/// part of its course that the candidate does not follow moves it about as much again.
+const AS_MUCH_AGAIN: f64 = 2.0;
+
+/// The parameters with each candidate that acts on this sensor freed in turn; none where its
+/// residual is noise.
+fn alternatives(observed: &Observed<'_>, fit: &Fit, sense: Sense) -> Vec<Point> {
+    let own = |group: Group| (group == Group::Gravity) == (sense == Sense::Accelerometer);
+    if !Residual::of(fit).above.iter().any(|(group, _)| own(*group)) {
+        return Vec::new();
+    }
+    let library = terms(observed.imu.gyro.is_some(), false).into_iter();
+    let free = library.filter(|t| t.sensor == sense && t.active().any(|p| !fit.active.contains(&p)));
+    let with = |term: &Term| {
+        let mut active = fit.active.clone();
+        active.extend(term.active().filter(|p| !fit.active.contains(p)));
+        Fit::balanced(observed, &fit.point, &active)
+    };
+    free.map(with).filter(|f| f.determined).map(|f| f.point).collect()
 }
 
 fn triad(calibration: &Calibration, sense: Sense) -> &Triad {
