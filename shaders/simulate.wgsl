@@ -119,6 +119,7 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     let bias = column(i, ACCELEROMETER_BIAS);
     let scale = column(i, SCALE_FACTOR);
     let k2 = column(i, NONLINEARITY);
+    let k3 = column(i, CUBIC_NONLINEARITY);
     let range = column(i, RANGE);
     let lsb = column(i, QUANTISATION);
     let steps = column(i, STEPS);
@@ -237,7 +238,7 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
                     error = shown + bias;
                     if HAS_READING {
                         let a = felt + shown;
-                        error = fma(fma(k2, a, scale), a, error);
+                        error = fma(fma(fma(k3, a, k2), a, scale), a, error);
                     }
                     // Until here the force was the one that the reading is late of.
                     if HAS_READOUT_DELAY {

@@ -16,6 +16,7 @@ pub use sense::Sense;
 pub use terms::{Accelerometer, Gyro, SensorTerm};
 
 use crate::physics::coefficients::Coefficients;
+use crate::physics::end_stop;
 use crate::units::key::Key;
 
 /// The proof mass: x″ + 2ζω₀x′ + ω₀²x + βx³ = f (paper's eq. 6; eq. 4 is β = 0), with whatever
@@ -36,6 +37,11 @@ impl ProofMass {
     /// Cubic stiffness β, 1/(m² s²).
     pub fn cubic_per_m2_s2(&self) -> f64 {
         self.laws.of(&mechanics::CUBIC_STIFFNESS)
+    }
+
+    /// The fastest rate of its motion: in contact with its end stops where it has any, rad/s.
+    pub fn fastest_rad_s(&self) -> f64 {
+        self.natural_frequency_rad_s.hypot(self.laws.of(&end_stop::GIVEN[0].key).max(0.0).sqrt())
     }
 
     /// Whether there is anything beyond the linear and the cubic spring.

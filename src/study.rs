@@ -123,14 +123,15 @@ pub fn of_table(name: &str, table: toml::Table, overrides: &Overrides, folder: &
     Study::new(name, text, from_table(name, table)?, overrides, folder.into())
 }
 
-/// The numbers of a sensor that stands in a study.toml or alone in a sensor.toml, and its readings
-/// per second. Recordings that the file names are not read.
+/// The numbers of a sensor that stands in a study.toml or alone in a sensor.toml, axis by axis, and
+/// its readings per second. Recordings that the file names are not read.
 ///
 /// # Errors
 /// As [`read`], of what concerns the sensor.
-pub fn sensor(name: &str, text: &str) -> Result<(Tolerances, f64)> {
+pub fn sensor(name: &str, text: &str) -> Result<([Tolerances; 3], f64)> {
     let file: file::File = parse_toml(name, text)?;
-    Ok((check::tolerances(name, &file, 0)?, check::rate_hz(name, &file)?))
+    let axis = |axis: usize| check::tolerances(name, &file, axis);
+    Ok(([axis(0)?, axis(1)?, axis(2)?], check::rate_hz(name, &file)?))
 }
 
 impl Study {

@@ -8,6 +8,7 @@ mod suite {
     pub mod bench;
     pub mod benchmarks;
     pub mod carried_over;
+    pub mod carried_over_driven;
     pub mod carried_over_tumble;
     pub mod cli;
     pub mod clock;
@@ -143,6 +144,8 @@ fn main() {
         suite::diagnose_rest_cli::tests(),
         // carried_over: what a diagnosis at rest names, a study of its repaired sensor runs.
         suite::carried_over::tests(),
+        // carried_over_driven: what is named of a readout.
+        suite::carried_over_driven::tests(),
         // carried_over_tumble: what is named of poses, axis by axis.
         suite::carried_over_tumble::tests(),
         // dynamics: Duffing orbits match analysis, print and each other.

@@ -52,7 +52,7 @@ pub(crate) fn position_error_m(
     control: &Control,
 ) -> Result<[f64; 2], Stopped> {
     let omega_rad_s = std::f64::consts::TAU * vibration.frequency_hz;
-    let fastest = mass.natural_frequency_rad_s.max(omega_rad_s);
+    let fastest = mass.fastest_rad_s().max(omega_rad_s);
     let period_s = 1.0 / vibration.frequency_hz;
     let steps = (period_s.min(times_s[1]) * fastest * STEPS_PER_RADIAN).ceil();
     if !(1.0..1e15).contains(&steps) || vibration.amplitude_m_s2 == 0.0 {
@@ -100,12 +100,14 @@ pub(crate) fn position_error_m(
 impl<'a> VibratedSensor<'a> {
     fn of(control: &'a Control, mass: &ProofMass, vibration: &'a Vibration, steps_per_period: usize) -> Self {
         let (omega, si) = (mass.natural_frequency_rad_s, Units { y: 1.0, u: 1.0, s: 1.0 });
+        // What changes with time has no period.
+        let repeats = |law: &&StudyLaw| !matches!(law.term, Term::StiffnessDrift(_));
         let values = |law: &StudyLaw| mass.laws.values(law, &si).map(|v| [v]);
         Self {
             control,
             stiffness: omega.powi(2),
             damping: 2.0 * mass.damping_ratio * omega,
-            laws: mass.laws.acting().map(|law| (law.term, values(law))).collect(),
+            laws: mass.laws.acting().filter(repeats).map(|law| (law.term, values(law))).collect(),
             vibration,
             omega_rad_s: std::f64::consts::TAU * vibration.frequency_hz,
             period_s: 1.0 / vibration.frequency_hz,

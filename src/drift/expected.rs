@@ -199,7 +199,8 @@ fn law_of_term(study: &Study, term: SensorTerm, key: &Key) -> Law {
     let level_si = level(study, key);
     match term.law() {
         ErrorLaw::Proportional(1) | ErrorLaw::Force(1) => motion(study, key, Course::Force),
-        ErrorLaw::Proportional(_) | ErrorLaw::Force(_) => motion(study, key, Course::Square),
+        ErrorLaw::Proportional(2) | ErrorLaw::Force(2) => motion(study, key, Course::Square),
+        ErrorLaw::Proportional(_) | ErrorLaw::Force(_) => Law::None("its error follows the cube of the force"),
         ErrorLaw::Warm(0) => {
             let (mean, variance) = study.tolerances.moments(key);
             Law::Motion { course: Course::Warmer, mean, variance }

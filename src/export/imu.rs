@@ -3,7 +3,7 @@
 
 use crate::error::{Error, Result};
 use crate::sensor::error_law::ErrorLaw;
-use crate::sensor::{Sense, SensorTerm};
+use crate::sensor::{Sense, SensorTerm, coupling};
 use crate::study;
 use crate::study::tolerances::{Tolerances, keys};
 use crate::units::key::Key;
@@ -44,8 +44,8 @@ pub struct Other {
     pub key: &'static Key,
     /// The term, unless it belongs to the proof mass.
     pub term: Option<SensorTerm>,
-    /// Mean, in the key's unit.
-    pub mean: f64,
+    /// Mean of each axis, in the key's unit.
+    pub means: [f64; 3],
 }
 
 /// An inertial measurement unit.
@@ -101,10 +101,10 @@ impl Imu {
     /// Text that is no such file, numbers that make no sense, or a file without noise.
     pub fn parse(source: &str, text: &str) -> Result<Self> {
         let (numbers, rate_hz) = study::sensor(source, text)?;
-        let mut imu = Self::new(source, rate_hz);
-        for sense in [Sense::Accelerometer, Sense::Gyro] {
-            *imu.errors_mut(sense) = errors(&numbers, sense);
-        }
+        let axes = numbers.each_ref().map(|axis| [Sense::Accelerometer, Sense::Gyro].map(|sense| errors(axis, sense)));
+        let [accelerometer, gyro] = axes[0];
+        let alike = Self { accelerometer, gyro, ..Self::new(source, rate_hz) };
+        let mut imu = if axes == [axes[0]; 3] { alike } else { alike.with_axes(axes) };
         imu.others = others(&numbers);
         if [imu.accelerometer, imu.gyro].iter().all(|e| [e.white, e.flicker, e.walk, e.bias] == [Value::default(); 4]) {
             return Err(Error::new(
@@ -116,13 +116,6 @@ impl Imu {
         Ok(imu)
     }
 
-    fn errors_mut(&mut self, sense: Sense) -> &mut Errors {
-        match sense {
-            Sense::Accelerometer => &mut self.accelerometer,
-            Sense::Gyro => &mut self.gyro,
-        }
-    }
-
     /// The sensor as a sensor.toml, nine digits each.
     pub fn sensor_toml(&self, target: &str) -> String {
         let mut toml = format!(
@@ -132,22 +125,16 @@ impl Imu {
             env!("CARGO_PKG_VERSION"),
             self.rate_hz
         );
-        for (sense, errors) in [(Sense::Accelerometer, &self.accelerometer), (Sense::Gyro, &self.gyro)] {
-            let lines: String = SensorTerm::ALL
-                .into_iter()
-                .filter(|term| term.sense() == sense)
-                .filter_map(|term| line(term, errors))
-                .collect();
+        for (number, sense) in [Sense::Accelerometer, Sense::Gyro].into_iter().enumerate() {
+            let axes = [0, 1, 2].map(|axis| self.axis(axis)[number]);
+            let terms = SensorTerm::ALL.into_iter().filter(|term| term.sense() == sense);
+            let mut lines: String = terms.filter_map(|term| line(term, &axes)).collect();
+            if sense == Sense::Gyro && axes.iter().any(|errors| errors.range.is_finite()) {
+                let key = &coupling::GYRO_RANGE;
+                lines += &format!("{} = {:?}\n", key.key(), digits(self.gyro.range / key.factor));
+            }
             if !lines.is_empty() {
                 toml += &format!("\n[{}]\n{lines}", sense.name());
-            }
-        }
-        for (name, axis) in ["x", "y", "z"].into_iter().zip(self.axes.into_iter().flatten()) {
-            toml += &format!("\n# {name} alone:\n");
-            for (sense, errors) in [Sense::Accelerometer, Sense::Gyro].into_iter().zip(&axis) {
-                let lines = SensorTerm::ALL.into_iter().filter(|term| term.sense() == sense);
-                let lines = lines.filter_map(|term| line(term, errors));
-                lines.for_each(|line| toml += &format!("#   {}.{line}", sense.name()));
             }
         }
         if self.accelerometer.range.is_finite() {
@@ -180,21 +167,29 @@ fn digits(value: f64) -> f64 {
     crate::number::rounded(value, 9)
 }
 
-fn line(term: SensorTerm, errors: &Errors) -> Option<String> {
+/// The line of a term, with a list where the axes differ.
+fn line(term: SensorTerm, axes: &[Errors; 3]) -> Option<String> {
     let key = term.row().keys.iter().find(|key| !key.one_sided)?;
-    let value = match term.law() {
-        ErrorLaw::White(_) => errors.white,
-        ErrorLaw::Flicker(_) => errors.flicker,
-        ErrorLaw::Walk(_) => errors.walk,
-        ErrorLaw::Constant => errors.bias,
-        ErrorLaw::Rounding => Value { mean: errors.step, sd: 0.0 },
-        _ => return None,
+    let of = |errors: &Errors| {
+        let value = match term.law() {
+            ErrorLaw::White(_) => errors.white,
+            ErrorLaw::Flicker(_) => errors.flicker,
+            ErrorLaw::Walk(_) => errors.walk,
+            ErrorLaw::Constant => errors.bias,
+            ErrorLaw::Rounding => Value { mean: errors.step, sd: 0.0 },
+            _ => return None,
+        };
+        Some(match [value.mean, value.sd].map(|v| digits(v / key.factor)) {
+            [mean, 0.0] => format!("{mean:?}"),
+            [mean, sd] => format!("{{ mean = {mean:?}, sd = {sd:?} }}"),
+        })
     };
-    let [mean, sd] = [value.mean, value.sd].map(|v| digits(v / key.factor));
-    match (mean, sd) {
-        (0.0, 0.0) => None,
-        (_, 0.0) => Some(format!("{} = {mean:?}\n", key.key())),
-        _ => Some(format!("{} = {{ mean = {mean:?}, sd = {sd:?} }}\n", key.key())),
+    let [x, y, z] = axes.each_ref().map(of);
+    let (x, y, z) = (x?, y?, z?);
+    match x == y && x == z {
+        true if x == "0.0" => None,
+        true => Some(format!("{} = {x}\n", key.key())),
+        false => Some(format!("{} = [{x}, {y}, {z}]\n", key.key())),
     }
 }
 
@@ -205,6 +200,9 @@ fn value(numbers: &Tolerances, term: SensorTerm) -> Option<Value> {
 
 fn errors(numbers: &Tolerances, sense: Sense) -> Errors {
     let mut errors = Errors::ideal(sense);
+    if sense == Sense::Gyro && numbers[&coupling::GYRO_RANGE].is_some() {
+        errors.range = numbers.moments(&coupling::GYRO_RANGE).0;
+    }
     for term in SensorTerm::ALL.into_iter().filter(|term| term.sense() == sense) {
         let Some(value) = value(numbers, term) else { continue };
         match term.law() {
@@ -230,14 +228,15 @@ fn errors(numbers: &Tolerances, sense: Sense) -> Errors {
     errors
 }
 
-/// What was given beside noise by its law.
-fn others(numbers: &Tolerances) -> Vec<Other> {
+/// What was given beside noise by its law, on any axis.
+fn others(axes: &[Tolerances; 3]) -> Vec<Other> {
     let noise = |law| matches!(law, ErrorLaw::White(_) | ErrorLaw::Flicker(_) | ErrorLaw::Walk(_));
     let of_a_sensor = |key: &&Key| ["sensor", "accelerometer", "gyro"].contains(&key.section());
-    let given = keys().filter(of_a_sensor).filter(|key| numbers[key].is_some_and(|n| !n.is_zero()));
+    let is_given = |key: &&Key| axes.iter().any(|numbers| numbers[*key].is_some_and(|n| !n.is_zero()));
     let other = |key: &'static Key| {
         let term = SensorTerm::ALL.into_iter().find(|term| term.row().keys.iter().any(|k| k.slot == key.slot));
-        (!term.is_some_and(|t| noise(t.law()))).then(|| Other { key, term, mean: numbers.moments(key).0 / key.factor })
+        let means = axes.each_ref().map(|numbers| numbers.moments(key).0 / key.factor);
+        (!term.is_some_and(|t| noise(t.law()))).then_some(Other { key, term, means })
     };
-    given.filter_map(other).collect()
+    keys().filter(of_a_sensor).filter(is_given).filter_map(other).collect()
 }

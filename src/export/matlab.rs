@@ -1,6 +1,7 @@
 //! MATLAB's imuSensor: with NoiseType "double-sided", white noise of NoiseDensity × √SampleRate per
 //! sample and a bias that walks by RandomWalk/√SampleRate: N and K. ("single-sided", older
-//! releases' only way, divides the first by √2.)
+//! releases' only way, divides the first by √2.) NoiseDensity, RandomWalk and ConstantBias are one
+//! number or a row of three, x, y and z.
 
 use super::drift::{self, Form};
 use super::imu::{Errors, Imu, Value};
@@ -14,23 +15,27 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     sheet.note(
         "BiasInstability stays 0: with its default filter it is not flicker noise but white noise over two samples",
     );
-    for (name, class, errors, drift, unit, density, per_root_s) in [
-        ("accelerometer", "accelparams", &imu.accelerometer, &a, "m/s^2", "m/s^2/sqrt(Hz)", "m/s^2*sqrt(Hz)"),
-        ("gyroscope", "gyroparams", &imu.gyro, &g, "rad/s", "rad/s/sqrt(Hz)", "rad/s*sqrt(Hz)"),
+    for (sense, name, class, drift, unit, density, per_root_s) in [
+        (0, "accelerometer", "accelparams", &a, "m/s^2", "m/s^2/sqrt(Hz)", "m/s^2*sqrt(Hz)"),
+        (1, "gyroscope", "gyroparams", &g, "rad/s", "rad/s/sqrt(Hz)", "rad/s*sqrt(Hz)"),
     ] {
+        let errors = [&imu.accelerometer, &imu.gyro][sense];
+        let axes = [0, 1, 2].map(|axis| imu.axis(axis)[sense]);
+        let of = |number: &dyn Fn(&Errors) -> f64| axes.each_ref().map(number);
         sheet.line(&format!("{name} = {class};"));
         sheet.note(
             "NoiseType: makes NoiseDensity and RandomWalk two-sided, N and K; \"single-sided\" would be sqrt(2) off",
         );
         sheet.line(&format!("{name}.NoiseType = \"double-sided\";"));
-        for (key, value, unit, means) in [
-            ("NoiseDensity", errors.white.mean, density, WHITE),
-            ("RandomWalk", drift.drive, per_root_s, WALK),
-            ("ConstantBias", errors.bias.mean, unit, "constant bias, the mean over sensors"),
-            ("Resolution", errors.step, unit, "step of the reading; 0 for none"),
+        for (key, value, axes, unit, means) in [
+            ("NoiseDensity", errors.white.mean, of(&|e| e.white.mean), density, WHITE),
+            ("RandomWalk", drift.drive, of(&|e| drift::process(e, Form::Walk).drive), per_root_s, WALK),
+            ("ConstantBias", errors.bias.mean, of(&|e| e.bias.mean), unit, "constant bias, the mean over sensors"),
         ] {
-            sheet.field(Field { key: &format!("{name}.{key}"), value, unit, means });
+            sheet.axes(Field { key: &format!("{name}.{key}"), value, unit, means }, axes);
         }
+        let (key, means) = (format!("{name}.Resolution"), "step of the reading; 0 for none");
+        sheet.field(Field { key: &key, value: errors.step, unit, means });
         if errors.range.is_finite() {
             let key = format!("{name}.MeasurementRange");
             sheet.field(Field { key: &key, value: errors.range, unit, means: "full scale" });
@@ -51,18 +56,24 @@ pub(super) fn read(name: &str, text: &str) -> Result<Imu> {
     let rate = code.iter().find_map(|line| line.split_once("\"SampleRate\",")).map(|(_, rest)| rest);
     let rate = rate.and_then(|rest| rest.split([',', ')']).next()?.trim().parse::<f64>().ok());
     let rate_hz = rate.filter(|r| r.is_finite() && *r > 0.0);
-    let mut imu = Imu::new(name, rate_hz.ok_or_else(|| fail("it sets no \"SampleRate\" of an imuSensor".into()))?);
-    for (class, errors) in [("accelparams", &mut imu.accelerometer), ("gyroparams", &mut imu.gyro)] {
+    let imu = Imu::new(name, rate_hz.ok_or_else(|| fail("it sets no \"SampleRate\" of an imuSensor".into()))?);
+    let mut senses = [[imu.accelerometer; 3], [imu.gyro; 3]];
+    for (class, errors) in ["accelparams", "gyroparams"].into_iter().zip(&mut senses) {
         let variable =
             code.iter().find_map(|line| line.strip_suffix(';')?.split_once('=').filter(|(_, c)| c.trim() == class));
         let Some((variable, _)) = variable else { return Err(fail(format!("it makes no {class}"))) };
         properties(&code, variable.trim(), errors).map_err(fail)?;
     }
-    Ok(imu)
+    let [accelerometers, gyros] = senses;
+    let axes = [0, 1, 2].map(|axis| [accelerometers[axis], gyros[axis]]);
+    Ok(match axes == [axes[0]; 3] {
+        true => Imu { accelerometer: accelerometers[0], gyro: gyros[0], ..imu },
+        false => imu.with_axes(axes),
+    })
 }
 
-/// Reads the numbers set for one variable; the cause where one cannot be read.
-fn properties(code: &[&str], variable: &str, errors: &mut Errors) -> Result<(), String> {
+/// Reads the numbers set for one variable, axis by axis; the cause where one cannot be read.
+fn properties(code: &[&str], variable: &str, axes: &mut [Errors; 3]) -> Result<(), String> {
     let mut one_sided = false;
     for line in code {
         let set =
@@ -73,24 +84,38 @@ fn properties(code: &[&str], variable: &str, errors: &mut Errors) -> Result<(), 
             one_sided = value.contains("single-sided");
             continue;
         }
-        let number = || match value.parse::<f64>() {
-            Ok(number) if number.is_finite() => Ok(number),
-            _ => Err(format!("{variable}.{property}: need one number, got `{value}`")),
+        let set: fn(&mut Errors, f64) = match property {
+            "NoiseDensity" => |errors, number| errors.white = Value { mean: number, sd: 0.0 },
+            "RandomWalk" => |errors, number| errors.walk = Value { mean: number, sd: 0.0 },
+            "ConstantBias" => |errors, number| errors.bias = Value { mean: number, sd: 0.0 },
+            "Resolution" => |errors, number| errors.step = number,
+            "MeasurementRange" => |errors, number| errors.range = number,
+            _ => continue,
         };
-        match property {
-            "NoiseDensity" => errors.white = Value { mean: number()?, sd: 0.0 },
-            "RandomWalk" => errors.walk = Value { mean: number()?, sd: 0.0 },
-            "ConstantBias" => errors.bias = Value { mean: number()?, sd: 0.0 },
-            "Resolution" => errors.step = number()?,
-            "MeasurementRange" => errors.range = number()?,
-            _ => {}
-        }
+        let numbers = three(value)
+            .ok_or_else(|| format!("{variable}.{property}: need one number or three in brackets, got `{value}`"))?;
+        axes.iter_mut().zip(numbers).for_each(|(errors, number)| set(errors, number));
     }
     if one_sided {
         // A one-sided density n is N = n/√2; imuSensor's walk then steps by
         // RandomWalk/√(SampleRate/2).
-        errors.white.mean *= std::f64::consts::FRAC_1_SQRT_2;
-        errors.walk.mean *= std::f64::consts::SQRT_2;
+        for errors in axes {
+            errors.white.mean *= std::f64::consts::FRAC_1_SQRT_2;
+            errors.walk.mean *= std::f64::consts::SQRT_2;
+        }
     }
     Ok(())
+}
+
+/// One number for all axes, or x, y and z in brackets.
+fn three(value: &str) -> Option<[f64; 3]> {
+    let inside = value.strip_prefix('[').map_or(Some(value), |rest| rest.strip_suffix(']'))?;
+    let parts = inside.split([' ', ',']).filter(|part| !part.is_empty());
+    let numbers: Vec<f64> =
+        parts.map(|part| part.parse().ok().filter(|n: &f64| n.is_finite())).collect::<Option<_>>()?;
+    match numbers[..] {
+        [one] => Some([one; 3]),
+        [x, y, z] => Some([x, y, z]),
+        _ => None,
+    }
 }

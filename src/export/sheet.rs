@@ -2,9 +2,9 @@
 //! convention and source.
 
 use super::drift::Process;
-use super::imu::{Errors, Imu};
+use super::imu::{Errors, Imu, Other};
 use crate::number::short;
-use crate::sensor::SensorTerm;
+use crate::sensor::{SensorTerm, coupling};
 
 /// How a tool writes numbers and comments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,11 +97,15 @@ impl Sheet {
                 ));
             }
         }
-        for other in imu.others.iter().filter(|o| !o.term.is_some_and(|t| keeps.contains(&t))) {
+        // A tool that ends the range of an accelerometer ends a gyro's.
+        let ranges = keeps.contains(&SensorTerm::Range);
+        let kept = |o: &&Other| o.term.is_some_and(|t| keeps.contains(&t)) || ranges && *o.key == coupling::GYRO_RANGE;
+        for other in imu.others.iter().filter(|o| !kept(o)) {
+            let [x, y, z] = other.means;
             head.push(format!(
                 "not represented, and not replaced: {} = {} {} ({})",
                 other.key.path,
-                short(other.mean),
+                if x == y && x == z { short(x) } else { format!("[{}]", other.means.map(short).join(", ")) },
                 other.key.unit,
                 other.key.name
             ));
@@ -141,9 +145,22 @@ impl Sheet {
 
     /// A number, with its unit, its convention and its source in a comment above.
     pub(super) fn field(&mut self, field: Field<'_>) {
-        let Field { key, value, unit, means } = field;
+        let value = number(field.value);
+        self.written(field, &value);
+    }
+
+    /// The same of three axes: one number where they are alike, else a row of three as MATLAB writes
+    /// it.
+    pub(super) fn axes(&mut self, field: Field<'_>, axes: [f64; 3]) {
+        let values = axes.map(number);
+        let alike = values[0] == values[1] && values[0] == values[2];
+        let value = if alike { number(field.value) } else { format!("[{}]", values.join(" ")) };
+        self.written(field, &value);
+    }
+
+    fn written(&mut self, field: Field<'_>, value: &str) {
+        let Field { key, unit, means, .. } = field;
         self.note(&format!("{key}: {unit}; {means}; documented in {}", self.documented));
-        let value = number(value);
         let line = match self.syntax {
             Syntax::Yaml => format!("{key}: {value}"),
             Syntax::Xml => format!("<{key}>{value}</{key}>"),

@@ -138,7 +138,7 @@ impl Integrator {
         let Some(m) = proof_mass else {
             return choice(Self::Ideal, "there are no mechanics: the reading follows the force instantly".to_owned());
         };
-        let stiffness = m.natural_frequency_rad_s * step_s;
+        let stiffness = m.fastest_rad_s() * step_s;
         let quality = 0.5 / m.damping_ratio;
         let substeps = ((stiffness / RK4_ACCURATE).ceil() as u32).max(1);
         let steps = |n: u32| if n == 1 { "one step".to_owned() } else { format!("{n} substeps a step") };
@@ -255,10 +255,10 @@ impl Integrator {
             let cause = "the proof mass has terms that it leaves out";
             return Err(Error::new(attempt(), cause, "let the tool choose the integrator"));
         }
-        let stiffness = m.natural_frequency_rad_s * step_s / f64::from(self.substeps());
+        let stiffness = m.fastest_rad_s() * step_s / f64::from(self.substeps());
         let bound = self.method().stable_below;
         if stiffness > bound {
-            let need = RK4_ACCURATE / m.natural_frequency_rad_s;
+            let need = RK4_ACCURATE / m.fastest_rad_s();
             return Err(Error::new(
                 attempt(),
                 format!("the step is unstable: ω₀h = {stiffness:.2}, and above {bound} the solution blows up"),

@@ -50,6 +50,8 @@ pub mod column {
     pub const SCALE: usize = of(SensorTerm::ScaleFactor);
     /// Second-order nonlinearity.
     pub const K2: usize = of(SensorTerm::Nonlinearity);
+    /// Third-order nonlinearity.
+    pub const K3: usize = of(SensorTerm::CubicNonlinearity);
     /// Size of a step of the reading.
     pub const QUANTISATION: usize = of(SensorTerm::Quantisation);
     /// Full scale.

@@ -6,6 +6,8 @@ use super::candidate::{Candidate, Kind, Parameter};
 use super::law::{Law, Role};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
+use super::study::Given;
+use crate::units::key::{Key, Sign};
 
 /// Driving force g(u + κu²) per unit mass.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -24,6 +26,10 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     reference: "Senturia, Microsystem Design, 2001, ch. 6 (electrostatic actuation)",
 };
 
+/// How a study gives it.
+pub(crate) const GIVEN: &[Given] =
+    &[Given::new(Key::new(73, "sensor.drive_nonlinearity_s2_per_m", "drive nonlinearity κ", "s²/m", 1.0, Sign::Any))];
+
 impl Law for DriveNonlinearity {
     fn candidate(&self) -> &'static Candidate {
         &CANDIDATE
@@ -39,6 +45,14 @@ impl Law for DriveNonlinearity {
     }
     fn needs_input(&self) -> bool {
         true
+    }
+    fn study(&self) -> &'static [Given] {
+        GIVEN
+    }
+    fn wgsl(&self) -> &'static str {
+        "fn drive_nonlinearity(at: Instant, p0: f32, sum: f32) -> f32 {
+    return fma(at.gain * p0 * at.input, at.input, sum);
+}"
     }
     #[inline(always)]
     fn force<T: Real, const FMA: bool>(

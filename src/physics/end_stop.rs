@@ -6,6 +6,8 @@ use super::candidate::{Candidate, Kind, Parameter};
 use super::law::{Law, Role, StartGrid};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
+use super::study::Given;
+use crate::units::key::{Key, Sign};
 
 /// Side of the mass that has a stop.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -64,6 +66,19 @@ impl EndStop {
     }
 }
 
+/// How a study gives it: stops on both sides.
+pub(crate) const GIVEN: &[Given] = &[
+    Given::new(Key::new(
+        75,
+        "sensor.end_stop_per_s2",
+        "stiffness of the end stops k_c",
+        "1/s²",
+        1.0,
+        Sign::NotNegative,
+    )),
+    Given::new(Key::new(76, "sensor.end_stop_gap_m", "gap to the end stops", "m", 1.0, Sign::NotNegative)),
+];
+
 impl Law for EndStop {
     fn candidate(&self) -> &'static Candidate {
         &CANDIDATE
@@ -103,6 +118,14 @@ impl Law for EndStop {
         let gaps = [0.3, 0.4, 0.5, 0.58, 0.66, 0.73, 0.79, 0.84, 0.88, 0.92, 0.95, 0.975, 0.99];
         let stops = [0.02, 0.15, 0.6, 2.0, 6.0, 18.0];
         Some(StartGrid::Points(gaps.iter().flat_map(|g| stops.map(|k| vec![k * spring, g * reach])).collect()))
+    }
+    fn study(&self) -> &'static [Given] {
+        GIVEN
+    }
+    fn wgsl(&self) -> &'static str {
+        "fn end_stop(at: Instant, p0: f32, p1: f32, sum: f32) -> f32 {
+    return fma(-p0, max(at.x - p1, 0.0) - max(-at.x - p1, 0.0), sum);
+}"
     }
     #[inline(always)]
     fn force<T: Real, const FMA: bool>(

@@ -6,6 +6,8 @@ use super::candidate::{Candidate, Kind, Parameter};
 use super::law::{Law, Role};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
+use super::study::Given;
+use crate::units::key::{Key, Sign};
 
 /// ω₀²(1 + κt), or ω₀²(1 + κ·environment).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -27,6 +29,10 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     reference: "IEEE 1293, temperature and time sensitivity of the scale factor",
 };
 
+/// How a study gives it: with time, from the beginning of the run on, its still start included.
+pub(crate) const GIVEN: &[Given] =
+    &[Given::new(Key::new(74, "sensor.stiffness_drift_per_s", "stiffness drift κ", "1/s", 1.0, Sign::Any))];
+
 impl Law for StiffnessDrift {
     fn candidate(&self) -> &'static Candidate {
         &CANDIDATE
@@ -39,6 +45,14 @@ impl Law for StiffnessDrift {
     }
     fn starts(&self, _: &Scales) -> Vec<Vec<f64>> {
         vec![vec![0.0]]
+    }
+    fn study(&self) -> &'static [Given] {
+        GIVEN
+    }
+    fn wgsl(&self) -> &'static str {
+        "fn stiffness_drift(at: Instant, p0: f32, sum: f32) -> f32 {
+    return fma(-(at.stiffness * p0 * at.time), at.x, sum);
+}"
     }
     #[inline(always)]
     fn force<T: Real, const FMA: bool>(

@@ -178,6 +178,18 @@ sensor_terms! {
             // (µg/g²): an error of K₂ µg at 1 g, growing with the square.
             keys: &[Key::new(15, "accelerometer.k2_ug_per_g2", "nonlinearity K₂", "µg/g²", 1e-6 / STANDARD_GRAVITY_M_S2, Any)],
         };
+        /// Third-order nonlinearity K₃, 1/(m/s²)².
+        k3_per_m2_s4: CubicNonlinearity = Row {
+            name: "nonlinearity K₃",
+            law: ErrorLaw::Proportional(3),
+            keys: &[Key::new(71, "accelerometer.k3_ug_per_g3", "nonlinearity K₃", "µg/g³", 1e-6 / (STANDARD_GRAVITY_M_S2 * STANDARD_GRAVITY_M_S2), Any)],
+        };
+        /// Part of the specific force that reaches the reading past the proof mass, 1.
+        feedthrough: Feedthrough = Row {
+            name: "feedthrough",
+            law: ErrorLaw::Force(1),
+            keys: &[Key::new(72, "accelerometer.feedthrough_ppm", "feedthrough past the proof mass", "ppm", PPM, Any)],
+        };
         /// Velocity random walk N, m/s/√s.
         velocity_random_walk_m_s_rts: VelocityRandomWalk = Row {
             name: "velocity random walk",

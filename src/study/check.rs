@@ -6,6 +6,7 @@ use super::tolerances::{Tolerances, keys};
 use crate::error::{Error, Result};
 use crate::excitation::plan::Variation;
 use crate::kernel::job::Clock;
+use crate::physics::end_stop;
 use crate::sensor::error_law::{ErrorLaw, Shape};
 use crate::sensor::{SensorTerm, mechanics};
 use crate::units::key::{Key, Sign};
@@ -129,6 +130,16 @@ pub(super) fn delayed_force(name: &str, all: &Tolerances, variation: Variation) 
     ))
 }
 
+/// Which of the two numbers of the end stops is given, and which is not, where they are apart.
+fn end_stops(all: &Tolerances) -> Option<(&'static Key, &'static Key)> {
+    let [stiffness, gap] = [0, 1].map(|place: usize| &end_stop::GIVEN[place].key);
+    match (all[stiffness].is_some(), all[gap].is_some()) {
+        (true, false) => Some((stiffness, gap)),
+        (false, true) => Some((gap, stiffness)),
+        _ => None,
+    }
+}
+
 fn mechanics(name: &str, all: &Tolerances) -> Result<()> {
     let given = |key: &&Key| all[key].is_some();
     let first = |keys: &'static [Key]| keys.iter().find(given);
@@ -139,6 +150,10 @@ fn mechanics(name: &str, all: &Tolerances) -> Result<()> {
             format!("`{}` and `{}` describe the proof mass in two ways", a.path, b.path),
             "give either resonance, damping ratio and cubic stiffness, or mass, damping, stiffness and cubic stiffness",
         ));
+    }
+    if let Some((has, lacks)) = end_stops(all) {
+        let cause = format!("`{}` is given without `{}`", has.path, lacks.path);
+        return Err(refuse(name, cause, format!("add `{}`, or remove both", lacks.path)));
     }
     let missing = match (modal.or(further), physical) {
         (_, Some(p)) => [&mechanics::MASS, &mechanics::STIFFNESS].into_iter().find(|m| !given(m)).map(|m| (p, m)),

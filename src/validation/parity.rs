@@ -51,6 +51,8 @@ pub fn everything() -> Sensor {
     a.bias_m_s2 = MILLI_G;
     a.scale_factor = 1e-3;
     a.k2_per_m_s2 = 1e-6;
+    a.k3_per_m2_s4 = 1e-6;
+    a.feedthrough = 1e-3;
     a.velocity_random_walk_m_s_rts = 60.0 * MICRO_G;
     a.bias_instability_m_s2 = 40.0 * MICRO_G;
     a.acceleration_random_walk_m_s2_rts = 10.0 * MICRO_G;

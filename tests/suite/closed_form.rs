@@ -47,6 +47,12 @@ const CASES: &[Case] = &[
         "[accelerometer]\nscale_factor_ppm = { mean = 0.0, sd = 1000.0 }\n[excitation]\nkind = \"sine\"\namplitude_m_s2 = 2.0\nfrequency_hz = 1.0",
         |t| 1e-3 * 2.0 / std::f64::consts::TAU * t,
     ),
+    // What passes the mass by is a part of the force: ½ d a t²
+    (
+        "feedthrough",
+        "[accelerometer]\nfeedthrough_ppm = { mean = 0.0, sd = 1000.0 }\n[excitation]\nkind = \"rectangle\"\namplitude_m_s2 = 2.0\nstart_s = 0.0\nlength_s = 100.0",
+        |t| 0.5 * 1e-3 * 2.0 * t * t,
+    ),
     // (1/6) g b t³; 1 °/h = 4.8481e-6 rad/s
     ("gyro bias", "[gyro]\nbias_deg_h = { mean = 0.0, sd = 10.0 }", |t| G * 4.848_136_8e-5 * t.powi(3) / 6.0),
     // g N t^2.5/√20; 1 °/√h = 2.9089e-4 rad/√s

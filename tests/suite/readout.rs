@@ -34,6 +34,7 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("readout: gain and phase of a sine are those of the mass, its low-pass and a delay", sine),
         test("readout: of a pulse a low-pass and a delay keep the position error −τΔv", pulse),
+        test("readout: what passes the mass by is not late, and a cube reads as a bias", past_the_mass),
         test("readout: under a step both drift by their closed form", step),
         test("readout: noise of the force passes the low-pass, noise of the reading does not", noise),
         test("readout: every integrator feels the low-pass of the same linear mass", integrators),
@@ -127,6 +128,29 @@ fn pulse() -> Result<(), Failed> {
         near(&format!("velocity after {keys}"), velocity - bare[1], 0.0, 1e-6)?;
         // Control: a hundredth of it is seen.
         check((position - bare[0] + 1.01 * held_back_s * 2.0).abs() > 5e-4, "a hundredth more passes")?;
+    }
+    Ok(())
+}
+
+/// A part d of the force that passes the mass by adds d x to the position, late or not: the pulse
+/// moves the sensor by 9 m. K₃ of a steady a reads as a bias K₃ a³: ½ K₃ a³ t².
+fn past_the_mass() -> Result<(), Failed> {
+    let at = |sensor: &str, accelerometer: &str, excitation: &str| -> Result<f64, Failed> {
+        let text = text(sensor, excitation, &[6.0]);
+        Ok(means(&format!("{text}[accelerometer]\n{accelerometer}\n"), POSITION)?[0])
+    };
+    let delay = "readout_delay_s = 0.05\n";
+    let gained = at(delay, "feedthrough_ppm = 2000.0", PULSE)? - at(delay, "", PULSE)?;
+    near("feedthrough beside a delay", gained, 2e-3 * 9.0, 2e-5)?;
+    // A scale error is of the late reading: the same part of 2 m/s · 50 ms less.
+    let scaled = at(delay, "scale_factor_ppm = 2000.0", PULSE)? - at(delay, "", PULSE)?;
+    near("scale error beside a delay", scaled, 2e-3 * 8.9, 2e-5)?;
+    check((gained - scaled).abs() > 1e-4, "late or not is the same (control)")?;
+    let steady = "kind = \"rectangle\"\namplitude_m_s2 = 2.0\nstart_s = 0.0\nlength_s = 50.0";
+    let k3 = 5000e-6 / (9.80665 * 9.80665);
+    for low_pass in ["", "readout_lowpass_s = 0.01\n"] {
+        let bent = at(low_pass, "k3_ug_per_g3 = 5000.0", steady)? - at(low_pass, "", steady)?;
+        near("position of a cube", bent / (0.5 * k3 * 8.0 * 36.0), 1.0, 1e-3)?;
     }
     Ok(())
 }

@@ -59,8 +59,12 @@ pub struct Repaired {
     pub gyro_misalignment: [[f64; 2]; 3],
     /// Sensitivity of the gyro to specific force by rows, (rad/s)/(m/s²).
     pub g_sensitivity: [[f64; 3]; 3],
-    /// By how much its stamps are late, s.
+    /// By how much its stamps are late in the middle of the recording, s.
     pub time_offset: Drawn,
+    /// What its clock gains on the reference's, 1.
+    pub clock_drift: Drawn,
+    /// The middle of the recording, s after the reference's first pose.
+    pub middle_s: f64,
     /// One-sided noise densities of gyro and accelerometer in motion, unit/√Hz.
     pub density: [f64; 2],
     /// Limits of the gyro's readings, rad/s, and of the accelerometer's, m/s², where they have any.
@@ -86,19 +90,25 @@ impl Repaired {
             toml_string(&name(verdict))
         );
         text += &self.along.section(from_s);
-        text += &self.sensor(round_rate(verdict.recording.rate_hz));
+        text += &self.sensor(round_rate(verdict.recording.rate_hz), from_s);
         let times_s: Vec<f64> = REPORTED_S.into_iter().filter(|t| *t <= duration_s).collect();
         let _ = write!(text, "\n[report]\ntimes_s = {times_s:?}\n");
         text
     }
 
-    fn sensor(&self, rate_hz: f64) -> String {
+    fn sensor(&self, rate_hz: f64, from_s: f64) -> String {
         let mut text = format!("\n[sensor]\nsample_rate_hz = {rate_hz:?}\n");
         let row = |term: SensorTerm| term.row().keys;
         let one = |key: &Key, value: f64| if value == 0.0 { String::new() } else { line(key, &number(key, value)) };
         text += &self.range[1].map_or(String::new(), |limit| one(&row(SensorTerm::Range)[0], limit));
-        if self.time_offset.mean != 0.0 && self.time_offset.mean.abs() <= LATEST_S {
-            text += &line(&coupling::TIME_OFFSET, &drawn(&coupling::TIME_OFFSET, self.time_offset));
+        // A study counts the drift from its own beginning.
+        let gained = self.clock_drift.mean * (from_s - self.middle_s);
+        let offset = Drawn { mean: self.time_offset.mean + gained, sd: self.time_offset.sd };
+        if offset.mean != 0.0 && offset.mean.abs() <= LATEST_S {
+            text += &line(&coupling::TIME_OFFSET, &drawn(&coupling::TIME_OFFSET, offset));
+        }
+        if self.clock_drift.mean != 0.0 {
+            text += &line(&coupling::CLOCK_DRIFT, &drawn(&coupling::CLOCK_DRIFT, self.clock_drift));
         }
         text += "\n[accelerometer]\n";
         text += &three(&row(SensorTerm::AccelerometerBias)[0], self.force_bias);

@@ -61,6 +61,8 @@ impl Diagnosed<'_> {
             gyro_misalignment: [0, 1, 2].map(misaligned),
             g_sensitivity: [0, 1, 2].map(sensitive),
             time_offset: chosen.drawn(OFFSET),
+            clock_drift: chosen.drawn(DRIFT),
+            middle_s: motion.middle_s() + motion.zero_s,
             density: self.density,
             range: [0, 1].map(|kind| self.limits[kind].iter().map(|limit| limit.value).reduce(f64::min)),
             mounting: self.case.mounting(&chosen.point),
@@ -71,7 +73,7 @@ impl Diagnosed<'_> {
 
     /// What was named and has no key in a study.
     fn not_expressible(&self) -> Vec<String> {
-        let without = [DRIFT, GYRO_WANDER.start, FORCE_WANDER.start];
+        let without = [GYRO_WANDER.start, FORCE_WANDER.start];
         let lacks = |term: &&Term| {
             without.contains(&term.parameters.start) || (term.parameters == EARTH_RATE && self.place.is_none())
         };

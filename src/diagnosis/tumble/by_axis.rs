@@ -13,8 +13,6 @@ pub(super) enum Lacking {
     Nothing,
     /// The elements of a row apart: it draws each about the mean of the row with its spread.
     Elements,
-    /// Its third-order part.
-    Cubic,
     /// The temperature over time.
     Temperature,
     /// The term as a whole.
@@ -34,7 +32,7 @@ pub(super) fn of(term: &Term, calibration: &Calibration) -> (Option<Numbers>, La
         r if r == accelerometer::MISALIGNMENT => (&coupling::ACCELEROMETER_MISALIGNMENT, across(force)),
         r if r == accelerometer::QUADRATIC => {
             let fixed = |axis: usize| Drawn { mean: force.quadratic[axis], sd: 0.0 };
-            return (Some((row(SensorTerm::Nonlinearity), [0, 1, 2].map(fixed))), Lacking::Cubic);
+            return (Some((row(SensorTerm::Nonlinearity), [0, 1, 2].map(fixed))), Lacking::Nothing);
         }
         r if r == gyro::AXIS_SCALE => (&coupling::GYRO_SCALE_FACTOR, scales(rate)),
         r if r == gyro::MISALIGNMENT => (&coupling::GYRO_MISALIGNMENT, gyro_rows(calibration)),
@@ -59,6 +57,14 @@ pub(super) fn turned_gyro(named: &[Numbers], calibration: &Calibration) -> Optio
     let has = |wanted: &Key| named.iter().any(|(key, _)| *key == wanted);
     let alone = has(&coupling::ACCELEROMETER_MISALIGNMENT) && !has(&coupling::GYRO_MISALIGNMENT);
     alone.then(|| (&coupling::GYRO_MISALIGNMENT, gyro_rows(calibration)))
+}
+
+/// The cubes beside the squares of a nonlinear accelerometer.
+pub(super) fn cubes(named: &[Numbers], calibration: &Calibration) -> Option<Numbers> {
+    let squares = &SensorTerm::Nonlinearity.row().keys[0];
+    let fixed = |axis: usize| Drawn { mean: calibration.accelerometer.cubic[axis], sd: 0.0 };
+    let has = named.iter().any(|(key, _)| *key == squares);
+    has.then(|| (&SensorTerm::CubicNonlinearity.row().keys[0], [0, 1, 2].map(fixed)))
 }
 
 /// Scales of the axes over their mean, less one: the common scale is calibrated.

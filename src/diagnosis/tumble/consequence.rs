@@ -70,13 +70,13 @@ impl Case<'_> {
                 Lacking::Elements => {
                     "a study has one number for each row, and draws each element about the mean of the row with its spread"
                 }
-                Lacking::Cubic => "a study has no key for its third-order part",
                 Lacking::Temperature => "given a [temperature], a study runs it as a bias over temperature",
                 Lacking::All => "a study has no key for it",
             };
             Some(format!("{} ({}): {why}", t.phrase(), t.candidate.equation))
         });
         let mut by_axis: Vec<_> = named.iter().filter_map(|(_, (numbers, _))| *numbers).collect();
+        by_axis.extend(by_axis::cubes(&by_axis, &detail.calibration));
         if self.observed.imu.gyro.is_some() {
             by_axis.extend(by_axis::turned_gyro(&by_axis, &detail.calibration));
         }

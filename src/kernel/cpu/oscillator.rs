@@ -286,7 +286,8 @@ pub(super) fn read<T: Real, const FMA: bool>(
     if scaled {
         for l in 0..LANES {
             let a = felt[l] + e[l];
-            error[l] = fma::<T, FMA>(fma::<T, FMA>(k[column::K2][l], a, k[column::SCALE][l]), a, error[l]);
+            let bend = fma::<T, FMA>(k[column::K3][l], a, k[column::K2][l]);
+            error[l] = fma::<T, FMA>(fma::<T, FMA>(bend, a, k[column::SCALE][l]), a, error[l]);
         }
     }
 }

@@ -101,12 +101,26 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
             None if at_the_readout(&mut accelerometer, term, p, omega * omega / gain) => {}
             None => {
                 if let Some(list) = not_expressible.as_deref_mut() {
-                    list.push(format!("{}: {}", term.id(), term.candidate().equation));
+                    list.push(format!("{} ({}): {}", term.id(), term.candidate().equation, why_not(term)));
                 }
             }
         }
     }
     Sensor { proof_mass: Some(mass), accelerometer, ..Sensor::default() }
+}
+
+/// Why no study runs a term that has none of its keys.
+fn why_not(term: &Term) -> &'static str {
+    match term {
+        Term::EndStop(_) => "a study has a stop on both sides, at the same distance",
+        Term::StiffnessDrift(_) => "a study's spring drifts with time, not with a recorded column",
+        Term::ReadoutSaturation(_) => "a study's range is the same on both sides of zero",
+        Term::InputLag(_) => "it belongs to what recorded the input, not to the sensor",
+        Term::Hysteresis(_) | Term::ParasiticMode(_) | Term::CoupledMode(_) => {
+            "a study integrates the proof mass alone, without a further state"
+        }
+        _ => "a study has no key for it",
+    }
 }
 
 /// Ends of a range that differ by more than this fraction of it are no one range.
@@ -125,6 +139,11 @@ fn at_the_readout(accelerometer: &mut Accelerometer, term: &Term, p: &[f64], per
             accelerometer.sinusoid_m_s2 = p[0].hypot(p[1]) * per_unit.abs();
             accelerometer.sinusoid_frequency_rad_s = TAU * p[2];
         }
+        // a + K₂a² + K₃a³ of a = c·x is c·(x + cK₂x² + c²K₃x³).
+        Term::ReadoutNonlinearity(_) => {
+            (accelerometer.k2_per_m_s2, accelerometer.k3_per_m2_s4) = (p[0] / per_unit, p[1] / per_unit.powi(2));
+        }
+        Term::Feedthrough(_) => accelerometer.feedthrough = p[0] * per_unit,
         Term::ReadoutDelay(_) => accelerometer.readout_delay_s = p[0],
         Term::ReadoutLowpass(_) => accelerometer.readout_lowpass_s = p[0],
         Term::ReadoutQuantisation(_) => accelerometer.quantisation_m_s2 = p[0] * per_unit.abs(),
@@ -180,6 +199,9 @@ mod tests {
         assert_eq!(given("warm-up", &[2.0, 5.0]), (true, warm));
         let sine = Accelerometer { sinusoid_m_s2: 15.0, sinusoid_frequency_rad_s: TAU * 7.0, ..bare };
         assert_eq!(given("periodic-disturbance", &[3.0, -4.0, 7.0]), (true, sine));
+        let bent = Accelerometer { k2_per_m_s2: -2.0, k3_per_m2_s4: 0.5, ..bare };
+        assert_eq!(given("readout-nonlinearity", &[6.0, 4.5]), (true, bent));
+        assert_eq!(given("feedthrough", &[0.5]), (true, Accelerometer { feedthrough: -1.5, ..bare }));
         // Times are no displacement.
         assert_eq!(given("readout-delay", &[0.5]), (true, Accelerometer { readout_delay_s: 0.5, ..bare }));
         assert_eq!(given("readout-lowpass", &[0.5]), (true, Accelerometer { readout_lowpass_s: 0.5, ..bare }));
