@@ -23,7 +23,6 @@ use crate::drift;
 use crate::drift::document;
 use crate::ensemble::{self, Backends, Choice, Keeper, Options};
 use crate::error::{Error, Result};
-use crate::kernel::integrator::Integrator;
 use crate::recording::{self, Recording, Request};
 use crate::report;
 use crate::strapdown;
