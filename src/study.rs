@@ -10,6 +10,7 @@ mod draw;
 pub mod file;
 pub mod flown;
 pub mod in_motion;
+mod mass_check;
 pub mod overrides;
 mod per_axis;
 mod preset;
@@ -186,7 +187,8 @@ impl Study {
         let excitation = excitation::plan(&file.excitation, run)?;
         excitation.drawn.iter().for_each(|(key, number)| tolerances[key] = Some(*number));
         check::signs(source, &tolerances)?;
-        check::delayed_force(source, &tolerances, excitation.variation)?;
+        mass_check::delayed_force(source, &tolerances, excitation.variation)?;
+        mass_check::lasting_spring(source, &tolerances, clock.duration_s())?;
         let excitation = excitation.resolved(source, clock.step_s)?;
         let sweep = file.sweep.as_ref().map(sweep::Sweep::read).transpose().map_err(|cause| {
             let hint = "e.g. [sweep] with gyro.bias_deg_h = \"1:20:log8\"";

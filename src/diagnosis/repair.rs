@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::document::toml_string;
 use crate::escape;
 use crate::motion::temperature::Temperature;
-use crate::physics::coefficients;
+use crate::physics::{coefficients, stiffness_drift};
 use crate::sensor::{Sensor, SensorTerm, mechanics};
 use crate::study::name_for;
 use crate::units::key::Key;
@@ -89,7 +89,16 @@ const LONGEST_S: f64 = 3600.0;
 pub(super) fn study_document(repair: &Repair, verdict: &Verdict) -> String {
     let rate_hz = round_rate(verdict.recording.rate_hz);
     let mut text = preamble(verdict, &repair.relation, &repair.not_expressible);
-    let duration_s = duration_s(&repair.temperature);
+    let drift_per_s = repair.after.proof_mass.map_or(0.0, |mass| mass.laws.of(&stiffness_drift::GIVEN[0].key));
+    let recorded_s = verdict.recording.samples as f64 / verdict.recording.rate_hz;
+    let duration_s = match drift_per_s == 0.0 {
+        true => duration_s(&repair.temperature),
+        false => {
+            text +=
+                "# The spring drifts: the study lasts no longer than the recording, beyond which no drift is known.\n";
+            duration_s(&repair.temperature).min(recorded_s.floor().max(1.0))
+        }
+    };
     if let Some([end_s, _]) = repair.temperature.points.last().filter(|[end_s, _]| *end_s > LONGEST_S) {
         let _ = writeln!(text, "# [temperature] goes on to {end_s:?} s: duration_s may be as long.");
     }
@@ -119,7 +128,8 @@ pub(super) fn study_document(repair: &Repair, verdict: &Verdict) -> String {
         );
     }
     let end_s = Some(duration_s).filter(|end_s| *end_s > USUAL_S);
-    let times_s: Vec<f64> = [1.0, 10.0, USUAL_S].into_iter().chain(end_s).collect();
+    let usual = [1.0, 10.0, USUAL_S].into_iter().filter(|time_s| *time_s <= duration_s);
+    let times_s: Vec<f64> = usual.chain(end_s).collect();
     text + &format!("\n[report]\ntimes_s = {times_s:?}\n")
 }
 

@@ -238,7 +238,9 @@ fn law_of_term(study: &Study, term: SensorTerm, key: &Key) -> Law {
             }
         }
         ErrorLaw::FullScale => Law::None("it acts only beyond full scale"),
-        ErrorLaw::LowPass | ErrorLaw::Delay => Law::None("its error follows the motion and stays bounded"),
+        ErrorLaw::LowPass | ErrorLaw::Delay => Law::None(
+            "it delays the velocity: the error is that times the change of acceleration, which depends on the motion",
+        ),
         law => match law.growth() {
             Growth::OfAConstant(integrals) => {
                 let (mean, variance) = study.tolerances.moments(key);

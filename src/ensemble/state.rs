@@ -9,6 +9,7 @@ use crate::backend::cpu::Precision;
 use crate::backend::{Partial, Unfinished};
 use crate::document::hexadecimal;
 use crate::kernel::job::Job;
+use crate::kernel::layout::state::TERMS;
 use crate::statistics::{Bins, Fold, Histogram, Machine, Origin};
 
 /// Sums at one report time.
@@ -67,8 +68,9 @@ impl Run<'_> {
     pub(super) fn fingerprint(&self) -> String {
         let Self { identity, part, job, precision } = self;
         let version = env!("CARGO_PKG_VERSION");
+        // What is carried from tile to tile has places of its own.
         let text = format!(
-            "{version} {identity} {part} {precision:?} {} {} {:?} {:?} {:?}",
+            "{version} {TERMS} {identity} {part} {precision:?} {} {} {:?} {:?} {:?}",
             job.seed, job.members, job.clock, job.integrator, job.gravity_m_s2
         );
         hexadecimal(&Sha256::digest(text))

@@ -41,11 +41,11 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     let accelerometer_extra = (accelerometer - ACCELEROMETER_FLOOR_M_S2).max(0.0);
     sheet.field(Field { key: "SIM_ACC1_RND", value: accelerometer_extra, unit: "m/s^2", means: &acceleration });
     sheet.field(Field { key: "SIM_GYR1_RND", value: gyro_extra, unit: "deg/s", means: &rate });
-    for (sensor, bias, unit) in [("ACC1", imu.accelerometer.bias.mean, "m/s^2"), ("GYR1", imu.gyro.bias.mean, "rad/s")]
-    {
-        for axis in ["X", "Y", "Z"] {
+    for (sense, sensor, unit) in [(0, "ACC1", "m/s^2"), (1, "GYR1", "rad/s")] {
+        for (number, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
             let key = format!("SIM_{sensor}_BIAS_{axis}");
-            sheet.field(Field { key: &key, value: bias, unit, means: "constant bias, the mean over sensors" });
+            let value = imu.axis(number)[sense].bias.mean;
+            sheet.field(Field { key: &key, value, unit, means: "constant bias, the mean over sensors" });
         }
     }
 }

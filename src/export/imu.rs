@@ -131,7 +131,11 @@ impl Imu {
             let mut lines: String = terms.filter_map(|term| line(term, &axes)).collect();
             if sense == Sense::Gyro && axes.iter().any(|errors| errors.range.is_finite()) {
                 let key = &coupling::GYRO_RANGE;
-                lines += &format!("{} = {:?}\n", key.key(), digits(self.gyro.range / key.factor));
+                let limits = axes.map(|errors| digits(errors.range / key.factor));
+                lines += &match limits.iter().all(|limit| *limit == limits[0]) {
+                    true => format!("{} = {:?}\n", key.key(), limits[0]),
+                    false => format!("{} = {limits:?}\n", key.key()),
+                };
             }
             if !lines.is_empty() {
                 toml += &format!("\n[{}]\n{lines}", sense.name());
@@ -149,13 +153,16 @@ impl Imu {
 /// One accelerometer or gyro for three axes.
 fn together(axes: [Errors; 3]) -> Errors {
     let rms = |of: fn(&Errors) -> f64| (axes.iter().map(|a| of(a).powi(2)).sum::<f64>() / 3.0).sqrt();
-    let fixed = |mean| Value { mean, sd: 0.0 };
+    let value = |of: fn(&Errors) -> Value| {
+        let rms = |part: fn(&Value) -> f64| (axes.iter().map(|a| part(&of(a)).powi(2)).sum::<f64>() / 3.0).sqrt();
+        Value { mean: rms(|v| v.mean), sd: rms(|v| v.sd) }
+    };
     let bias = axes.iter().map(|a| a.bias.mean).sum::<f64>() / 3.0;
     Errors {
         unit: axes[0].unit,
-        white: fixed(rms(|a| a.white.mean)),
-        flicker: fixed(rms(|a| a.flicker.mean)),
-        walk: fixed(rms(|a| a.walk.mean)),
+        white: value(|a| a.white),
+        flicker: value(|a| a.flicker),
+        walk: value(|a| a.walk),
         bias: Value { mean: bias, sd: rms(|a| a.bias.sd) },
         step: rms(|a| a.step),
         range: axes.iter().fold(f64::INFINITY, |least, a| least.min(a.range)),

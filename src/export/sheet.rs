@@ -54,6 +54,36 @@ pub(super) fn number(value: f64) -> String {
     }
 }
 
+/// What differs between the axes of a sensor, and what stands for it where a tool takes one number
+/// for all of them.
+fn by_axis(imu: &Imu) -> Vec<String> {
+    type Of = fn(&Errors) -> f64;
+    let quantities: [(&str, &str, &str, Of); 6] = [
+        ("N", "*sqrt(s)", "root mean square", |e| e.white.mean),
+        ("B", "", "root mean square", |e| e.flicker.mean),
+        ("K", "/sqrt(s)", "root mean square", |e| e.walk.mean),
+        ("bias", "", "mean", |e| e.bias.mean),
+        ("step", "", "root mean square", |e| e.step),
+        ("range", "", "smallest", |e| e.range),
+    ];
+    let mut said = Vec::new();
+    for (sense, name) in ["accelerometer", "gyro"].into_iter().enumerate() {
+        let axes = [0, 1, 2].map(|axis| imu.axis(axis)[sense]);
+        for (what, per, instead, of) in quantities {
+            let values = axes.each_ref().map(of);
+            if values[0] != values[1] || values[0] != values[2] {
+                let [x, y, z] = values.map(short);
+                let unit = axes[0].unit;
+                said.push(format!(
+                    "{name}: x, y, z differ, {what} = {x}, {y}, {z} {unit}{per}; where the tool takes one number for \
+                    all axes, it is the {instead} of them"
+                ));
+            }
+        }
+    }
+    said
+}
+
 #[derive(Debug)]
 pub(super) struct Sheet {
     syntax: Syntax,
@@ -83,20 +113,7 @@ impl Sheet {
                 head.push(format!("{name} {what} differs between sensors (sd {percent:.0} %); this is the mean"));
             }
         }
-        if imu.axes.is_some() {
-            let three = |of: fn(&Errors) -> f64, sense: usize| {
-                [0, 1, 2].map(|axis| short(of(&imu.axis(axis)[sense]))).join(", ")
-            };
-            for (sense, name, errors) in [(0, "accelerometer", &imu.accelerometer), (1, "gyro", &imu.gyro)] {
-                head.push(format!(
-                    "{name}: x, y, z differ, N = {} {unit}*sqrt(s), K = {} {unit}/sqrt(s); where the tool takes one \
-                    number for all axes, it is their root mean square",
-                    three(|e| e.white.mean, sense),
-                    three(|e| e.walk.mean, sense),
-                    unit = errors.unit
-                ));
-            }
-        }
+        head.extend(by_axis(imu));
         // A tool that ends the range of an accelerometer ends a gyro's.
         let ranges = keeps.contains(&SensorTerm::Range);
         let kept = |o: &&Other| o.term.is_some_and(|t| keeps.contains(&t)) || ranges && *o.key == coupling::GYRO_RANGE;

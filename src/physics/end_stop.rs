@@ -55,8 +55,8 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
 
 /// Stiffness of the softest stop, over that of the spring.
 const SOFTEST: f64 = 0.003;
-/// The same beside a spring that bends smoothly: of a softer stop the other law takes up all but
-/// the corner.
+/// The same beside a spring that bends smoothly: a softer stop and such a bend differ by a corner
+/// alone, and together they imitate a bend of another order.
 const SOFTEST_BESIDE_A_BEND: f64 = 0.3;
 
 impl EndStop {
@@ -88,7 +88,7 @@ impl Law for EndStop {
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
         let spring = s.omega_rad_s.powi(2);
-        // Softer than this no recording tells it from a bend in the spring.
+        // Softer ones are not searched for.
         vec![Coordinate::Log(SOFTEST * spring, 1e3 * spring), Coordinate::Log(0.3 * s.output, 10.0 * s.output)]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {

@@ -1,15 +1,14 @@
 //! Whether the numbers of a study make sense, each alone and together, before anything is computed.
 
 use super::file::File;
+use super::mass_check;
 use super::section::Section;
 use super::tolerances::{Tolerances, keys};
 use crate::error::{Error, Result};
-use crate::excitation::plan::Variation;
 use crate::kernel::job::Clock;
-use crate::physics::end_stop;
+use crate::sensor::SensorTerm;
 use crate::sensor::error_law::{ErrorLaw, Shape};
-use crate::sensor::{SensorTerm, mechanics};
-use crate::units::key::{Key, Sign};
+use crate::units::key::Sign;
 use crate::units::number::Number;
 
 /// Most integration steps of a run: at the 10⁹ per second of a good machine, a single member would
@@ -33,7 +32,7 @@ pub(super) fn tolerances(name: &str, file: &File, axis: usize) -> Result<Toleran
     for (section, numbers) in [(Section::Accelerometer, &file.accelerometer), (Section::Gyro, &file.gyro)] {
         numbers.iter().for_each(|numbers| numbers.replace(section, axis, &mut all));
     }
-    mechanics(name, &all)?;
+    mass_check::mechanics(name, &all)?;
     numbers(name, &all)?;
     below_half_the_rate(name, file, &all)?;
     Ok(all)
@@ -43,7 +42,7 @@ pub(super) fn tolerances(name: &str, file: &File, axis: usize) -> Result<Toleran
 pub(super) fn numbers(name: &str, all: &Tolerances) -> Result<()> {
     SensorTerm::ALL.into_iter().try_for_each(|term| given_once(name, all, term))?;
     SensorTerm::ALL.into_iter().filter(|term| !term.is_shape()).try_for_each(|term| given_whole(name, all, term))?;
-    one_delay(name, all)?;
+    mass_check::one_delay(name, all)?;
     sizes(name, all)?;
     signs(name, all)
 }
@@ -102,72 +101,6 @@ fn below_half_the_rate(name: &str, file: &File, all: &Tolerances) -> Result<()> 
         }
     }
     Ok(())
-}
-
-/// Refuses a delay that differs between members: it is one of the force that all of them share.
-fn one_delay(name: &str, all: &Tolerances) -> Result<()> {
-    let key = &SensorTerm::ReadoutDelay.row().keys[0];
-    match all[key] {
-        None | Some(Number::Fixed(_)) => Ok(()),
-        Some(_) => Err(refuse(
-            name,
-            format!("`{}` is drawn per member: a study runs one delay for all of them", key.path),
-            format!("give one number, and sweep it for others, e.g. [sweep] {} = \"0.001:0.01:4\"", key.path),
-        )),
-    }
-}
-
-/// Refuses a delay beside a sine that is drawn per member.
-pub(super) fn delayed_force(name: &str, all: &Tolerances, variation: Variation) -> Result<()> {
-    let key = &SensorTerm::ReadoutDelay.row().keys[0];
-    if variation != Variation::Sine || all[key].is_none_or(|n| n.is_zero()) {
-        return Ok(());
-    }
-    Err(refuse(
-        name,
-        format!("`{}` cannot be combined with a sine that is drawn per member", key.path),
-        "give the sine's amplitude, frequency and phase as one number each",
-    ))
-}
-
-/// Which of the two numbers of the end stops is given, and which is not, where they are apart.
-fn end_stops(all: &Tolerances) -> Option<(&'static Key, &'static Key)> {
-    let [stiffness, gap] = [0, 1].map(|place: usize| &end_stop::GIVEN[place].key);
-    match (all[stiffness].is_some(), all[gap].is_some()) {
-        (true, false) => Some((stiffness, gap)),
-        (false, true) => Some((gap, stiffness)),
-        _ => None,
-    }
-}
-
-fn mechanics(name: &str, all: &Tolerances) -> Result<()> {
-    let given = |key: &&Key| all[key].is_some();
-    let first = |keys: &'static [Key]| keys.iter().find(given);
-    let (modal, further, physical) = (first(mechanics::MODAL), first(mechanics::further()), first(mechanics::PHYSICAL));
-    if let (Some(a), Some(b)) = (modal, physical) {
-        return Err(refuse(
-            name,
-            format!("`{}` and `{}` describe the proof mass in two ways", a.path, b.path),
-            "give either resonance, damping ratio and cubic stiffness, or mass, damping, stiffness and cubic stiffness",
-        ));
-    }
-    if let Some((has, lacks)) = end_stops(all) {
-        let cause = format!("`{}` is given without `{}`", has.path, lacks.path);
-        return Err(refuse(name, cause, format!("add `{}`, or remove both", lacks.path)));
-    }
-    let missing = match (modal.or(further), physical) {
-        (_, Some(p)) => [&mechanics::MASS, &mechanics::STIFFNESS].into_iter().find(|m| !given(m)).map(|m| (p, m)),
-        (Some(p), None) if !given(&&mechanics::RESONANCE) => Some((p, &mechanics::RESONANCE)),
-        _ => None,
-    };
-    match missing {
-        Some((has, lacks)) => Err(refuse(
-            name,
-            format!("`{}` is given without `{}`", has.path, lacks.path),
-            format!("add `{}`, or leave the mechanics out for an ideal proof mass", lacks.path),
-        )),
-        None => Ok(()),
-    }
 }
 
 /// Refuses values that make no sense for their key.

@@ -138,7 +138,7 @@ fn by_axis() -> Result<(), Failed> {
     check(alike.axes.is_none() && !export::target("kalibr")?.export(&alike).contains("differ"), "alike axes differ")
 }
 
-/// What is given axis by axis, drawn biases and a gyro's range among it, is exported, imported and
+/// What is given axis by axis, biases and a gyro's range among it, is exported, imported and
 /// exported again without the change of a digit, where the tool has axes.
 fn by_axis_and_back() -> Result<(), Failed> {
     let sensor = "[sensor]\nsample_rate_hz = 10.0\n\
@@ -168,6 +168,14 @@ fn by_axis_and_back() -> Result<(), Failed> {
         // Control: axes that are exchanged are another configuration.
         let exchanged = exported(target, &given.replace("[0.3, 0.4, 0.55]", "[0.4, 0.3, 0.55]"))?;
         check(code(&first) != code(&exchanged), format!("{target}: x and y exchanged change nothing"))?;
+    }
+    // 1.5, −2 and 0.25 mg, each on its own axis, and not their mean, −0.83 mg.
+    let sitl = exported("ardupilot-sitl", sensor)?;
+    for (axis, mg) in [("X", 1.5), ("Y", -2.0), ("Z", 0.25)] {
+        let key = format!("SIM_ACC1_BIAS_{axis} ");
+        let value =
+            sitl.lines().find_map(|line| line.strip_prefix(&key)?.split_whitespace().next()?.parse::<f64>().ok());
+        near(&key, value.ok_or(key.clone())?, mg * 9.80665e-3, 1e-8)?;
     }
     // A row of two is no three axes.
     let matlab = exported("matlab", sensor)?;

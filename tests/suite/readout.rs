@@ -40,7 +40,10 @@ pub fn tests() -> Vec<Trial> {
         test("readout: every integrator feels the low-pass of the same linear mass", integrators),
         test("readout: tiles do not change a bit of it", tiles),
         test("readout: along a straight line the position error is −τ times the velocity", in_motion),
-        test("readout: a delay that is drawn, or beside a drawn sine, is refused by name", refused),
+        test(
+            "readout: a delay that is drawn, or beside a drawn sine, and a spring that drifts away are refused by name",
+            refused,
+        ),
         gpu_test("readout: the GPU gives what the CPU does, for every integrator", parity),
         gpu_test("readout: the GPU gives the CPU's percentiles along a trajectory", parity_in_motion),
     ]
@@ -176,8 +179,10 @@ fn step() -> Result<(), Failed> {
             near(&format!("{key}: velocity at {t} s"), of(VELOCITY), expected[0], 1.1e-3 * a)?;
             near(&format!("{key}: position at {t} s"), of(POSITION), expected[1], 1.1e-3 * a * (t - 1.0) + 1e-3)?;
         }
-        // Control: at 1.5 s the two laws are far from each other.
-        check((law(0.5)[0] - if key == "readout_delay_s" { -a * tau * left(0.5) } else { -a * tau }).abs() > 0.2, "")?;
+        // Control: at 1.5 s it is far from the other law.
+        let other = if key == "readout_delay_s" { -a * tau * left(0.5) } else { -a * tau };
+        let found = all.at[0][VELOCITY].mean - bare.at[0][VELOCITY].mean;
+        check((found - other).abs() > 0.2, format!("{key}: {found} m/s is that of the other law too"))?;
     }
     Ok(())
 }
@@ -199,8 +204,8 @@ fn noise() -> Result<(), Failed> {
         (sd("force_noise_density_ug_rthz = 1000.0\n")?, sd("[accelerometer]\nnoise_density_ug_rthz = 1000.0\n")?);
     near("velocity noise of the force, filtered", force / filtered, 1.0, 0.06)?;
     near("velocity noise of the reading", reading / (n * t.sqrt()), 1.0, 0.06)?;
-    // Control: the two are far apart.
-    check(filtered < 0.7 * n * t.sqrt(), "a low-pass of 5 s leaves the noise as it is")
+    // Control: the noise of the force is not what it is without the low-pass.
+    check(force < 0.7 * n * t.sqrt(), "a low-pass of 5 s leaves the noise as it is")
 }
 
 /// One linear mass under a sine, as every integrator steps it; the cubic ones with a spring too weak
@@ -355,6 +360,11 @@ fn refused() -> Result<(), Failed> {
     check(beside.contains("sensor.readout_delay_s") && beside.contains("sine"), beside.clone())?;
     let below = said(&text("readout_lowpass_s = -0.01\n", rest, &[1.0]));
     check(below.contains("sensor.readout_lowpass_s"), below.clone())?;
+    // 1 − 0.6 · 2 < 0: no spring is left at 2 s, and there is one at 1 s.
+    let spring = |last_s: f64| text(&format!("{MASS}stiffness_drift_per_s = -0.6\n"), rest, &[last_s]);
+    let gone = said(&spring(2.0));
+    check(gone.contains("sensor.stiffness_drift_per_s") && gone.contains("1.67 s"), gone.clone())?;
+    check(said(&spring(1.0)).is_empty(), said(&spring(1.0)))?;
     // Controls: the same without the clash, and a drawn low-pass.
     let fixed = sine.replace("{ min = 0.0, max = 6.0 }", "1.0");
     for good in [

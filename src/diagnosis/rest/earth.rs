@@ -21,6 +21,9 @@ use crate::units::DEGREE;
 /// anomalies, 34 mGal (EGM2008; Pavlis et al., Journal of Geophysical Research 117, 2012).
 const ANOMALY_M_S2: f64 = 1e-3;
 
+/// Length over its largest standard deviation from which the direction of a vector is known.
+const SURE: f64 = 10.0;
+
 /// Heights at which a sensor lies at rest, from the Dead Sea's shore to a balloon, m.
 const HEIGHTS_M: RangeInclusive<f64> = -500.0..=20_000.0;
 
@@ -55,8 +58,13 @@ pub(super) fn reference(model: &Static, means: &[Estimate]) -> Option<Statement>
     let [x, y, z] = means else { return None };
     let means = [x, y, z].map(|m| (m.value, 0.5 * (m.ci95[1] - m.ci95[0]) / normal_quantile(0.975)));
     let length = means.iter().map(|(m, _)| m * m).sum::<f64>().sqrt();
-    let along = |(mean, sd): (f64, f64)| (mean / length * sd).powi(2);
-    let ci95 = interval(length, means.map(along).iter().sum::<f64>().sqrt());
+    if length <= 0.0 {
+        return None;
+    }
+    let along = means.iter().map(|(mean, sd)| (mean / length * sd).powi(2)).sum::<f64>().sqrt();
+    // Where the vector is no longer than its uncertainty, its direction is not known either.
+    let worst = means.iter().fold(0.0, |most: f64, (_, sd)| most.max(*sd));
+    let ci95 = interval(length, if length < SURE * worst { worst } else { along });
     let height_m = model.height_m.unwrap_or_default();
     let (earth, expected, difference) = if let Ok(unit) = Unit::parse(&model.unit, Quantity::Accelerometer) {
         let expected = gravity_m_s2(latitude_deg * DEGREE, height_m);

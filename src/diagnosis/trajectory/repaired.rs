@@ -27,7 +27,7 @@ const REPORTED_S: [f64; 3] = [1.0, 10.0, 60.0];
 const NOTHING: f64 = 1e-9;
 /// Largest offset of the clocks that a study states, s: it moves its readings by the first order of
 /// the offset, which holds while the motion is even.
-pub(super) const LATEST_S: f64 = 0.02;
+const LATEST_S: f64 = 0.02;
 
 /// Where the study goes: a stretch of the reference.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,9 +80,14 @@ pub struct Repaired {
 impl Repaired {
     /// As a study.
     pub(in crate::diagnosis) fn document(&self, verdict: &Verdict) -> String {
-        let mut text = preamble(verdict, self.along.relation(), &self.not_expressible);
         let [from_s, to_s] = self.along.ends_s;
         let from_s = (from_s * 100.0).ceil() / 100.0;
+        let mut lacking = self.not_expressible.clone();
+        if self.offset_at(from_s).mean.abs() > LATEST_S {
+            lacking
+                .push(format!("time-offset beyond {LATEST_S} s: a study moves its readings by the first order of it"));
+        }
+        let mut text = preamble(verdict, self.along.relation(), &lacking);
         let duration_s = if self.along.whole { (to_s - from_s).floor().min(LONGEST_S) } else { LONGEST_S };
         let _ = write!(
             text,
@@ -96,14 +101,21 @@ impl Repaired {
         text
     }
 
+    /// By how much its stamps are late where a study begins, which counts the drift from there.
+    fn offset_at(&self, from_s: f64) -> Drawn {
+        let since_s = from_s - self.middle_s;
+        Drawn {
+            mean: self.time_offset.mean + self.clock_drift.mean * since_s,
+            sd: self.time_offset.sd.hypot(self.clock_drift.sd * since_s),
+        }
+    }
+
     fn sensor(&self, rate_hz: f64, from_s: f64) -> String {
         let mut text = format!("\n[sensor]\nsample_rate_hz = {rate_hz:?}\n");
         let row = |term: SensorTerm| term.row().keys;
         let one = |key: &Key, value: f64| if value == 0.0 { String::new() } else { line(key, &number(key, value)) };
         text += &self.range[1].map_or(String::new(), |limit| one(&row(SensorTerm::Range)[0], limit));
-        // A study counts the drift from its own beginning.
-        let gained = self.clock_drift.mean * (from_s - self.middle_s);
-        let offset = Drawn { mean: self.time_offset.mean + gained, sd: self.time_offset.sd };
+        let offset = self.offset_at(from_s);
         if offset.mean != 0.0 && offset.mean.abs() <= LATEST_S {
             text += &line(&coupling::TIME_OFFSET, &drawn(&coupling::TIME_OFFSET, offset));
         }

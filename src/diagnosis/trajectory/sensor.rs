@@ -9,7 +9,7 @@ use super::parameters::{
 };
 use super::permutation::Permutation;
 use super::published::Fitted;
-use super::repaired::{Along, LATEST_S, Repaired};
+use super::repaired::{Along, Repaired};
 use super::selection::Selection;
 use super::start::Start;
 use crate::diagnosis::model::Reference;
@@ -82,9 +82,6 @@ impl Diagnosed<'_> {
             terms.filter(lacks).map(|t| format!("{} ({})", t.phrase(), t.candidate.equation)).collect();
         if [self.start.gyro, self.start.accelerometer].iter().any(|p| *p != Permutation::NONE) {
             all.push(format!("{}: its axes are taken as they ought to be", AXIS_SWAP.id));
-        }
-        if self.chosen.drawn(OFFSET).mean.abs() > LATEST_S {
-            all.push(format!("time-offset beyond {LATEST_S} s: a study moves its readings by the first order of it"));
         }
         if self.errs {
             all.push(format!("{}: the study takes the reference for the truth", REFERENCE_NOISE.id));

@@ -81,7 +81,7 @@ fn said(vector: [f64; 3], unit: &str, latitude_deg: Option<f64>) -> Result<Optio
     Ok(verdict.findings.into_iter().find(of_earth))
 }
 
-/// Gravity at 45° is 9.80620 m/s², at 60° 9.81917 (Moritz, GRS 80, Journal of Geodesy 74, 2000);
+/// Gravity at 45° is 9.80620 m/s², at 60° 9.81918 (Moritz, GRS 80, Journal of Geodesy 74, 2000);
 /// the Earth turns at 7.292115e-5 rad/s (IERS), 15.0411 °/h.
 pub(super) fn references() -> Result<(), Failed> {
     let along = |length: f64| [0.48 * length, 0.6 * length, 0.64 * length];

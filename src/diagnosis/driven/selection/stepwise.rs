@@ -167,11 +167,14 @@ impl Stepwise<'_> {
 
     /// As far as these candidates lead.
     fn forward(&mut self, from: Judged, candidates: &[Term]) -> Result<Way, Stopped> {
-        let (data, mut chosen, mut cut_short) = (self.data, from, false);
+        let (data, mut chosen, mut cut_short, mut follows_input) = (self.data, from, false, false);
         for _ in chosen.fit.structure.terms.len()..=MOST_TERMS {
             let best = self.step(&chosen, candidates)?;
             self.progress.step();
-            let Some(best) = best else { break };
+            let Some(best) = best else {
+                follows_input = self.follows_input;
+                break;
+            };
             chosen = pruned(data, best, self.scales, self.tried);
             if chosen.fit.structure.terms.len() >= MOST_TERMS || self.is_hopeless(&chosen) {
                 break;
@@ -182,7 +185,7 @@ impl Stepwise<'_> {
             }
         }
         let predictable = residual_structure(data, &chosen.fit).r_squared;
-        Ok(Way { predictable, chosen, cut_short, follows_input: self.follows_input })
+        Ok(Way { predictable, chosen, cut_short, follows_input })
     }
 
     /// Whether next to nothing is left of the base model's error.
@@ -201,9 +204,9 @@ impl Stepwise<'_> {
     fn step(&mut self, chosen: &Judged, candidates: &[Term]) -> Result<Option<Judged>, Stopped> {
         let (data, tried) = (self.data, self.tried);
         let first = chosen.fit.structure.terms.is_empty();
-        let known = self.alone.iter().filter(|t| t.judged.is_some() && candidates.contains(&t.term));
-        let trials = if first && known.clone().count() >= SURE {
-            known.cloned().collect()
+        let known = self.alone.iter().filter(|t| candidates.contains(&t.term));
+        let trials = if first && known.clone().filter(|t| t.judged.is_some()).count() >= SURE {
+            known.filter(|t| t.judged.is_some() || t.follows_input).cloned().collect()
         } else {
             let here = refined(data, &chosen.fit, self.scales);
             let open: Vec<Term> = candidates.iter().copied().filter(|t| !chosen.has(t.id())).collect();

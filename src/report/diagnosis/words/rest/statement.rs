@@ -76,8 +76,8 @@ fn statement(statement: &Statement, unit: &str) -> String {
             shape(*filter, *rate_hz)
         ),
         Statement::Mean { channel, value, of_recording, of_bias } => format!(
-            "`{channel}`: the mean of this recording is {} {unit}; the bias that its drift was added to is {} {unit}, \
-            less certain because drift does not average out",
+            "`{channel}`: the mean of this recording is {} {unit}; the bias at its first sample, if the drift began \
+            there, is {} {unit}, less certain because drift does not average out",
             with_uncertainty(*value, *of_recording),
             with_uncertainty(*value, *of_bias)
         ),
@@ -117,7 +117,10 @@ fn reference(of: &Statement, unit: &str) -> String {
                     format!("{what}: they agree; a scale error and a bias that cancel along gravity would not show")
                 }
                 Difference::Anomaly => {
-                    format!("{what}: {size} {unit} {more}, no more than gravity deviates from the ellipsoid's")
+                    format!(
+                        "{what}: {size} {unit} {more}, which within its interval is as little as gravity commonly \
+                        deviates from the ellipsoid's"
+                    )
                 }
                 Difference::Latitude(other) => format!(
                     "{what}: {size} {unit} {more}; a scale error of {ppm} ppm, biases of at least {size} {unit} and \
