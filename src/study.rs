@@ -14,6 +14,7 @@ mod mass_check;
 pub mod overrides;
 mod per_axis;
 mod preset;
+mod refusal;
 pub mod section;
 pub mod source;
 pub mod sweep;

@@ -4,8 +4,9 @@
 //! Only what is measured and when stands here; what a navigator makes of it is made in
 //! `strapdown::aiding`.
 
-use super::check::{refuse, whole};
+use super::check::whole;
 use super::file::{self, AidingMethod, Gnss};
+use super::refusal::refuse;
 use crate::error::Result;
 use crate::kernel::fix::{Fix, SEEN};
 use crate::kernel::flight::Vertical;

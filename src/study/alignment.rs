@@ -16,8 +16,9 @@
 //! Velocity and position start at zero at its end, and times count from there; the excitation
 //! begins there, too.
 
-use super::check::{refuse, whole};
+use super::check::whole;
 use super::file::{self, AlignmentKind};
+use super::refusal::refuse;
 use crate::error::Result;
 use crate::units::number::Number;
 

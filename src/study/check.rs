@@ -2,9 +2,10 @@
 
 use super::file::File;
 use super::mass_check;
+use super::refusal::refuse;
 use super::section::Section;
 use super::tolerances::{Tolerances, keys};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::kernel::job::Clock;
 use crate::sensor::SensorTerm;
 use crate::sensor::error_law::{ErrorLaw, Shape};
@@ -18,11 +19,6 @@ const MOST_STEPS: f64 = 1e12;
 const MOST_STEPS_PER_SAMPLE: f64 = 1e6;
 /// Most members: what the counters of the kernels address.
 const MOST_MEMBERS: u64 = u32::MAX as u64;
-
-/// Why a study cannot be used.
-pub(super) fn refuse(name: &str, cause: impl Into<String>, hint: impl Into<String>) -> Error {
-    Error::new(format!("could not use {name}"), cause, hint)
-}
 
 /// The numbers of one axis of a study by key, each checked for its sign and pairs that mean the
 /// same refused.

@@ -2,8 +2,8 @@
 //! cut.
 
 use super::alignment::Alignment;
-use super::check::refuse;
 use super::file::File;
+use super::refusal::refuse;
 use crate::error::Result;
 
 /// Most window lengths.

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 
-use super::check::{self, refuse};
+use super::check;
 use super::file::File;
+use super::refusal::refuse;
 use super::tolerances::Tolerances;
 use crate::document::{parse_toml, read_text};
 use crate::error::Result;

@@ -6,10 +6,11 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::aiding::{self, Aiding};
-use super::check::{self, refuse};
+use super::check;
 use super::draw;
 use super::file::{AlignmentKind, File, VerticalKind};
 use super::flown::{self, Flown};
+use super::refusal::refuse;
 use super::temperature;
 use super::tolerances::Tolerances;
 use crate::error::Result;

@@ -1,6 +1,6 @@
 //! Whether the numbers of a proof mass, and of what reads it, go together.
 
-use super::check::refuse;
+use super::refusal::refuse;
 use super::tolerances::Tolerances;
 use crate::error::Result;
 use crate::excitation::plan::Variation;

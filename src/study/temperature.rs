@@ -1,8 +1,8 @@
 //! `[temperature]`: how warm the sensor is over time, the same section along one axis and along a
 //! trajectory.
 
-use super::check::refuse;
 use super::file;
+use super::refusal::refuse;
 use super::tolerances::Tolerances;
 use crate::error::Result;
 use crate::motion::temperature::{POSSIBLE_DEG_C, Temperature};
