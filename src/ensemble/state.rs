@@ -68,7 +68,7 @@ impl Run<'_> {
     pub(super) fn fingerprint(&self) -> String {
         let Self { identity, part, job, precision } = self;
         let version = env!("CARGO_PKG_VERSION");
-        // What is carried from tile to tile has places of its own.
+        // The number of values kept per member: a state of another layout cannot be read.
         let text = format!(
             "{version} {TERMS} {identity} {part} {precision:?} {} {} {:?} {:?} {:?}",
             job.seed, job.members, job.clock, job.integrator, job.gravity_m_s2

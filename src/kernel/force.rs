@@ -103,7 +103,7 @@ impl<'a> Late<'a> {
         Self { job, half_s, halves, before }
     }
 
-    /// After so many half substeps of the run.
+    /// Delayed force after `half` half substeps of the run, m/s².
     fn force(&self, half: u64) -> f64 {
         match half as f64 - self.halves {
             then if then < 0.0 => self.before,

@@ -1,8 +1,8 @@
 //! The keys of study.toml by which a reading takes from another axis or instrument, from the
 //! temperature or from a late clock: a gyro's scale factor, misalignments and g-sensitivity,
-//! temperature coefficients, a time offset and a clock that drifts; and where a gyro's range ends. Along one axis the g-sensitivity
-//! and all temperature coefficients except that of the gyro's scale factor are sensor terms of
-//! their own, in the same slots.
+//! temperature coefficients, a time offset and a clock that drifts; and where a gyro's range ends.
+//! Along one axis the g-sensitivity and all temperature coefficients except that of the gyro's scale
+//! factor are sensor terms of their own, in the same slots.
 
 use crate::units::key::Key;
 use crate::units::key::Sign::{Any, NotNegative, Positive};

@@ -1,5 +1,5 @@
-//! `[vibration]`, `[navigator]` and a gyro's range: each key does what its law says, and nothing where there is
-//! nothing for it to act on.
+//! `[vibration]`, `[navigator]` and a gyro's range: each key does what its law says, and nothing
+//! where there is nothing for it to act on.
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::backend::flight::Quantity;

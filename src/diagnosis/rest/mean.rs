@@ -124,8 +124,8 @@ fn lasts(law: Law) -> bool {
     }
 }
 
-/// Variance of the mean of so many samples of a law of unit strength; one that lasts begins at zero
-/// with the first of them.
+/// Variance of the mean of `samples` samples of a law of unit strength; a walk and 1/f noise start
+/// from zero at the first of them.
 fn variance_of_mean(law: Law, samples: f64) -> f64 {
     match law {
         Law::White | Law::Filtered(_) => 1.0 / samples,

@@ -8,7 +8,9 @@ use crate::numerics::elementary::{Real, fma};
 /// Weights of the members, and the error of what their low-pass shows.
 #[derive(Debug, Clone)]
 pub(super) struct LowPass<T> {
+    /// Of each member, in the order of `kernel::low_pass`.
     pub weights: [Lane<T>; WEIGHTS],
+    /// What the low-pass shows less the force, m/s².
     pub p: Lane<T>,
 }
 
@@ -16,6 +18,7 @@ pub(super) struct LowPass<T> {
 pub(super) struct Moved<'a, T> {
     /// Its error and the rate of its reading at the beginning.
     pub from: [&'a Lane<T>; 2],
+    /// Both at the end.
     pub to: [&'a Lane<T>; 2],
     /// By how much the force has grown.
     pub growth: &'a Lane<T>,

@@ -164,8 +164,8 @@ impl<T: Real, O: Oscillator<T>> Kernel for Step<'_, T, O> {
         let m = self.1;
         let zero = Lane::splat(T::of(0.0));
         let (mut e, mut q) = (*m.e, *m.q);
-        // Loops of their own: with the choice inside one, the state goes through memory (Runge-Kutta a fifth
-        // slower, the exact map a third).
+        // Loops of their own: with the choice inside one, the state goes through memory
+        // (Runge-Kutta a fifth slower, the exact map a third).
         let samples = m.error.iter_mut().zip(m.felt).zip(m.force.chunks_exact(m.substeps)).enumerate();
         if let Some(low_pass) = m.low_pass {
             let mut half = m.sine.map_or(0, |(_, half)| half);

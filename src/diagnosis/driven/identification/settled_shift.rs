@@ -20,9 +20,11 @@ use crate::physics::scales::Scales;
 use super::fit::{self, Fit};
 use super::start;
 
-/// Part of the base model's error above the noise to which moving the input must bring it.
+/// The shift stays if the residual variance above the noise falls below this fraction of what it is
+/// without the shift.
 const BY_FAR: f64 = 0.5;
-/// Part of what the moved input leaves to which a delay of its own length must bring the error.
+/// A delay is preferred to a shift of whole samples if its residual variance is below this fraction
+/// of the shift's.
 const CLEARLY: f64 = 0.9;
 /// Iterations of a fit with such a delay.
 const DELAY_ITERATIONS: usize = 25;

@@ -23,8 +23,8 @@ const OWN_LAGS: usize = 24;
 /// Fraction of the variance that may stay predictable once the memory of the noise is accounted
 /// for: as much as the noise's own strength may ([`EVEN`]), a tenth of the standard deviation.
 const SPARED: f64 = 0.01;
-/// And fraction of what was predictable before: an autoregression of third order is a fit to any
-/// short memory, and leaves part of one that is none; a missing law leaves most.
+/// And the fraction of the structure found before that may remain: an autoregression of third order
+/// removes most of what a short memory of the noise causes, and little of what a missing law causes.
 const SPARED_PART: f64 = 0.2;
 /// Lags over which one-step errors are taken to be correlated.
 pub(crate) const MEMORY: usize = 40;
