@@ -42,6 +42,7 @@ pub mod hysteresis;
 pub mod input_lag;
 pub mod law;
 pub mod library;
+pub mod one_sided_stop;
 pub mod parasitic_mode;
 pub mod periodic_disturbance;
 pub mod quadratic_damping;

@@ -16,7 +16,7 @@ pub use sense::Sense;
 pub use terms::{Accelerometer, Gyro, SensorTerm};
 
 use crate::physics::coefficients::Coefficients;
-use crate::physics::end_stop;
+use crate::physics::{end_stop, one_sided_stop};
 use crate::units::key::Key;
 
 /// The proof mass: x″ + 2ζω₀x′ + ω₀²x + βx³ = f (paper's eq. 6; eq. 4 is β = 0), with whatever
@@ -41,7 +41,9 @@ impl ProofMass {
 
     /// The fastest rate of its motion: in contact with its end stops where it has any, rad/s.
     pub fn fastest_rad_s(&self) -> f64 {
-        self.natural_frequency_rad_s.hypot(self.laws.of(&end_stop::GIVEN[0].key).max(0.0).sqrt())
+        let stops = [&end_stop::GIVEN[0].key, &one_sided_stop::GIVEN[0].key];
+        let contact: f64 = stops.into_iter().map(|key| self.laws.of(key).max(0.0)).sum();
+        self.natural_frequency_rad_s.hypot(contact.sqrt())
     }
 
     /// Whether there is anything beyond the linear and the cubic spring.

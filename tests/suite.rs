@@ -9,6 +9,7 @@ mod suite {
     pub mod benchmarks;
     pub mod carried_over;
     pub mod carried_over_driven;
+    pub mod carried_over_mass;
     pub mod carried_over_tumble;
     pub mod cli;
     pub mod clock;
@@ -43,6 +44,7 @@ mod suite {
     pub mod near_laws;
     pub mod noise_law;
     pub mod numbers;
+    pub mod one_sided_stop;
     pub mod outputs;
     pub mod own_noise;
     pub mod pages;
@@ -146,6 +148,8 @@ fn main() {
         suite::carried_over::tests(),
         // carried_over_driven: what is named of a readout.
         suite::carried_over_driven::tests(),
+        // carried_over_mass: what is named of a proof mass and its readout, by value.
+        suite::carried_over_mass::tests(),
         // carried_over_tumble: what is named of poses, axis by axis.
         suite::carried_over_tumble::tests(),
         // dynamics: Duffing orbits match analysis, print and each other.
@@ -206,6 +210,8 @@ fn main() {
         suite::formats::tests(),
         // numbers: a table behind every figure.
         suite::numbers::tests(),
+        // one_sided_stop: a stop on one side of the proof mass.
+        suite::one_sided_stop::tests(),
         // schema: editors know the keys that the tool knows.
         suite::schema::tests(),
         // samples: simulated readings are a recording.

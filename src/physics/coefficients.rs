@@ -43,6 +43,7 @@ pub fn laws() -> &'static [StudyLaw] {
         let mut first = 0;
         let runnable = Term::all().into_iter().filter(|term| !term.study().is_empty());
         runnable
+            .chain(Term::of_studies())
             .map(|term| {
                 let law = StudyLaw { term, first };
                 first += term.study().len();
@@ -123,8 +124,8 @@ mod tests {
 
     #[test]
     fn every_runnable_law_has_a_place_and_a_key_per_parameter() {
-        let runnable: Vec<Term> = Term::all().into_iter().filter(|t| !t.study().is_empty()).collect();
-        assert_eq!(runnable.len(), laws().len(), "more coefficients than places: raise MOST");
+        let runnable = Term::all().into_iter().filter(|t| !t.study().is_empty()).chain(Term::of_studies());
+        assert_eq!(runnable.count(), laws().len(), "more coefficients than places: raise MOST");
         for law in laws() {
             assert_eq!(law.given().len(), law.term.candidate().parameters.len(), "{}", law.term.id());
             assert!(!law.term.wgsl().is_empty() && law.term.states() == 0, "{}", law.term.id());

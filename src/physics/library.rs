@@ -10,12 +10,13 @@ use super::side_by_side::{each, each_reading};
 use super::state::{Constants, Instants, Lanes, Stride};
 
 macro_rules! library {
-    ($($law:ident in $file:ident),* $(,)?; beside $($other:ident in $beside:ident),* $(,)?) => {
+    ($($law:ident in $file:ident),* $(,)?; in studies $($run:ident in $only:ident),* $(,)?; beside $($other:ident in $beside:ident),* $(,)?) => {
         /// Every law, in one of its forms.
         #[derive(Debug, Clone, Copy, PartialEq)]
         #[allow(missing_docs, reason = "each law's own file says what it is")]
         pub enum Term {
             $($law(super::$file::$law),)*
+            $($run(super::$only::$run),)*
             $($other(super::$beside::$other)),*
         }
 
@@ -26,6 +27,11 @@ macro_rules! library {
             /// Every law once, in its first form.
             pub fn all() -> Vec<Self> {
                 vec![$(Self::$law(super::$file::$law::default())),*]
+            }
+
+            /// Those in a form that studies alone have.
+            pub(super) fn of_studies() -> Vec<Self> {
+                vec![$(Self::$run(super::$only::$run)),*]
             }
 
             /// The laws, in each of their forms, that a recording with this many environment
@@ -50,6 +56,7 @@ macro_rules! library {
             ) {
                 match self {
                     $(Self::$law(law) => each::<_, T, N, FMA>(law, at, p, own, rates, acceleration),)*
+                    $(Self::$run(law) => each::<_, T, N, FMA>(law, at, p, own, rates, acceleration),)*
                     $(Self::$other(law) => law.forces::<T, N, FMA>(at, p, own, rates, acceleration)),*
                 }
             }
@@ -65,6 +72,7 @@ macro_rules! library {
             ) {
                 match self {
                     $(Self::$law(law) => each_reading(law, at, p, own, y),)*
+                    $(Self::$run(law) => each_reading(law, at, p, own, y),)*
                     $(Self::$other(law) => each_reading(law, at, p, own, y)),*
                 }
             }
@@ -74,6 +82,7 @@ macro_rules! library {
             pub fn follow(&self, stride: &Stride, constants: &Constants, p: &[Lanes], own: &mut [Lanes]) {
                 match self {
                     $(Self::$law(law) => law.follow(stride, constants, p, own),)*
+                    $(Self::$run(law) => law.follow(stride, constants, p, own),)*
                     $(Self::$other(law) => law.follow(stride, constants, p, own)),*
                 }
             }
@@ -85,6 +94,7 @@ macro_rules! library {
             fn deref(&self) -> &Self::Target {
                 match self {
                     $(Self::$law(law) => law,)*
+                    $(Self::$run(law) => law,)*
                     $(Self::$other(law) => law),*
                 }
             }
@@ -116,6 +126,8 @@ library! {
     WarmUp in warm_up,
     BiasRandomWalk in bias_random_walk,
     PeriodicDisturbance in periodic_disturbance;
+    // What a diagnosis names as a form of another law.
+    in studies OneSidedStop in one_sided_stop;
     // Fitted like laws and never named by themselves.
     beside FreeForm in free_form
 }
@@ -152,7 +164,7 @@ mod tests {
 
     #[test]
     fn the_units_of_study_keys_are_those_of_the_law() {
-        for term in Term::all() {
+        for term in Term::all().into_iter().chain(Term::of_studies()) {
             for (given, parameter) in term.study().iter().zip(term.candidate().parameters) {
                 let metric =
                     parameter.unit.replace('y', "m").replace("^2", "²").replace("^3", "³").replace("1/u", "s²/m");

@@ -5,7 +5,7 @@ use super::tolerances::Tolerances;
 use crate::error::Result;
 use crate::excitation::plan::Variation;
 use crate::number::short;
-use crate::physics::{end_stop, stiffness_drift};
+use crate::physics::{end_stop, one_sided_stop, stiffness_drift};
 use crate::sensor::{SensorTerm, mechanics};
 use crate::units::key::Key;
 use crate::units::number::Number;
@@ -36,14 +36,16 @@ pub(super) fn delayed_force(name: &str, all: &Tolerances, variation: Variation) 
     ))
 }
 
-/// Which of the two numbers of the end stops is given, and which is not, where they are apart.
+/// Which of the two numbers of a stop is given, and which is not, where they are apart.
 fn end_stops(all: &Tolerances) -> Option<(&'static Key, &'static Key)> {
-    let [stiffness, gap] = [0, 1].map(|place: usize| &end_stop::GIVEN[place].key);
-    match (all[stiffness].is_some(), all[gap].is_some()) {
-        (true, false) => Some((stiffness, gap)),
-        (false, true) => Some((gap, stiffness)),
-        _ => None,
-    }
+    [end_stop::GIVEN, one_sided_stop::GIVEN].into_iter().find_map(|given| {
+        let (stiffness, place) = (&given[0].key, &given[1].key);
+        match (all[stiffness].is_some(), all[place].is_some()) {
+            (true, false) => Some((stiffness, place)),
+            (false, true) => Some((place, stiffness)),
+            _ => None,
+        }
+    })
 }
 
 /// Refuses numbers of a proof mass that do not determine it, or determine it twice.

@@ -33,10 +33,17 @@ pub struct Planted {
     pub reading: Vec<f64>,
     /// Value of the effect's first parameter.
     pub strength: f64,
+    /// Its values by the symbols of the library.
+    pub values: Vec<(&'static str, f64)>,
 }
 
-/// Makes it.
+/// Makes it, with a shape drawn at random.
 pub fn plant(plan: &Plan) -> Result<Planted, Failed> {
+    plant_as(plan, None)
+}
+
+/// Makes it with an effect of this shape.
+pub fn plant_as(plan: &Plan, shape: Option<[f64; 2]>) -> Result<Planted, Failed> {
     let omega_rad_s = TAU * plan.resonance_hz;
     let duration_s = plan.samples as f64 / plan.rate_hz;
     let (from_hz, to_hz) = (0.1 * plan.resonance_hz, (2.5 * plan.resonance_hz).min(0.4 * plan.rate_hz));
@@ -49,7 +56,7 @@ pub fn plant(plan: &Plan) -> Result<Planted, Failed> {
     if let Some(physics) = plan.physics {
         let planted = (0..8).any(|attempt| {
             let mut rng = Philox::new(plan.seed, attempt, Stream::Host);
-            let shape = plant::shape(&mut rng, physics, &case);
+            let shape = shape.unwrap_or_else(|| plant::shape(&mut rng, physics, &case));
             plant::plant(&mut case, physics, shape, plan.size)
         });
         if !planted {
@@ -57,6 +64,7 @@ pub fn plant(plan: &Plan) -> Result<Planted, Failed> {
         }
     }
     let strength = case.planted.first().map_or(0.0, |p| p.term.value(&case.scales));
+    let values = case.planted.first().map_or(Vec::new(), |p| p.term.parameters(&case.scales));
     let Columns { force, reading, .. } = case.render();
-    Ok(Planted { input: force.unwrap_or_default(), reading, strength })
+    Ok(Planted { input: force.unwrap_or_default(), reading, strength, values })
 }

@@ -13,6 +13,7 @@ use crate::physics::coefficients::{Coefficients, StudyLaw, laws};
 use crate::physics::dimension::Units;
 use crate::physics::law::Noise;
 use crate::physics::library::Term;
+use crate::physics::one_sided_stop::OneSidedStop;
 use crate::sensor::{Accelerometer, ProofMass, Sensor};
 use crate::units::key::Sign;
 
@@ -77,6 +78,7 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
     };
     for (i, term) in fit.structure.terms.iter().enumerate() {
         let p = fit.structure.of(i, &fit.point);
+        let (term, p) = &as_a_study_has_it(term, p);
         let law = laws().iter().find(|law| law.term == *term);
         if let Some(law) = law {
             if is_refused(law, p) {
@@ -109,10 +111,18 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
     Sensor { proof_mass: Some(mass), accelerometer, ..Sensor::default() }
 }
 
+/// The form in which a study has this term, with its values: a stop on one side stands at a place.
+fn as_a_study_has_it(term: &Term, p: &[f64]) -> (Term, Vec<f64>) {
+    let one_sided = match term {
+        Term::EndStop(stop) => OneSidedStop::values_of(*stop, p),
+        _ => None,
+    };
+    one_sided.map_or((*term, p.to_vec()), |values| (Term::OneSidedStop(OneSidedStop), values.to_vec()))
+}
+
 /// Why no study runs a term that has none of its keys.
 fn why_not(term: &Term) -> &'static str {
     match term {
-        Term::EndStop(_) => "a study has a stop on both sides, at the same distance",
         Term::StiffnessDrift(_) => "a study's spring drifts with time, not with a recorded column",
         Term::ReadoutSaturation(_) => "a study's range is the same on both sides of zero",
         Term::InputLag(_) => "it belongs to what recorded the input, not to the sensor",
