@@ -75,6 +75,7 @@ mod suite {
     pub mod sweep;
     pub mod trial;
     pub mod tumble_bench;
+    pub mod warm_start;
     pub mod windows;
     pub mod world;
 }
@@ -196,6 +197,8 @@ fn main() {
         suite::planted::tests(),
         // closed_form: every error source alone drifts as its law says.
         suite::closed_form::tests(),
+        // warm_start: what a still start takes off what follows the temperature.
+        suite::warm_start::tests(),
         // still_start: what averaging the first seconds leaves of each error.
         suite::still_start::tests(),
         // windows: a recorded log beside its prediction.

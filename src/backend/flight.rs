@@ -245,7 +245,9 @@ impl FlightCpu {
                 Some(passed) => flight.course.table::<T>(passed, count),
                 None => Vec::new(),
             };
-            let tile = Tile { flight, shared: &shared, force: &force, late: &late, passages: &passages, first, count };
+            let warmer = flight.axes[0].warmer_k::<T>(first, count);
+            let (force, late, warmer, passages) = (&force, &late, &warmer[..], &passages[..]);
+            let tile = Tile { flight, shared: &shared, force, late, warmer, passages, first, count };
             parallel::for_each_mut(&mut groups, |_, group| group.run(&tile, self.level));
             from = next.samples.end;
             (batch.progress)(count * size);

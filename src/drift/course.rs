@@ -18,10 +18,26 @@ pub(super) enum Course {
     Warmer,
     /// That times the specific force.
     WarmerForce,
+    /// The square of how much warmer it is, less what a still start takes off.
+    WarmerSquare,
+    /// The same of the cube.
+    WarmerCube,
+}
+
+impl Course {
+    /// The power of how much warmer the sensor is, where it is one alone.
+    pub(super) fn power_of_kelvins(self) -> Option<i32> {
+        match self {
+            Self::Warmer => Some(1),
+            Self::WarmerSquare => Some(2),
+            Self::WarmerCube => Some(3),
+            Self::Force | Self::Square | Self::WarmerForce => None,
+        }
+    }
 }
 
 /// How many courses there are.
-const COURSES: usize = 4;
+const COURSES: usize = 6;
 
 /// A course at a time, and its integrals up to there.
 #[derive(Clone, Copy)]
@@ -66,7 +82,8 @@ impl CourseIntegrals {
         let step_s = study.duration_s() / steps;
         let course = |t: f64| {
             let (f, warmer) = (waveform.specific_force_m_s2(t), warmer_k(t));
-            [f, f * f, warmer - taken_k, warmer * f]
+            let power = |n: i32| warmer.powi(n) - taken_k.powi(n);
+            [f, f * f, power(1), warmer * f, power(2), power(3)]
         };
         let none = [0.0; COURSES];
         let (mut velocity, mut position, mut area, mut now_s) = (none, none, none, 0.0);

@@ -93,8 +93,8 @@ impl Expected {
                             true => integrals.through_tilt(),
                             false => integrals.direct(),
                         };
-                        if course == Course::Warmer && !source.is_gyro() {
-                            integrals[quantity::TILT] = -motion.taken_k / STANDARD_GRAVITY_M_S2;
+                        if let (Some(power), false) = (course.power_of_kelvins(), source.is_gyro()) {
+                            integrals[quantity::TILT] = -motion.taken_k.powi(power) / STANDARD_GRAVITY_M_S2;
                         }
                         integrals.map(|i| Moment { mean: mean * i, variance: variance * i * i })
                     };
@@ -195,17 +195,22 @@ fn level(study: &Study, key: &Key) -> f64 {
     (mean * mean + variance).sqrt()
 }
 
+/// What follows the temperature.
+fn warmed(study: &Study, key: &Key, course: Course) -> Law {
+    let (mean, variance) = study.tolerances.moments(key);
+    Law::Motion { course, mean, variance }
+}
+
 fn law_of_term(study: &Study, term: SensorTerm, key: &Key) -> Law {
     let level_si = level(study, key);
     match term.law() {
         ErrorLaw::Proportional(1) | ErrorLaw::Force(1) => motion(study, key, Course::Force),
         ErrorLaw::Proportional(2) | ErrorLaw::Force(2) => motion(study, key, Course::Square),
         ErrorLaw::Proportional(_) | ErrorLaw::Force(_) => Law::None("its error follows the cube of the force"),
-        ErrorLaw::Warm(0) => {
-            let (mean, variance) = study.tolerances.moments(key);
-            Law::Motion { course: Course::Warmer, mean, variance }
-        }
+        ErrorLaw::Warm(0) => warmed(study, key, Course::Warmer),
         ErrorLaw::Warm(_) => motion(study, key, Course::WarmerForce),
+        ErrorLaw::WarmPower(2) => warmed(study, key, Course::WarmerSquare),
+        ErrorLaw::WarmPower(_) => warmed(study, key, Course::WarmerCube),
         ErrorLaw::White(_) => Law::Random(vec![Process::White(level_si)]),
         ErrorLaw::Flicker(_) => Law::Random(flicker_processes(study, level_si)),
         ErrorLaw::Walk(_) => Law::Random(vec![Process::Walk(level_si)]),

@@ -224,6 +224,7 @@ fn errors(numbers: &Tolerances, sense: Sense) -> Errors {
             | ErrorLaw::Offset
             | ErrorLaw::Force(_)
             | ErrorLaw::Warm(_)
+            | ErrorLaw::WarmPower(_)
             | ErrorLaw::Markov(_)
             | ErrorLaw::Settling
             | ErrorLaw::Sine

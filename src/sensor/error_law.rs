@@ -21,6 +21,8 @@ pub enum ErrorLaw {
     /// In proportion to how much warmer than its reference the sensor is, and to the specific force
     /// along the axis to a power, unit/K/(m/s²)^power.
     Warm(u32),
+    /// In proportion to a power of how much warmer than its reference the sensor is, unit/K^power.
+    WarmPower(u32),
     /// In proportion to the true signal to a power, unit^(1 − power).
     Proportional(u32),
     /// White noise with random-walk coefficient N, unit·√s.
@@ -114,6 +116,7 @@ impl ErrorLaw {
             Self::Shape(_) => 14,
             Self::LowPass => 15,
             Self::Delay => 16,
+            Self::WarmPower(_) => 17,
         }
     }
 
@@ -126,6 +129,7 @@ impl ErrorLaw {
             Self::Walk(_) => Growth::OfWhiteNoise(1),
             Self::Force(_)
             | Self::Warm(_)
+            | Self::WarmPower(_)
             | Self::Proportional(_)
             | Self::Flicker(_)
             | Self::Markov(_)
@@ -171,6 +175,7 @@ impl ErrorLaw {
             | Self::Offset
             | Self::Force(_)
             | Self::Warm(_)
+            | Self::WarmPower(_)
             | Self::Proportional(_)
             | Self::Flicker(_)
             | Self::Markov(_)

@@ -218,17 +218,13 @@ sensor_terms! {
             keys: &[Key::new(29, "accelerometer.acceleration_ramp_mg_h", "acceleration ramp R", "mg/h", MILLI_G / 3600.0, Any)],
         };
         /// Change of the bias per kelvin, m/s²/K.
-        bias_m_s2_per_k: AccelerometerBiasPerKelvin = Row {
-            name: "accelerometer bias over temperature",
-            law: ErrorLaw::Warm(0),
-            keys: &[ACCELEROMETER_BIAS_PER_K],
-        };
+        bias_m_s2_per_k: AccelerometerBiasPerKelvin = Row { name: "accelerometer bias over temperature", law: ErrorLaw::Warm(0), keys: &[ACCELEROMETER_BIAS_PER_K] };
+        /// The same with the square of the kelvins, m/s²/K².
+        bias_m_s2_per_k2: AccelerometerBiasPerKelvinSquared = Row { name: "accelerometer bias over temperature squared", law: ErrorLaw::WarmPower(2), keys: &[Key::new(88, "accelerometer.bias_temperature_ug_k2", "accelerometer bias over temperature squared", "µg/K²", MICRO_G, Any)] };
+        /// The same with their cube, m/s²/K³.
+        bias_m_s2_per_k3: AccelerometerBiasPerKelvinCubed = Row { name: "accelerometer bias over temperature cubed", law: ErrorLaw::WarmPower(3), keys: &[Key::new(89, "accelerometer.bias_temperature_ug_k3", "accelerometer bias over temperature cubed", "µg/K³", MICRO_G, Any)] };
         /// Change of the scale factor per kelvin, 1/K.
-        scale_factor_per_k: ScaleFactorPerKelvin = Row {
-            name: "scale factor over temperature",
-            law: ErrorLaw::Warm(1),
-            keys: &[ACCELEROMETER_SCALE_PER_K],
-        };
+        scale_factor_per_k: ScaleFactorPerKelvin = Row { name: "scale factor over temperature", law: ErrorLaw::Warm(1), keys: &[ACCELEROMETER_SCALE_PER_K] };
         /// Standard deviation σ of a Gauss–Markov process, m/s².
         markov_m_s2: AccelerometerMarkov = Row {
             name: "accelerometer Gauss–Markov bias",
@@ -340,11 +336,11 @@ sensor_terms! {
             keys: &[Key::new(25, "gyro.rate_random_walk_deg_h_rth", "rate random walk K", "°/h/√h", DEGREE_PER_HOUR_PER_ROOT_HOUR, NotNegative)],
         };
         /// Change of the bias per kelvin, rad/s/K.
-        bias_rad_s_per_k: GyroBiasPerKelvin = Row {
-            name: "gyro bias over temperature",
-            law: ErrorLaw::Warm(0),
-            keys: &[GYRO_BIAS_PER_K],
-        };
+        bias_rad_s_per_k: GyroBiasPerKelvin = Row { name: "gyro bias over temperature", law: ErrorLaw::Warm(0), keys: &[GYRO_BIAS_PER_K] };
+        /// The same with the square of the kelvins, rad/s/K².
+        bias_rad_s_per_k2: GyroBiasPerKelvinSquared = Row { name: "gyro bias over temperature squared", law: ErrorLaw::WarmPower(2), keys: &[Key::new(90, "gyro.bias_temperature_deg_h_k2", "gyro bias over temperature squared", "°/h/K²", DEGREE_PER_HOUR, Any)] };
+        /// The same with their cube, rad/s/K³.
+        bias_rad_s_per_k3: GyroBiasPerKelvinCubed = Row { name: "gyro bias over temperature cubed", law: ErrorLaw::WarmPower(3), keys: &[Key::new(91, "gyro.bias_temperature_deg_h_k3", "gyro bias over temperature cubed", "°/h/K³", DEGREE_PER_HOUR, Any)] };
         /// Standard deviation σ of a Gauss–Markov process, rad/s.
         markov_rad_s: GyroMarkov = Row {
             name: "gyro Gauss–Markov bias",

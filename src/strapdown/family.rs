@@ -60,8 +60,8 @@ pub enum Gain {
         /// Phase at the beginning of the run, rad.
         phase_rad: f64,
     },
-    /// Kelvins above the reference, on this input.
-    Warmer(usize),
+    /// Kelvins above the reference to a power, on this input.
+    Warmer(usize, i32),
     /// The same times what an axis of the input's own instrument feels.
     WarmerFelt(usize),
     /// What each input changes by, taken off all of them: per second that the stamps are late.
@@ -82,7 +82,7 @@ impl Gain {
             Self::Rate(input, axis) => inputs[input] = felt.rate[axis],
             Self::Time(input, still_s) => inputs[input] = still_s + time_s,
             Self::Settling { .. } | Self::Sine { .. } => return self.mean(felt, time_s, 0.0),
-            Self::Warmer(input) => inputs[input] = felt.warmer_k,
+            Self::Warmer(input, power) => inputs[input] = felt.warmer_k.powi(power),
             Self::WarmerFelt(input) => {
                 let own = if input < 3 { felt.force[input] } else { felt.rate[input - 3] };
                 inputs[input] = felt.warmer_k * own;

@@ -311,8 +311,8 @@ impl InMotion {
                     vibration: self.vibration[axis].clone(),
                 }),
                 integrator,
-                // What follows the temperature is added where the axes are coupled.
-                temperature: Arc::default(),
+                // What follows it along a straight line is added where the axes are coupled.
+                temperature: Arc::new(self.course.temperature().clone()),
                 // Tilt and gravity are the navigation's.
                 gravity_m_s2: 0.0,
             })

@@ -6,12 +6,19 @@ use super::refusal::refuse;
 use super::tolerances::Tolerances;
 use crate::error::Result;
 use crate::motion::temperature::{POSSIBLE_DEG_C, Temperature};
-use crate::sensor::coupling;
+use crate::sensor::error_law::ErrorLaw;
+use crate::sensor::{SensorTerm, coupling};
 use crate::units::key::Key;
+
+/// The keys of all that follows the temperature.
+fn over_temperature() -> impl Iterator<Item = &'static Key> {
+    let curved = SensorTerm::ALL.into_iter().filter(|term| matches!(term.law(), ErrorLaw::WarmPower(_)));
+    coupling::OVER_TEMPERATURE.into_iter().chain(curved.flat_map(|term| term.row().keys))
+}
 
 /// Whether a sensor whose axes have these numbers is warmed or cooled and none of them follows it.
 pub(super) fn is_idle(temperature: &Temperature, axes: &[Tolerances]) -> bool {
-    let follows = |axis: &Tolerances| coupling::OVER_TEMPERATURE.into_iter().any(|key| axis.moments(key) != (0.0, 0.0));
+    let follows = |axis: &Tolerances| over_temperature().any(|key| axis.moments(key) != (0.0, 0.0));
     !temperature.points.is_empty() && !axes.iter().any(follows)
 }
 
@@ -23,7 +30,7 @@ pub(super) fn is_idle(temperature: &Temperature, axes: &[Tolerances]) -> bool {
 pub(super) fn read(name: &str, section: Option<&file::Temperature>, axes: &[Tolerances]) -> Result<Temperature> {
     let given = |key: &&Key| axes.iter().any(|axis| axis[key].is_some());
     let Some(section) = section else {
-        return match coupling::OVER_TEMPERATURE.into_iter().find(given) {
+        return match over_temperature().find(given) {
             None => Ok(Temperature::default()),
             Some(key) => Err(refuse(
                 name,

@@ -50,8 +50,17 @@ fn warming_bias() -> Result<(), Failed> {
     let gyro = warming("[gyro]\nbias_temperature_deg_h_k = [0.0, 2.0, 0.0]\n", ramp)?;
     let expected = -G * 2.0 * std::f64::consts::PI / 180.0 / 3600.0 * 0.5 * 60.0f64.powi(4) / 24.0;
     near("gyro", last(&gyro, Quantity::Position(0)), expected, 1e-3 * expected.abs())?;
+    // Of the square, c (t/2)²: c t⁴/48 of an accelerometer; of the cube of a gyro, −g c t⁶/960.
+    let square = warming("[accelerometer]\nbias_temperature_ug_k2 = [0.0, 1.0, 0.0]\n", ramp)?;
+    let expected = 1e-6 * G * 60.0f64.powi(4) / 48.0;
+    near("square", last(&square, Quantity::Position(1)), expected, 1e-3 * expected)?;
+    near("square of another axis", last(&square, Quantity::Position(0)), 0.0, 1e-9)?;
+    let cube = warming("[gyro]\nbias_temperature_deg_h_k3 = [0.0, 0.01, 0.0]\n", ramp)?;
+    let expected = -G * 0.01 * std::f64::consts::PI / 180.0 / 3600.0 * 60.0f64.powi(6) / 960.0;
+    near("cube", last(&cube, Quantity::Position(0)), expected, 1e-3 * expected.abs())?;
     // Control: at the reference nothing follows.
-    let cold = warming("[accelerometer]\nbias_temperature_ug_k = [10.0, 0.0, 0.0]\n", "[[0.0, 20.0]]")?;
+    let all = "[accelerometer]\nbias_temperature_ug_k = [10.0, 0.0, 0.0]\nbias_temperature_ug_k2 = 10.0\n";
+    let cold = warming(all, "[[0.0, 20.0]]")?;
     near("at the reference", last(&cold, Quantity::Position(0)), 0.0, 1e-9)
 }
 
@@ -163,8 +172,10 @@ const DRIVE: &str = "members = 4096\nduration_s = 60.0\n[sensor]\nsample_rate_hz
     [temperature]\nprofile_s_deg_c = [[0.0, 20.0], [30.0, 60.0]]\nreference_deg_c = 25.0\n\
     [report]\ntimes_s = [10.0, 30.0, 60.0]\n";
 const FOLLOWING: [&str; 2] = [
-    "bias_temperature_ug_k = { mean = 0.0, sd = 30.0 }\nscale_temperature_ppm_k = { mean = 0.0, sd = 50.0 }\n",
-    "bias_temperature_deg_h_k = { mean = 0.0, sd = 1.0 }\nscale_temperature_ppm_k = { mean = 0.0, sd = 50.0 }\n",
+    "bias_temperature_ug_k = { mean = 0.0, sd = 30.0 }\nbias_temperature_ug_k2 = { mean = 0.0, sd = 2.0 }\n\
+     bias_temperature_ug_k3 = { mean = 0.0, sd = 0.1 }\nscale_temperature_ppm_k = { mean = 0.0, sd = 50.0 }\n",
+    "bias_temperature_deg_h_k = { mean = 0.0, sd = 1.0 }\nbias_temperature_deg_h_k2 = { mean = 0.0, sd = 0.05 }\n\
+     scale_temperature_ppm_k = { mean = 0.0, sd = 50.0 }\n",
 ];
 
 fn drive(start: &str) -> String {
@@ -213,6 +224,7 @@ fn refusals() -> Result<(), Failed> {
         (String::new(), "[sensor]\ntime_offset_us = 1.0\n", "has no trajectory"),
         (String::new(), "[sensor]\nclock_drift_ppm = 1.0\n", "has no trajectory"),
         (rest.to_owned(), "[gyro]\nbias_temperature_deg_h_k = 1.0\n", "needs a [temperature]"),
+        (rest.to_owned(), "[gyro]\nbias_temperature_deg_h_k2 = 1.0\n", "`gyro.bias_temperature_deg_h_k2` needs a"),
         (rest.to_owned(), "[sensor]\ntime_offset_us = [1.0, 2.0, 3.0]\n", "one clock"),
         (rest.to_owned(), "[sensor]\nclock_drift_ppm = [1.0, 2.0, 3.0]\n", "one clock"),
         (

@@ -90,9 +90,9 @@ pub(super) fn repair(
     let warmth = if is_warm { warmth::of(channel, fitted, recording) } else { Err(Unfit::Elsewhere) };
     let mut relation = format!("one {} of {} is {} in SI", unit.name, channel.name, unit.si);
     if let Ok(warmth) = &warmth {
-        let gyro = unit.quantity == Quantity::Gyro;
-        let term = if gyro { SensorTerm::GyroBiasPerKelvin } else { SensorTerm::AccelerometerBiasPerKelvin };
-        after = after.with_error(term, warmth.slope * unit.si);
+        for (term, change) in over_temperature(unit.quantity).into_iter().zip(warmth.by_power) {
+            after = after.with_error(term, change * unit.si);
+        }
         let late = if warmth.is_late { ", as late as the reading follows it" } else { "" };
         relation += &format!("; [temperature] is the column `{}`, one of its units taken as 1 °C{late}", warmth.column);
     }
@@ -125,6 +125,15 @@ pub(super) fn repair(
             .collect(),
         vibration: Vibration { amplitude_m_s2: 0.0, frequency_hz: 1.0 },
     })
+}
+
+/// What a bias follows of the temperature, its square and its cube.
+fn over_temperature(quantity: Quantity) -> [SensorTerm; 3] {
+    use SensorTerm::*;
+    match quantity {
+        Quantity::Gyro => [GyroBiasPerKelvin, GyroBiasPerKelvinSquared, GyroBiasPerKelvinCubed],
+        _ => [AccelerometerBiasPerKelvin, AccelerometerBiasPerKelvinSquared, AccelerometerBiasPerKelvinCubed],
+    }
 }
 
 /// One law of free exponent, as a study takes it: the library's, with the coefficient that fits.

@@ -1,5 +1,5 @@
 //! The temperature that a sensor at rest was found to follow, as a study takes it: a profile over
-//! time, and a slope.
+//! time, and how much the reading changes with each power of it.
 
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Fitted, Term};
@@ -14,8 +14,9 @@ const POINTS: usize = 60;
 /// What a study takes of a named sensitivity.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Warmth {
-    /// Change of the reading per unit of the column, file units.
-    pub(super) slope: f64,
+    /// Change of the reading per power of a unit of the column, file units; powers 1 to 3, zero
+    /// where the reading does not follow one.
+    pub(super) by_power: [f64; 3],
     /// The column as it acts; the reference is its mean, about which the model is fitted.
     pub(super) temperature: Temperature,
     /// Heading of the column.
@@ -33,8 +34,6 @@ pub(super) enum Unfit {
     Elsewhere,
     /// Several columns do.
     Several,
-    /// The reading does not follow along a straight line.
-    Curved,
     /// The column holds what is no temperature in °C.
     NoTemperature,
 }
@@ -49,7 +48,6 @@ impl Unfit {
             }
             Self::Elsewhere => "It is in another channel than the one that stands for the sensor.",
             Self::Several => "A study has one temperature, and the reading follows several columns.",
-            Self::Curved => "In a study a bias follows the temperature along a straight line.",
             Self::NoTemperature => "The column holds values that are no temperature in °C.",
         }
     }
@@ -65,9 +63,12 @@ pub(super) fn of(channel: &Channel, fitted: &Fitted, recording: &Recording) -> R
     }
     let Followed { column, delay, unit, powers } = term.column.as_ref().ok_or(Unfit::Unlogged)?;
     let Addition::Curves(curves) = &term.addition else { return Err(Unfit::Unlogged) };
-    let (&[1], [curve], [(amplitude, _)]) = (*powers, curves.as_slice(), fitted.amplitudes_of(index)) else {
-        return Err(Unfit::Curved);
-    };
+    // The first curve is the column itself.
+    let curve = curves.first().ok_or(Unfit::Unlogged)?;
+    let mut by_power = [0.0; 3];
+    for (power, (amplitude, _)) in powers.iter().zip(fitted.amplitudes_of(index)) {
+        by_power[(*power as usize - 1).min(2)] = amplitude * channel.scale / unit.powi(*power);
+    }
     let logged = recording.columns.iter().find(|c| c.name == *column).ok_or(Unfit::Unlogged)?;
     let mean = moments::mean(&logged.values);
     let points = profile(&curve.values, channel.rate_hz, |value| mean + unit * value);
@@ -75,7 +76,7 @@ pub(super) fn of(channel: &Channel, fitted: &Fitted, recording: &Recording) -> R
         return Err(Unfit::NoTemperature);
     }
     Ok(Warmth {
-        slope: amplitude * channel.scale / unit,
+        by_power,
         temperature: Temperature { points, reference_deg_c: mean },
         column: column.clone(),
         is_late: *delay != Delay::None,

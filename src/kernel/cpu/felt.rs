@@ -68,6 +68,54 @@ pub(crate) const WARM_FORCE: Fragment = of_column(
 ",
 );
 
+/// What follows the square of the temperature, in the shader.
+pub(crate) const WARM_SQUARED: Fragment = of_column(
+    "
+                if HAS_$TERM {
+                    let kelvins = warmer[n - tile.first_sample];
+                    $out = fma($term_share * kelvins, kelvins, $out);
+                }
+",
+);
+
+/// What follows its cube, in the shader.
+pub(crate) const WARM_CUBED: Fragment = of_column(
+    "
+                if HAS_$TERM {
+                    let kelvins = warmer[n - tile.first_sample];
+                    $out = fma($term_share * kelvins * kelvins, kelvins, $out);
+                }
+",
+);
+
+/// What follows a power of the temperature.
+pub(super) struct AddWarmPower<'a, T> {
+    /// Error per kelvin to this power.
+    pub scale: &'a Lane<T>,
+    pub power: u32,
+    /// How much warmer than its reference the sensor is, K; empty where it is not.
+    pub warmer: &'a [T],
+    pub out: &'a mut [Lane<T>],
+}
+
+impl<T: Real> Kernel for AddWarmPower<'_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        for (out, kelvins) in self.out.iter_mut().zip(self.warmer) {
+            let mut share = *self.scale;
+            for _ in 1..self.power {
+                for l in 0..LANES {
+                    share[l] = share[l] * *kelvins;
+                }
+            }
+            for l in 0..LANES {
+                out[l] = fma::<T, FMA>(share[l], *kelvins, out[l]);
+            }
+        }
+    }
+}
+
 /// What follows the temperature, with or without the specific force.
 pub(super) struct AddWarm<'a, T> {
     /// Error per kelvin, and per force where there is one.

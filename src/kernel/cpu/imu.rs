@@ -43,6 +43,8 @@ pub struct Tile<'a, T: Real> {
     /// What the late force has more than the force itself along each axis; empty where no reading is
     /// late.
     pub late: &'a [Vec<T>; 3],
+    /// How much warmer than its reference the sensor is at each sample, K; empty where it is not.
+    pub warmer: &'a [T],
     /// The truth; empty during a still start.
     pub passages: &'a [Passage<T>],
     /// First sample of the block, counted from the beginning of the flight.
@@ -159,7 +161,7 @@ impl<T: Real> Imu<T> {
             shared: &tile.shared[axis],
             members: &mut self.axes[axis],
             force: &tile.force[axis],
-            warmer: &[],
+            warmer: tile.warmer,
             late: &tile.late[axis],
             first: tile.first,
             count: tile.count,

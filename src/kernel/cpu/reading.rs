@@ -5,7 +5,7 @@
 //! Each is added to consecutive samples of 64 members; bias instability has a file of its own, and
 //! so have the laws that take more than a strength (`slow`).
 
-use super::felt::{AddForce, AddWarm, FORCE, FORCE_SQUARED, WARM, WARM_FORCE};
+use super::felt::{AddForce, AddWarm, AddWarmPower, FORCE, FORCE_SQUARED, WARM, WARM_CUBED, WARM_FORCE, WARM_SQUARED};
 use super::flicker::{self, Flicker};
 use super::lanes::{Kernel, LANES, Lane};
 use super::slow::{self, AddSettling, AddSine, Markov};
@@ -60,6 +60,8 @@ pub(crate) fn fragment(law: ErrorLaw) -> Option<&'static Fragment> {
         ErrorLaw::Offset => Some(&OFFSET),
         ErrorLaw::Warm(0) => Some(&WARM),
         ErrorLaw::Warm(_) => Some(&WARM_FORCE),
+        ErrorLaw::WarmPower(2) => Some(&WARM_SQUARED),
+        ErrorLaw::WarmPower(_) => Some(&WARM_CUBED),
         ErrorLaw::Force(1) => Some(&FORCE),
         ErrorLaw::Force(_) => Some(&FORCE_SQUARED),
         ErrorLaw::Markov(_) => Some(&slow::MARKOV),
@@ -120,6 +122,7 @@ pub(super) fn add<T: Real>(
         ErrorLaw::Offset => level.run(AddOffset { scale, out }),
         ErrorLaw::Force(power) => level.run(AddForce { scale, felt, squared: power == 2, out }),
         ErrorLaw::Warm(power) => level.run(AddWarm { scale, felt: (power == 1).then_some(felt), warmer, out }),
+        ErrorLaw::WarmPower(power) => level.run(AddWarmPower { scale, power, warmer, out }),
         ErrorLaw::Markov(stream) => {
             let terms = Markov { sigma: scale, memory: &columns[column::of(term) + 1] };
             slow::add_markov(terms, stream, numbers, &mut state.markovs[term.rank()], out);

@@ -42,7 +42,7 @@ fn over_temperature(
 ) -> Vec<Column> {
     let one = |axis: usize| {
         let (input, moments) = (3 * (place / 2) + axis, motion.between[axis].moments(key));
-        let gain = if place.is_multiple_of(2) { Gain::Warmer(input) } else { Gain::WarmerFelt(input) };
+        let gain = if place.is_multiple_of(2) { Gain::Warmer(input, 1) } else { Gain::WarmerFelt(input) };
         (moments != (0.0, 0.0)).then(|| column(gain, moments, found, flight))
     };
     (0..3).filter_map(one).collect()
@@ -139,6 +139,7 @@ impl<'a> Given<'a> {
                 Sense::Gyro => Gain::Rate(3 + axis, axis),
             }),
             ErrorLaw::Force(power) => constants(&|axis| Gain::Force(first + axis, axis, power as i32)),
+            ErrorLaw::WarmPower(power) => constants(&|axis| Gain::Warmer(first + axis, power as i32)),
             ErrorLaw::Ramp => constants(&|axis| Gain::Time(first + axis, found.map_or(0.0, |f| f.seconds))),
             ErrorLaw::White(_) => (Vec::new(), vec![white(self.squares(sense), found)]),
             ErrorLaw::Walk(_) => (Vec::new(), vec![walk(self.squares(sense), found)]),
