@@ -75,6 +75,7 @@ pub(super) fn reference(model: &Static, means: &[Estimate]) -> Option<Statement>
         let holds = (ci95[0]..=ci95[1]).contains(&expected);
         (Earth::Rate, expected, if holds { Difference::None } else { Difference::Sensor })
     };
+    let height_m = model.height_m;
     Some(Statement::Reference { earth, length, ci95, expected, latitude_deg, height_m, difference })
 }
 

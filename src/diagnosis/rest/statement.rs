@@ -85,8 +85,8 @@ pub enum Statement {
         expected: f64,
         /// Geodetic latitude, °.
         latitude_deg: f64,
-        /// Height above the ellipsoid, m.
-        height_m: f64,
+        /// Height above the ellipsoid, m, where the model states it; else gravity is that at 0 m.
+        height_m: Option<f64>,
         /// What may lie behind the difference.
         difference: Difference,
     },

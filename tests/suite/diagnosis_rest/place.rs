@@ -48,8 +48,11 @@ pub(super) fn intervals() -> Result<(), Failed> {
     Ok(())
 }
 
+/// Latitude, °, and height, m.
+type Place = (Option<f64>, Option<f64>);
+
 /// Three channels that read this vector with white noise, at a place or none.
-fn at(vector: [f64; 3], unit: &str, latitude_deg: Option<f64>) -> Result<Verdict, Failed> {
+fn at(vector: [f64; 3], unit: &str, (latitude_deg, height_m): Place) -> Result<Verdict, Failed> {
     let names = ["x", "y", "z"].map(str::to_owned);
     let length = vector.iter().map(|v| v * v).sum::<f64>().sqrt();
     let mut rng = Philox::new(82, 0, Stream::Host);
@@ -65,7 +68,7 @@ fn at(vector: [f64; 3], unit: &str, latitude_deg: Option<f64>) -> Result<Verdict
         rows: Vec::new(),
         unit: unit.into(),
         latitude_deg,
-        height_m: latitude_deg.map(|_| 0.0),
+        height_m,
         columns: StaticColumns { time: None, channels: names.to_vec(), environment: Vec::new() },
         noise: None,
         split: Default::default(),
@@ -73,9 +76,14 @@ fn at(vector: [f64; 3], unit: &str, latitude_deg: Option<f64>) -> Result<Verdict
     Ok(diagnose(&recording, &model)?.verdict)
 }
 
-/// What is said of gravity or the Earth's rate, and nothing named for it.
+/// What is said of gravity or the Earth's rate at height 0, and nothing named for it.
 fn said(vector: [f64; 3], unit: &str, latitude_deg: Option<f64>) -> Result<Option<String>, Failed> {
-    let verdict = at(vector, unit, latitude_deg)?;
+    said_at(vector, unit, (latitude_deg, latitude_deg.map(|_| 0.0)))
+}
+
+/// The same at a place.
+fn said_at(vector: [f64; 3], unit: &str, place: Place) -> Result<Option<String>, Failed> {
+    let verdict = at(vector, unit, place)?;
     check(verdict.effects.is_empty(), "one pose names nothing")?;
     let of_earth = |f: &String| f.starts_with("`local-gravity`") || f.starts_with("`earth-rate`");
     Ok(verdict.findings.into_iter().find(of_earth))
@@ -104,5 +112,13 @@ pub(super) fn references() -> Result<(), Failed> {
     for (unit, latitude_deg) in [("m/s2", None), ("counts", Some(45.0))] {
         check(said(along(9.80620), unit, latitude_deg)?.is_none(), format!("{unit}, {latitude_deg:?}"))?;
     }
-    check(at(along(9.8), "m/s2", Some(95.0)).is_err(), "a latitude beyond the pole")
+    check(at(along(9.8), "m/s2", (Some(95.0), None)).is_err(), "a latitude beyond the pole")?;
+    // Without a height it is said that none was given, and which was taken; with one it is not.
+    let assumed = said_at(along(9.80620), "m/s2", (Some(45.0), None))?;
+    expect(assumed, &["9.80620", "they agree", "0 m, assumed because height_m is not given"])?;
+    for height_m in [0.0, 1000.0] {
+        let stated = said_at(along(9.80620), "m/s2", (Some(45.0), Some(height_m)))?.unwrap_or_default();
+        check(!stated.contains("assumed") && stated.contains("local-gravity"), stated)?;
+    }
+    Ok(())
 }

@@ -108,7 +108,11 @@ fn reference(of: &Statement, unit: &str) -> String {
     let [low, high] = ci95.map(|v| significant(v, 6));
     let [length, expected] = [*length, *expected];
     let found = format!("the vector of the three means has length {} {unit} ({low} to {high})", significant(length, 6));
-    let place = format!("{}° and {} m", short(*latitude_deg), short(*height_m));
+    let latitude = short(*latitude_deg);
+    let place = match height_m {
+        Some(height_m) => format!("{latitude}° and {} m", short(*height_m)),
+        None => format!("{latitude}° and 0 m, assumed because height_m is not given,"),
+    };
     match earth {
         Earth::Gravity => {
             let what = format!("`local-gravity`: {found}, gravity at {place} is {} {unit}", significant(expected, 6));
