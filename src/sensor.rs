@@ -16,7 +16,7 @@ pub use sense::Sense;
 pub use terms::{Accelerometer, Gyro, SensorTerm};
 
 use crate::physics::coefficients::Coefficients;
-use crate::physics::{end_stop, one_sided_stop};
+use crate::physics::{end_stop, one_sided_stop, stiffness_drift};
 use crate::units::key::Key;
 
 /// The proof mass: x″ + 2ζω₀x′ + ω₀²x + βx³ = f (paper's eq. 6; eq. 4 is β = 0), with whatever
@@ -44,6 +44,13 @@ impl ProofMass {
         let stops = [&end_stop::GIVEN[0].key, &one_sided_stop::GIVEN[0].key];
         let contact: f64 = stops.into_iter().map(|key| self.laws.of(key).max(0.0)).sum();
         self.natural_frequency_rad_s.hypot(contact.sqrt())
+    }
+
+    /// The same with its spring as stiff as it becomes within so long of the run.
+    pub fn at_its_stiffest(mut self, time_s: f64) -> Self {
+        let growth = 1.0 + self.laws.of(&stiffness_drift::GIVEN[0].key) * time_s;
+        self.natural_frequency_rad_s *= growth.max(1.0).sqrt();
+        self
     }
 
     /// Whether there is anything beyond the linear and the cubic spring.

@@ -270,7 +270,9 @@ impl Study {
     /// # Errors
     /// A proof mass that no integrator can step.
     pub fn integrator(&self) -> Result<Choice> {
-        self.tolerances.integrator(self.stiffest().as_ref(), self.clock.step_s)
+        let run_s = self.still_s() + self.duration_s();
+        let stiffest = self.stiffest().map(|mass| mass.at_its_stiffest(run_s));
+        self.tolerances.integrator(stiffest.as_ref(), self.clock.step_s)
     }
 
     /// Refuses a study in six axes where one of a single axis is meant.

@@ -75,6 +75,7 @@ mod suite {
     pub mod sweep;
     pub mod trial;
     pub mod tumble_bench;
+    pub mod unlike_members;
     pub mod warm_start;
     pub mod windows;
     pub mod world;
@@ -197,6 +198,8 @@ fn main() {
         suite::planted::tests(),
         // closed_form: every error source alone drifts as its law says.
         suite::closed_form::tests(),
+        // unlike_members: what only some members of a study have.
+        suite::unlike_members::tests(),
         // warm_start: what a still start takes off what follows the temperature.
         suite::warm_start::tests(),
         // still_start: what averaging the first seconds leaves of each error.

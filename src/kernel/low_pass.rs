@@ -24,8 +24,15 @@ pub(crate) const WEIGHTS: usize = 7;
 /// end, the growth of the force, and the noise of the force.
 pub(super) const NAMED: [&str; WEIGHTS] = ["KEPT", "E_BEGIN", "V_BEGIN", "E_END", "V_END", "GROWTH", "PUSH"];
 
-/// The weights of a member whose low-pass has this time constant, more than 0.
+/// Those of a member whose mass is read as it stands at the end of the substep: it has no low-pass,
+/// and others that are simulated with it have one.
+pub(super) const NONE: [f64; WEIGHTS] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+
+/// The weights of a member whose low-pass has this time constant.
 pub(super) fn weights(mass: Option<&ProofMass>, integrator: Integrator, substep_s: f64, time_s: f64) -> [f64; WEIGHTS] {
+    if time_s <= 0.0 {
+        return NONE;
+    }
     let ratio = time_s / substep_s;
     let renewed = -(-1.0 / ratio).exp_m1();
     let kept = 1.0 - renewed;

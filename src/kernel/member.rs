@@ -68,7 +68,7 @@ pub struct Column {
     /// Coefficients of its laws with the substep as unit of time and the reading as displacement,
     /// where the integrator takes them one by one; else 0.
     pub laws: [f64; coefficients::MOST],
-    /// Weights of the low-pass behind its proof mass, see `low_pass`; else 0.
+    /// Weights of the low-pass behind its proof mass, see `low_pass`.
     pub low_pass: [f64; low_pass::WEIGHTS],
     /// Phase of its own sine at t = 0 and per half substep, in 2⁻³² turns.
     pub turns: [u32; 2],
@@ -101,10 +101,7 @@ impl Column {
             values[column::of(term)] = term.law().per_sample(sensor.error(term), sample_s);
         }
         let time_s = sensor.error(SensorTerm::ReadoutLowPass);
-        let mut low_pass = [0.0; low_pass::WEIGHTS];
-        if time_s > 0.0 {
-            low_pass = low_pass::weights(sensor.proof_mass.as_ref(), integrator, substep_s, time_s);
-        }
+        let low_pass = low_pass::weights(sensor.proof_mass.as_ref(), integrator, substep_s, time_s);
         values[column::STEPS] = steps_per_m_s2(values[column::QUANTISATION]);
         // Turns wrap, as the kernels' arithmetic on them does.
         let fixed = |turn: f64| ((turn.rem_euclid(1.0)) * 4_294_967_296.0).round() as u64 as u32;

@@ -297,6 +297,7 @@ impl InMotion {
         let axis = |axis: usize| -> Result<Job> {
             let seed = axis_seed(run.seed, axis as u64);
             let stiffest = self.stiffest(run.seed, run.members, axis);
+            let stiffest = stiffest.map(|mass| mass.at_its_stiffest(clock.duration_s()));
             let tolerances = self.tolerances[axis].clone();
             let integrator = tolerances.integrator(stiffest.as_ref(), clock.step_s)?.integrator;
             Ok(Job {

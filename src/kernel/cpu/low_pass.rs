@@ -2,7 +2,7 @@
 //! `kernel::low_pass`. Twin of what `shaders/simulate.wgsl` does with them.
 
 use super::lanes::{LANES, Lane};
-use crate::kernel::low_pass::WEIGHTS;
+use crate::kernel::low_pass::{self, WEIGHTS};
 use crate::numerics::elementary::{Real, fma};
 
 /// Weights of the members, and the error of what their low-pass shows.
@@ -27,11 +27,11 @@ pub(super) struct Moved<'a, T> {
 }
 
 impl<T: Real> LowPass<T> {
-    /// Of members with these weights, at the beginning; none where none of them has any.
+    /// Of members with these weights, at the beginning; none where each of them is read as it is.
     pub(super) fn of(weights: [Lane<T>; WEIGHTS]) -> Option<Box<Self>> {
         let none = T::of(0.0);
-        let any = weights.iter().any(|lane| lane.0.iter().any(|v| *v != none));
-        any.then(|| Box::new(Self { weights, p: Lane::splat(none) }))
+        let unread = |(lane, of): (&Lane<T>, f64)| lane.0.iter().any(|v| *v != none && *v != T::of(of));
+        weights.iter().zip(low_pass::NONE).any(unread).then(|| Box::new(Self { weights, p: Lane::splat(none) }))
     }
 
     /// Takes it over one substep.
