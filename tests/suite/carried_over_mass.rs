@@ -63,7 +63,8 @@ fn carried(case: &Case) -> Result<(), Failed> {
     let plan = Plan {
         physics: Some(case.physics),
         size: Size::Raw(0.3),
-        samples: 8000,
+        // Where a stop stands is searched for at length.
+        samples: if case.physics == Physics::EndStop { 4000 } else { 8000 },
         rate_hz: 1000.0,
         resonance_hz: RESONANCE_HZ,
         zeta: 0.05,

@@ -123,7 +123,9 @@ fn as_a_study_has_it(term: &Term, p: &[f64]) -> (Term, Vec<f64>) {
 /// Why no study runs a term that has none of its keys.
 fn why_not(term: &Term) -> &'static str {
     match term {
-        Term::StiffnessDrift(_) => "a study's spring drifts with time, not with a recorded column",
+        Term::StiffnessDrift(_) => {
+            "a study's spring drifts with time alone: it has no key for one that follows [temperature] or another column"
+        }
         Term::ReadoutSaturation(_) => "a study's range is the same on both sides of zero",
         Term::InputLag(_) => "it belongs to what recorded the input, not to the sensor",
         Term::Hysteresis(_) | Term::ParasiticMode(_) | Term::CoupledMode(_) => {
