@@ -1,8 +1,8 @@
 // One tile: each invocation takes one member through the samples, from state to state. Twin of
 // `src/kernel/cpu/simulate.rs`; see there for what happens in which order and why. Lines `#terms …`
 // are replaced by what the sensor terms have to say there, see `src/kernel/source/terms.rs`; lines
-// `#trace …` by the writing of every reading's errors, where `navigate` reads them, and by nothing
-// elsewhere.
+// `#own …` by the states of laws that have any, see `src/kernel/source/staged.rs`; lines `#trace …`
+// by the writing of every reading's errors, where `navigate` reads them, and by nothing elsewhere.
 
 override INTEGRATOR: u32 = 0u;
 override SUBSTEPS: u32 = 1u;
@@ -109,6 +109,7 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
         vec4<f32>(column(i, 4u), column(i, 5u), column(i, 6u), column(i, 7u)),
     );
     let laws = laws_of(i);
+#own load
     let gain = column(i, GAIN);
     // While a still start lasts, nothing moves and no tilt is integrated.
     let still = HAS_STILL && tile.first_sample < tile.still_samples;
@@ -220,13 +221,14 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
                             fma(gain, now.w, own.z - own.x),
                         );
                         before = now.x;
-                        let begin = s;
+                        let begin = seen(laws, s, f.begin);
                         s = advance(k, laws, s, f, push, f32(n * SUBSTEPS + substep));
                         felt = f.end;
                         if HAS_READOUT_LOW_PASS {
                             var p = fma(weights[5], f.to_end, weights[6] * push);
-                            p = fma(weights[4], s.y - f.to_end, p);
-                            p = fma(weights[3], s.x, p);
+                            let end = seen(laws, s, f.end);
+                            p = fma(weights[4], end.y - f.to_end, p);
+                            p = fma(weights[3], end.x, p);
                             p = fma(weights[2], begin.y - f.to_end, p);
                             p = fma(weights[1], begin.x, p);
                             low_pass = fma(weights[0], low_pass, p);
@@ -234,7 +236,7 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
                     }
 
                     // The accelerometer's reading.
-                    let shown = select(s.x, low_pass, HAS_READOUT_LOW_PASS);
+                    let shown = select(seen(laws, s, felt).x, low_pass, HAS_READOUT_LOW_PASS);
                     error = shown + bias;
                     if HAS_READING {
                         let a = felt + shown;
@@ -298,6 +300,7 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
 
     state[STATE_E * stride + i] = s.x;
     state[STATE_Q * stride + i] = s.y;
+#own keep
     state[STATE_POSITION * stride + i] = position;
     state[STATE_VELOCITY * stride + i] = velocity;
     state[STATE_RATE * stride + i] = rate;

@@ -16,7 +16,8 @@ pub use sense::Sense;
 pub use terms::{Accelerometer, Gyro, SensorTerm};
 
 use crate::physics::coefficients::Coefficients;
-use crate::physics::{end_stop, one_sided_stop, stiffness_drift};
+use crate::physics::dimension::Units;
+use crate::physics::stiffness_drift;
 use crate::units::key::Key;
 
 /// The proof mass: x″ + 2ζω₀x′ + ω₀²x + βx³ = f (paper's eq. 6; eq. 4 is β = 0), with whatever
@@ -39,11 +40,12 @@ impl ProofMass {
         self.laws.of(&mechanics::CUBIC_STIFFNESS)
     }
 
-    /// The fastest rate of its motion: in contact with its end stops where it has any, rad/s.
+    /// The fastest rate of its motion, rad/s: in contact with its end stops and with its further
+    /// modes, where it has any.
     pub fn fastest_rad_s(&self) -> f64 {
-        let stops = [&end_stop::GIVEN[0].key, &one_sided_stop::GIVEN[0].key];
-        let contact: f64 = stops.into_iter().map(|key| self.laws.of(key).max(0.0)).sum();
-        self.natural_frequency_rad_s.hypot(contact.sqrt())
+        let si = Units { y: 1.0, u: 1.0, s: 1.0 };
+        let added: f64 = self.laws.acting().map(|law| law.term.stiffens(&self.laws.values(law, &si))).sum();
+        self.natural_frequency_rad_s.hypot(added.sqrt())
     }
 
     /// The same with its spring as stiff as it becomes within so long of the run.

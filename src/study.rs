@@ -29,7 +29,7 @@ use sha2::{Digest, Sha256};
 use crate::document::{from_table, hexadecimal, parse_toml, read_text};
 use crate::error::{Error, Result};
 use crate::excitation;
-use crate::excitation::plan::Plan;
+use crate::excitation::plan::{Plan, Variation};
 use crate::excitation::reader::Run;
 use crate::kernel::flight::Flight;
 use crate::kernel::integrator::Choice;
@@ -272,7 +272,25 @@ impl Study {
     pub fn integrator(&self) -> Result<Choice> {
         let run_s = self.still_s() + self.duration_s();
         let stiffest = self.stiffest().map(|mass| mass.at_its_stiffest(run_s));
-        self.tolerances.integrator(stiffest.as_ref(), self.clock.step_s)
+        let choice = self.tolerances.integrator(stiffest.as_ref(), self.clock.step_s)?;
+        let gain = match self.excitation.variation {
+            Variation::None => 1.0,
+            Variation::Gain | Variation::Sine => {
+                let (mean, variance) = self.tolerances.moments(&excitation::SIZE);
+                mean.abs() + 2.0 * variance.sqrt()
+            }
+        };
+        mass_check::followed_memory(
+            &self.name,
+            &mass_check::Moved {
+                stiffest: stiffest.as_ref(),
+                waveform: self.excitation.waveform.as_ref(),
+                gain,
+                duration_s: self.clock.duration_s(),
+                substep_s: self.clock.step_s / f64::from(choice.integrator.substeps()),
+            },
+        )?;
+        Ok(choice)
     }
 
     /// Refuses a study in six axes where one of a single axis is meant.

@@ -47,6 +47,7 @@ mod suite {
     pub mod one_sided_stop;
     pub mod outputs;
     pub mod own_noise;
+    pub mod own_states;
     pub mod pages;
     pub mod paper;
     pub mod parity;
@@ -119,6 +120,8 @@ fn main() {
         suite::readout::tests(),
         // laws: the same law in both precisions, on both backends, in the diagnosis and as the trial wrote it.
         suite::laws::tests(),
+        // own_states: laws with states of their own, in a study.
+        suite::own_states::tests(),
         // start search: it finds the local minima that a few starts miss; profiles are what refits give.
         suite::start_search::tests(),
         // invariance: the same bits for any tile, batch, thread, lane and interruption.

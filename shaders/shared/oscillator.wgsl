@@ -56,19 +56,26 @@ fn general(k: Coefficients, laws: Laws, e: f32, q: f32, input: f32, time: f32, p
     return act(at, laws, fma(-k.low.y, q, fma(-k.low.x, e, push)));
 }
 
+// Lines `#own …` are replaced by what states of the laws' own take up there, see
+// `src/kernel/source/staged.rs`; by nothing where no law has any.
 fn runge_kutta_4_general(k: Coefficients, laws: Laws, s: vec2<f32>, f: Force, w: f32, time: f32) -> vec2<f32> {
     let middle = s.x - f.to_middle;
     let end = s.x - f.to_end;
+#own stage 1
     let d1 = general(k, laws, s.x, s.y, f.begin, time, w);
+#own stage 2
     let e2 = fma(0.5, s.y, middle);
     let q2 = fma(0.5, d1, s.y);
     let d2 = general(k, laws, e2, q2, f.middle, time + 0.5, w);
+#own stage 3
     let e3 = fma(0.5, q2, middle);
     let q3 = fma(0.5, d2, s.y);
     let d3 = general(k, laws, e3, q3, f.middle, time + 0.5, w);
+#own stage 4
     let e4 = end + q3;
     let q4 = s.y + d3;
     let d4 = general(k, laws, e4, q4, f.end, time + 1.0, w);
+#own finish
     let twice = d2 + d3;
     let once = d1 + twice;
     return vec2<f32>(fma(1.0 / 6.0, once, end + s.y), fma(1.0 / 6.0, once + twice + d4, s.y));

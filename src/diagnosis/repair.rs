@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::document::toml_string;
 use crate::escape;
 use crate::motion::temperature::Temperature;
-use crate::physics::{coefficients, stiffness_drift};
+use crate::physics::stiffness_drift;
 use crate::sensor::{Sensor, SensorTerm, mechanics};
 use crate::study::name_for;
 use crate::units::key::Key;
@@ -108,7 +108,7 @@ pub(super) fn study_document(repair: &Repair, verdict: &Verdict) -> String {
         toml_string(&name(verdict)),
         1.0 / rate_hz
     );
-    text += &section("sensor", &lines(&sensor_keys(&repair.after, rate_hz)));
+    text += &section("sensor", &(lines(&sensor_keys(&repair.after, rate_hz)) + &law_lines(&repair.after)));
     for name in ["accelerometer", "gyro"] {
         let of_axes = repair.by_axis.iter().filter(|(key, _)| key.section() == name);
         let by_axis: String = of_axes.map(|(key, axes)| three(key, *axes)).collect();
@@ -225,11 +225,19 @@ fn sensor_keys(sensor: &Sensor, rate_hz: f64) -> Vec<(&'static str, f64)> {
             ("resonance_hz", mass.natural_frequency_rad_s / (2.0 * std::f64::consts::PI)),
             ("damping_ratio", mass.damping_ratio),
         ]);
-        keys.extend(coefficients::keys().map(|key| (key.key(), mass.laws.of(key) / key.factor)));
         let noise = &mechanics::FORCE_NOISE;
         keys.push((noise.key(), mass.force_noise_m_s_rts / noise.factor));
     }
     keys
+}
+
+/// A line for each number of the laws that the proof mass follows: a study takes none without its
+/// others, also where one is zero.
+fn law_lines(sensor: &Sensor) -> String {
+    let Some(mass) = &sensor.proof_mass else { return String::new() };
+    let keys = mass.laws.acting().flat_map(|law| law.given()).map(|given| &given.key);
+    let values = keys.map(|key| (key, mass.laws.of(key) / key.factor)).filter(|(_, value)| value.is_finite());
+    values.map(|(key, value)| format!("{} = {value:?}\n", key.key())).collect()
 }
 
 /// The error terms of one section, by the key that each is written with.
@@ -243,11 +251,30 @@ fn term_keys(sensor: &Sensor, section: &str) -> Vec<(&'static str, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::hysteresis;
+    use crate::sensor::ProofMass;
     use crate::units::{DENSITY_TO_RANDOM_WALK, MICRO_G};
 
     #[test]
     fn rates_become_round_ones_that_are_no_lower() {
         assert_eq!([610.35, 100.0, 0.1, 1000.0, 2001.0].map(round_rate), [1000.0, 100.0, 100.0, 1000.0, 5000.0]);
+    }
+
+    #[test]
+    fn a_law_is_written_whole_and_one_that_does_not_act_not_at_all() {
+        let [strength, beta, gamma] = [0, 1, 2].map(|i: usize| &hysteresis::GIVEN[i].key);
+        let mass = ProofMass { natural_frequency_rad_s: 100.0, damping_ratio: 0.1, ..ProofMass::default() };
+        let of = |mass: ProofMass| Sensor { proof_mass: Some(mass), ..Sensor::default() };
+        assert_eq!(law_lines(&of(mass.with(beta, 2.0))), "");
+        let bent = of(mass.with(strength, 3.0).with(beta, 2.0));
+        let text = format!(
+            "members = 2\nduration_s = 1.0\n{}",
+            section("sensor", &(lines(&sensor_keys(&bent, 100.0)) + &law_lines(&bent)))
+        );
+        assert!(text.contains("hysteresis_gamma_per_m = 0.0"), "{text}");
+        let study = crate::study::parse("repaired", &text, Path::new("")).expect("it is a study");
+        let drawn = study.member(0).sensor.proof_mass.expect("it has a mass");
+        assert_eq!([strength, beta, gamma].map(|key| drawn.laws.of(key)), [3.0, 2.0, 0.0]);
     }
 
     #[test]

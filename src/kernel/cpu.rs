@@ -8,6 +8,7 @@
 // into vector code.
 #![allow(clippy::needless_range_loop)]
 
+mod acting;
 mod felt;
 mod fix;
 pub mod flicker;

@@ -54,10 +54,11 @@ pub mod state {
     pub const MARKOVS: usize = WALKS + WALK_COUNT;
     /// How many Gauss–Markov processes there are.
     pub const MARKOV_COUNT: usize = alike(ErrorLaw::Markov(Stream::Host), SensorTerm::COUNT);
-    /// Flicker terms follow here, a set for each sensor term that is switched on.
+    /// States of the laws' own follow here, of those that act, and behind them flicker terms, a set
+    /// for each sensor term that is switched on.
     pub const TERMS: usize = MARKOVS + MARKOV_COUNT;
     /// Indices by the names that the shader uses.
-    pub const NAMED: [(&str, usize); 13] = [
+    pub const NAMED: [(&str, usize); 12] = [
         ("E", E),
         ("Q", Q),
         ("POSITION", POSITION),
@@ -70,7 +71,6 @@ pub mod state {
         ("MEAN", MEAN),
         ("GYRO_MEAN", GYRO_MEAN),
         ("LOW_PASS", LOW_PASS),
-        ("TERMS", TERMS),
     ];
 }
 

@@ -6,6 +6,7 @@
 pub mod laws;
 #[cfg(test)]
 mod mirror;
+pub(crate) mod staged;
 pub mod terms;
 
 use super::cpu::navigate::BOUND_M_S;
@@ -68,14 +69,17 @@ fn ensemble(int64: bool, laws: &[StudyLaw], traced: bool) -> Shader {
         own = own.replace(line, if traced { text } else { "" });
     }
     let mut declared = constants();
-    // The weights of a low-pass stand behind the coefficients of the laws.
-    let first = COLUMNS + laws.iter().map(|law| law.given().len()).sum::<usize>();
+    let own_states = laws.iter().map(|law| law.term.states()).sum::<usize>();
+    declared += &format!("const STATE_TERMS = {}u;\n", state::TERMS + own_states);
+    // The weights of a low-pass stand behind the numbers of the laws.
+    let first = COLUMNS + laws::columns(laws).len();
     for (place, name) in low_pass::NAMED.iter().enumerate() {
         declared += &format!("const LOW_PASS_{name} = {}u;\n", first + place);
     }
-    let text = [&declared, LAYOUT, cubic_stiffness::WGSL, OSCILLATOR, &laws::text(laws), &advance(), ACCUMULATE, &own]
-        .join("\n");
-    with_random_numbers("simulate", &text, int64)
+    let laws_text = laws::text(laws) + &staged::text(laws);
+    let text =
+        [&declared, LAYOUT, cubic_stiffness::WGSL, OSCILLATOR, &laws_text, &advance(), ACCUMULATE, &own].join("\n");
+    with_random_numbers("simulate", &staged::expand(&text, laws), int64)
 }
 
 /// One step of the proof mass by whichever method the pipeline was made for.

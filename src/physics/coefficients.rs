@@ -9,7 +9,7 @@ use super::study::Given;
 use crate::units::key::Key;
 
 /// Most coefficients that there may be.
-pub(crate) const MOST: usize = 16;
+pub(crate) const MOST: usize = 24;
 
 /// A law that a study can run: one that gives a key for each of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,9 +26,20 @@ impl StudyLaw {
         self.term.study()
     }
 
+    /// Whether it has states of its own beside the mass.
+    pub fn has_states(&self) -> bool {
+        self.term.states() > 0
+    }
+
     /// Places of its coefficients.
     pub fn places(&self) -> std::ops::Range<usize> {
         self.first..self.first + self.given().len()
+    }
+
+    /// What its first state is at rest under one unit of input, with the reading as displacement and
+    /// these values of its parameters.
+    pub fn at_rest(&self, values: &[f64]) -> f64 {
+        self.term.at_rest(1.0, values)
     }
 
     /// Factor that converts its `parameter` to other units.
@@ -53,6 +64,11 @@ pub fn laws() -> &'static [StudyLaw] {
             .collect()
     });
     &LAWS
+}
+
+/// States of their own that all of them have together.
+pub(crate) fn own_states() -> usize {
+    laws().iter().map(|law| law.term.states()).sum()
 }
 
 /// The keys of all of them.
@@ -128,7 +144,11 @@ mod tests {
         assert_eq!(runnable.count(), laws().len(), "more coefficients than places: raise MOST");
         for law in laws() {
             assert_eq!(law.given().len(), law.term.candidate().parameters.len(), "{}", law.term.id());
-            assert!(!law.term.wgsl().is_empty() && law.term.states() == 0, "{}", law.term.id());
+            assert!(!law.term.wgsl().is_empty(), "{}", law.term.id());
+            // One or two states of its own, as the shader has numbers and vectors of two for them.
+            let own = format!("fn {}_rates(", law.term.id().replace('-', "_"));
+            assert!(law.term.states() <= 2, "{}", law.term.id());
+            assert_eq!(law.term.wgsl().contains(&own), law.term.states() > 0, "{}", law.term.id());
         }
     }
 

@@ -6,12 +6,17 @@
 //! apart. It is therefore no candidate of its own in the search ([`Law::tried`]): beside a second
 //! mode it would only make undecidable what is decided. It can be simulated and fitted by name.
 
+use std::f64::consts::TAU;
+
 use crate::numerics::elementary::{Real, fma};
 
 use super::candidate::{Candidate, Kind, Parameter};
+use super::free_oscillator::fastest_rad_s;
 use super::law::{Law, Role};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
+use super::study::Given;
+use crate::units::key::{Key, Sign};
 
 /// A second mass on the first.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -33,6 +38,27 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     confusable_with: &["parasitic-mode"],
     reference: "Den Hartog, Mechanical Vibrations, 4th ed., 1956, § 3.2 (vibration absorber)",
 };
+
+/// How a study gives it.
+pub(crate) const GIVEN: &[Given] = &[
+    Given::new(Key::new(
+        77,
+        "sensor.coupled_mode_mass_ratio",
+        "mass of the coupled mode μ over the proof mass",
+        "1",
+        1.0,
+        Sign::NotNegative,
+    )),
+    Given::new(Key::new(78, "sensor.coupled_mode_hz", "frequency of the coupled mode", "Hz", TAU, Sign::Positive)),
+    Given::new(Key::new(
+        79,
+        "sensor.coupled_mode_damping_ratio",
+        "damping ratio of the coupled mode ζ₂",
+        "1",
+        1.0,
+        Sign::NotNegative,
+    )),
+];
 
 impl Law for CoupledMode {
     fn candidate(&self) -> &'static Candidate {
@@ -64,6 +90,29 @@ impl Law for CoupledMode {
     }
     fn fastest_rad_s(&self, p: &[f64], _: &Scales) -> f64 {
         p[1]
+    }
+    fn study(&self) -> &'static [Given] {
+        GIVEN
+    }
+    fn wgsl(&self) -> &'static str {
+        "fn coupled_mode_rates(at: Instant, p0: f32, p1: f32, p2: f32, own: vec2<f32>) -> vec2<f32> {
+    let stretch = own.x - at.x;
+    let slip = own.y - at.v;
+    return vec2<f32>(own.y, -(p1 * p1 * stretch + 2.0 * p2 * p1 * slip));
+}
+fn coupled_mode(at: Instant, p0: f32, p1: f32, p2: f32, own: vec2<f32>, sum: f32) -> f32 {
+    return fma(-p0, coupled_mode_rates(at, p0, p1, p2, own).y, sum);
+}"
+    }
+    /// The squares of the pair's two frequencies sum up to ω₀² + (1 + μ)ω₂²; against each other the
+    /// masses are damped by (1 + μ)ζ₂ω₂.
+    fn stiffens(&self, p: &[f64]) -> f64 {
+        let both = (1.0 + p[0].max(0.0)).sqrt();
+        fastest_rad_s(both * p[1], both * p[2]).powi(2)
+    }
+    /// The second mass hangs where the first is.
+    fn at_rest(&self, displacement: f64, _: &[f64]) -> f64 {
+        displacement
     }
     #[inline(always)]
     fn force<T: Real, const FMA: bool>(
@@ -139,6 +188,17 @@ mod tests {
             }
             let other = moved([2.0 * mu, omega, 0.0], omega, begin, period);
             assert!((other[2] - begin[2]).abs() > 1e-2, "a heavier mass has another period");
+        }
+    }
+
+    // The larger frequency of the tuned pair (Den Hartog, § 3.2) is below the bound for the steps of
+    // a study, which is no more than √2 above it.
+    #[test]
+    fn the_bound_of_the_steps_lies_above_the_pairs_faster_mode() {
+        for (omega, mu) in [(4.0f64, 0.05f64), (4.0, 1.0), (0.3, 10.0)] {
+            let square = omega * omega * (1.0 + 0.5 * mu + (mu + 0.25 * mu * mu).sqrt());
+            let bound = omega * omega + CoupledMode.stiffens(&[mu, omega, 0.0]);
+            assert!(bound >= square && bound < 2.0 * square, "{mu}: {bound} {square}");
         }
     }
 

@@ -109,6 +109,9 @@ impl Law for EndStop {
     fn fastest_rad_s(&self, p: &[f64], s: &Scales) -> f64 {
         (p[0].max(0.0) + s.omega_rad_s.powi(2)).sqrt().min(7.0 * s.omega_rad_s)
     }
+    fn stiffens(&self, p: &[f64]) -> f64 {
+        p[0].max(0.0)
+    }
     fn has_corner(&self) -> bool {
         true
     }

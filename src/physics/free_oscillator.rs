@@ -20,9 +20,22 @@ pub(crate) fn transition(omega: f64, zeta: f64, t: f64) -> [f64; 4] {
     [c + a * s, s, -omega * omega * s, c - a * s]
 }
 
+/// The fastest rate of the free motion: ω, or how fast an overdamped one comes to rest.
+pub(crate) fn fastest_rad_s(omega: f64, zeta: f64) -> f64 {
+    omega * (zeta + (zeta * zeta - 1.0).max(0.0).sqrt()).max(1.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    // Roots of λ² + 2ζωλ + ω²: of size ω up to critical damping, (ζ + √(ζ² − 1))ω beyond.
+    #[test]
+    fn the_fastest_rate_is_the_larger_root() {
+        assert_eq!([0.0, 0.7, 1.0].map(|zeta| fastest_rad_s(3.0, zeta)), [3.0; 3]);
+        let fast = fastest_rad_s(3.0, 1.25);
+        assert!((fast * fast - 2.0 * 1.25 * 3.0 * fast + 9.0).abs() < 1e-12 && fast > 3.0, "{fast}");
+    }
 
     #[test]
     fn it_solves_its_equation_on_both_sides_of_critical_damping() {

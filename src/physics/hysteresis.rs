@@ -12,6 +12,8 @@ use super::candidate::{Candidate, Kind, Parameter};
 use super::law::{Law, Role, StartGrid};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
+use super::study::Given;
+use crate::units::key::{Key, Sign};
 
 /// Restoring force with memory by Bouc and Wen.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -33,6 +35,27 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     confusable_with: &["coulomb-friction", "cubic-stiffness", "quadratic-damping", "squeeze-film-damping"],
     reference: "Wen, J. Eng. Mech. ASCE 102 (1976); Ismail, Ikhouane & Rodellar, Arch. Comput. Methods Eng. 16 (2009)",
 };
+
+/// How a study gives it. A run begins without a memory: z = 0.
+pub(crate) const GIVEN: &[Given] = &[
+    Given::new(Key::new(
+        83,
+        "sensor.hysteresis_per_s2",
+        "stiffness of the spring with memory k_h",
+        "1/s²",
+        1.0,
+        Sign::NotNegative,
+    )),
+    Given::new(Key::new(84, "sensor.hysteresis_beta_per_m", "memory of the spring β", "1/m", 1.0, Sign::NotNegative)),
+    Given::new(Key::new(
+        85,
+        "sensor.hysteresis_gamma_per_m",
+        "bend of the spring with memory γ",
+        "1/m",
+        1.0,
+        Sign::Any,
+    )),
+];
 
 impl Law for Hysteresis {
     fn candidate(&self) -> &'static Candidate {
@@ -66,6 +89,23 @@ impl Law for Hysteresis {
     }
     fn fastest_rad_s(&self, p: &[f64], s: &Scales) -> f64 {
         (s.velocity * (p[1] + p[2].abs())).min(4.0 * s.omega_rad_s)
+    }
+    fn study(&self) -> &'static [Given] {
+        GIVEN
+    }
+    fn wgsl(&self) -> &'static str {
+        "fn hysteresis_rates(at: Instant, p0: f32, p1: f32, p2: f32, own: f32) -> f32 {
+    return at.v - (p1 * abs(at.v) * own + p2 * at.v * abs(own));
+}
+fn hysteresis(at: Instant, p0: f32, p1: f32, p2: f32, own: f32, sum: f32) -> f32 {
+    return fma(-p0, own, sum);
+}"
+    }
+    /// Where z is largest, 1/(β + γ), and the mass turns back, z′/x′ = 1 + (β − γ)z; from z = 0 on
+    /// it is 1.
+    fn stiffens(&self, p: &[f64]) -> f64 {
+        let back = if p[1] + p[2] > 0.0 { 2.0 * p[1] / (p[1] + p[2]) } else { 1.0 };
+        p[0].max(0.0) * back.max(1.0)
     }
     fn start_grid(&self, s: &Scales) -> Option<StartGrid> {
         let bends = (0..12).map(|i| 0.1 / s.output * 250f64.powf(f64::from(i) / 11.0));
@@ -128,6 +168,16 @@ mod tests {
             let exact = (1.0 - (-sum).exp()) / sum;
             assert!((after(beta, gamma, &[1.0]) - exact).abs() < 1e-6, "{beta} {gamma}");
         }
+    }
+
+    // Loaded far, z ends at 1/(β + γ); on the way back it falls the steeper the more it remembers.
+    #[test]
+    fn the_bound_of_the_steps_is_the_steepest_way_back() {
+        let (beta, gamma) = (2.0, 1.0);
+        let [far, back] = [vec![10.0], vec![10.0, -1e-4]].map(|path| after(beta, gamma, &path));
+        let bound = Hysteresis.stiffens(&[3.0, beta, gamma]);
+        assert!((3.0 * (far - back) / 1e-4 / bound - 1.0).abs() < 1e-3, "{far} {back} {bound}");
+        assert_eq!(Hysteresis.stiffens(&[3.0, 0.0, -1.0]), 3.0);
     }
 
     // Back again from z > 0 under x′ < 0, dz/dx = 1 + (β − γ)z: what is left where the path closes

@@ -130,9 +130,16 @@ pub trait Law {
         &[]
     }
     /// The law for the GPU: a function of its id (hyphens as underscores) with the arguments (at,
-    /// its parameters, sum), as `force` below; empty where no study can run it.
+    /// its parameters, sum), as `force` below; empty where no study can run it. One with states of
+    /// its own has them behind its parameters, as a number or a vector of two, and a second
+    /// function, its name and `_rates`, with the same arguments but the sum, as `rates` below.
     fn wgsl(&self) -> &'static str {
         ""
+    }
+    /// What its first state is at rest under one unit of input, which displaces the mass by
+    /// `displacement`; its further states rest at zero.
+    fn at_rest(&self, _displacement: f64, _p: &[f64]) -> f64 {
+        0.0
     }
     /// Number of states beside displacement and velocity of the mass.
     fn states(&self) -> usize {
@@ -149,6 +156,11 @@ pub trait Law {
     }
     /// Fastest rate that it brings in, rad/s, so that steps stay short enough.
     fn fastest_rad_s(&self, _parameters: &[f64], _scales: &Scales) -> f64 {
+        0.0
+    }
+    /// What it adds at most to ω₀² of a mass, so that the steps of a study stay short enough: the
+    /// square of its own fastest rate, (rad/s)².
+    fn stiffens(&self, _p: &[f64]) -> f64 {
         0.0
     }
     /// Whether its law has a corner, near which the misfit is far from a parabola and integration
@@ -190,7 +202,7 @@ pub trait Law {
     {
         sum
     }
-    /// Rates of its states (role force).
+    /// Rates of its states (role force; role mode in a study, which takes its stages with the mass).
     #[inline(always)]
     fn rates<T: Real, const FMA: bool>(
         &self,

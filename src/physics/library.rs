@@ -149,6 +149,8 @@ impl Term {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     #[test]
@@ -166,9 +168,11 @@ mod tests {
     fn the_units_of_study_keys_are_those_of_the_law() {
         for term in Term::all().into_iter().chain(Term::of_studies()) {
             for (given, parameter) in term.study().iter().zip(term.candidate().parameters) {
-                let metric =
-                    parameter.unit.replace('y', "m").replace("^2", "²").replace("^3", "³").replace("1/u", "s²/m");
-                assert_eq!(given.key.unit, metric, "{}", given.key.path);
+                let metric = parameter.unit.replace("y/(u s^2)", "1").replace('y', "m").replace("1/u", "s²/m");
+                let metric = metric.replace("^2", "²").replace("^3", "³");
+                // A frequency is given in Hz.
+                let (metric, factor) = if metric == "rad/s" { ("Hz".to_owned(), TAU) } else { (metric, 1.0) };
+                assert_eq!((given.key.unit, given.key.factor), (metric.as_str(), factor), "{}", given.key.path);
             }
         }
     }

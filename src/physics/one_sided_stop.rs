@@ -77,6 +77,9 @@ impl Law for OneSidedStop {
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
         EndStop(Side::Upper).starts(s)
     }
+    fn stiffens(&self, p: &[f64]) -> f64 {
+        p[0].max(0.0)
+    }
     fn has_corner(&self) -> bool {
         true
     }

@@ -4,10 +4,13 @@
 use std::f64::consts::TAU;
 
 use super::candidate::{Candidate, Kind, Parameter};
-use super::free_oscillator::transition;
+use super::free_oscillator::{self, transition};
 use super::law::{Law, Role, StartGrid};
 use super::scales::{Coordinate, Scales};
 use super::state::{Constants, Instant, LANES, Lanes, MOST_STAGED, MOST_VALUES, Stride};
+use super::study::Given;
+use crate::numerics::elementary::{Real, fma};
+use crate::units::key::{Key, Sign};
 
 /// A second resonance that answers the same input and adds to the reading.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -29,6 +32,21 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     confusable_with: &["feedthrough", "readout-lowpass", "readout-delay"],
     reference: "Ewins, Modal Testing, 2nd ed., 2000, ch. 2",
 };
+
+/// How a study gives it; its gain is that of the proof mass' own force, which is one, and is turned
+/// round with the reading.
+pub(crate) const GIVEN: &[Given] = &[
+    Given::turning(Key::new(80, "sensor.parasitic_mode_gain", "gain of the parasitic mode g₂", "1", 1.0, Sign::Any)),
+    Given::new(Key::new(81, "sensor.parasitic_mode_hz", "frequency of the parasitic mode", "Hz", TAU, Sign::Positive)),
+    Given::new(Key::new(
+        82,
+        "sensor.parasitic_mode_damping_ratio",
+        "damping ratio of the parasitic mode ζ₂",
+        "1",
+        1.0,
+        Sign::NotNegative,
+    )),
+];
 
 impl Law for ParasiticMode {
     fn candidate(&self) -> &'static Candidate {
@@ -70,6 +88,24 @@ impl Law for ParasiticMode {
     fn fastest_rad_s(&self, p: &[f64], _: &Scales) -> f64 {
         0.35 * p[1]
     }
+    fn study(&self) -> &'static [Given] {
+        GIVEN
+    }
+    fn wgsl(&self) -> &'static str {
+        "fn parasitic_mode_rates(at: Instant, p0: f32, p1: f32, p2: f32, own: vec2<f32>) -> vec2<f32> {
+    let spring = fma(-(p1 * p1), own.x, p0 * at.input);
+    return vec2<f32>(own.y, fma(-(2.0 * p2 * p1), own.y, spring));
+}
+fn parasitic_mode(at: Instant, p0: f32, p1: f32, p2: f32, own: vec2<f32>, sum: f32) -> f32 {
+    return sum;
+}"
+    }
+    fn at_rest(&self, _: f64, p: &[f64]) -> f64 {
+        if p[1] == 0.0 { 0.0 } else { p[0] / (p[1] * p[1]) }
+    }
+    fn stiffens(&self, p: &[f64]) -> f64 {
+        free_oscillator::fastest_rad_s(p[1], p[2]).powi(2)
+    }
     /// exp(At) over a step, and its answer to a push half a step before the end.
     fn constants(&self, p: &[Lanes], step_s: f64) -> Constants {
         let mut constants = [[0.0; LANES]; 6];
@@ -109,6 +145,20 @@ impl Law for ParasiticMode {
         let omegas: Vec<f64> = grid.chain(peaks).filter(|w| *w < 0.95 * nyquist).collect();
         let directions = omegas.iter().flat_map(|w| [0.01, 0.05, 0.25].map(|z| vec![*w, z, 0.0, 0.0])).collect();
         Some(StartGrid::Directions { strength: 0.1 * s.gain.abs(), directions })
+    }
+    /// Velocity and acceleration of the mode.
+    #[inline(always)]
+    fn rates<T: Real, const FMA: bool>(
+        &self,
+        at: &Instant<'_, T>,
+        p: &[T; MOST_VALUES],
+        own: &[T; MOST_STAGED],
+    ) -> [T; MOST_STAGED] {
+        let spring = fma::<T, FMA>(-(p[1] * p[1]), own[0], p[0] * at.input);
+        let mut rates = [T::of(0.0); MOST_STAGED];
+        rates[0] = own[1];
+        rates[1] = fma::<T, FMA>(-(T::of(2.0) * p[2] * p[1]), own[1], spring);
+        rates
     }
     #[inline(always)]
     fn reading(&self, _: &Instant<'_, f64>, _: &[f64; MOST_VALUES], own: &[f64; MOST_STAGED], y: f64) -> f64 {

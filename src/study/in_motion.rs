@@ -10,6 +10,7 @@ use super::check;
 use super::draw;
 use super::file::{AlignmentKind, File, VerticalKind};
 use super::flown::{self, Flown};
+use super::mass_check;
 use super::refusal::refuse;
 use super::temperature;
 use super::tolerances::Tolerances;
@@ -300,17 +301,26 @@ impl InMotion {
             let stiffest = stiffest.map(|mass| mass.at_its_stiffest(clock.duration_s()));
             let tolerances = self.tolerances[axis].clone();
             let integrator = tolerances.integrator(stiffest.as_ref(), clock.step_s)?.integrator;
+            let waveform = Arc::new(Along {
+                truth: self.course.truth.clone(),
+                axis,
+                standing_m_s2: self.course.standing()[0][axis],
+                vibration: self.vibration[axis].clone(),
+            });
+            let moved = mass_check::Moved {
+                stiffest: stiffest.as_ref(),
+                waveform: waveform.as_ref(),
+                gain: 1.0,
+                duration_s: run.clock.duration_s(),
+                substep_s: clock.step_s / f64::from(integrator.substeps()),
+            };
+            mass_check::followed_memory("the study", &moved)?;
             Ok(Job {
                 seed,
                 members: run.members,
                 clock: clock.clone(),
                 draw: Arc::new(move |member| draw::member(&tolerances, Variation::None, seed, member)),
-                waveform: Arc::new(Along {
-                    truth: self.course.truth.clone(),
-                    axis,
-                    standing_m_s2: self.course.standing()[0][axis],
-                    vibration: self.vibration[axis].clone(),
-                }),
+                waveform,
                 integrator,
                 // What follows it along a straight line is added where the axes are coupled.
                 temperature: Arc::new(self.course.temperature().clone()),

@@ -3,10 +3,12 @@
 use super::refusal::refuse;
 use super::tolerances::Tolerances;
 use crate::error::Result;
+use crate::excitation::Waveform;
 use crate::excitation::plan::Variation;
 use crate::number::short;
-use crate::physics::{end_stop, one_sided_stop, stiffness_drift};
-use crate::sensor::{SensorTerm, mechanics};
+use crate::physics::coefficients::laws;
+use crate::physics::{hysteresis, stiffness_drift};
+use crate::sensor::{ProofMass, SensorTerm, mechanics};
 use crate::units::key::Key;
 use crate::units::number::Number;
 
@@ -36,15 +38,11 @@ pub(super) fn delayed_force(name: &str, all: &Tolerances, variation: Variation) 
     ))
 }
 
-/// Which of the two numbers of a stop is given, and which is not, where they are apart.
-fn end_stops(all: &Tolerances) -> Option<(&'static Key, &'static Key)> {
-    [end_stop::GIVEN, one_sided_stop::GIVEN].into_iter().find_map(|given| {
-        let (stiffness, place) = (&given[0].key, &given[1].key);
-        match (all[stiffness].is_some(), all[place].is_some()) {
-            (true, false) => Some((stiffness, place)),
-            (false, true) => Some((place, stiffness)),
-            _ => None,
-        }
+/// Which number of a law is given, and which is not, where a law is given in part.
+fn in_part(all: &Tolerances) -> Option<(&'static Key, &'static Key)> {
+    laws().iter().find_map(|law| {
+        let keys = || law.given().iter().map(|given| &given.key);
+        keys().find(|key| all[key].is_some()).zip(keys().find(|key| all[key].is_none()))
     })
 }
 
@@ -60,7 +58,7 @@ pub(super) fn mechanics(name: &str, all: &Tolerances) -> Result<()> {
             "give either resonance, damping ratio and cubic stiffness, or mass, damping, stiffness and cubic stiffness",
         ));
     }
-    if let Some((has, lacks)) = end_stops(all) {
+    if let Some((has, lacks)) = in_part(all) {
         let cause = format!("`{}` is given without `{}`", has.path, lacks.path);
         return Err(refuse(name, cause, format!("add `{}`, or remove both", lacks.path)));
     }
@@ -77,6 +75,47 @@ pub(super) fn mechanics(name: &str, all: &Tolerances) -> Result<()> {
         )),
         None => Ok(()),
     }
+}
+
+/// What moves proof masses, as far as the length of their steps hangs on it.
+pub(super) struct Moved<'a> {
+    pub stiffest: Option<&'a ProofMass>,
+    pub waveform: &'a dyn Waveform,
+    /// What the waveform is multiplied by, at most.
+    pub gain: f64,
+    pub duration_s: f64,
+    /// One substep.
+    pub substep_s: f64,
+}
+
+/// Refuses steps in which a mass moves so far that its spring with memory is no longer followed:
+/// β + |γ| times the way of a substep must stay where Runge–Kutta is stable. The way is that at the
+/// resonance, for the largest force of the study.
+pub(super) fn followed_memory(name: &str, moved: &Moved<'_>) -> Result<()> {
+    /// Below 2.78, where the decay of e^(−x) turns into growth.
+    const MOST: f64 = 2.5;
+    /// Instants at which the force is looked at.
+    const LOOKS: u32 = 4096;
+    let [strength, beta, gamma] = [0, 1, 2].map(|place: usize| &hysteresis::GIVEN[place].key);
+    let Some(mass) = moved.stiffest.filter(|mass| mass.laws.of(strength) != 0.0) else { return Ok(()) };
+    let at = |n: u32| moved.waveform.specific_force_m_s2(moved.duration_s * f64::from(n) / f64::from(LOOKS)).abs();
+    let force_m_s2 = moved.gain * (0..=LOOKS).map(at).fold(moved.waveform.standing_m_s2().abs(), f64::max);
+    let per_m = mass.laws.of(beta).abs() + mass.laws.of(gamma).abs();
+    let speed_m_s = force_m_s2 / mass.natural_frequency_rad_s;
+    let longest_s = MOST / (per_m * speed_m_s);
+    if moved.substep_s <= longest_s {
+        return Ok(());
+    }
+    Err(refuse(
+        name,
+        format!(
+            "the spring with memory forgets within {} s at {} m/s², and a step has {} s",
+            short(1.0 / (per_m * speed_m_s)),
+            short(force_m_s2),
+            short(moved.substep_s)
+        ),
+        format!("need steps of at most {} s, or smaller `{}` and `{}`", short(longest_s), beta.path, gamma.path),
+    ))
 }
 
 /// Refuses a spring that drifts to nothing before the study ends.

@@ -316,15 +316,23 @@ fn in_displacement(number: usize) -> f64 {
     let force = |t: f64| 0.5 * (std::f64::consts::TAU * 1.3 * t).sin() + 0.1;
     let p = mass.laws.values(&law, &Units { y: 1.0, u: 1.0, s: 1.0 }).map(|v| [v]);
     let base = Base { gain: [1.0], stiffness: [omega * omega], damping: [2.0 * mass.damping_ratio * omega] };
-    let slope = |t: f64, [x, v]: [f64; 2]| {
+    let states = law.term.states();
+    let slope = |t: f64, [x, v, z, w]: [f64; 4]| {
         let mut sum = [force(t) - base.stiffness[0] * x - base.damping[0] * v];
         let at = Instants { time: t, step: 1e-3, input: [force(t)], x: [x], v: [v], base: &base, environment: &[] };
-        law.term.force::<f64, 1, false>(&at, &p, &[], &mut [], &mut sum);
-        [v, sum[0]]
+        let mut rates = [[0.0]; 2];
+        law.term.force::<f64, 1, false>(&at, &p, &[[z], [w]], &mut rates[..states], &mut sum);
+        [v, sum[0], rates[0][0], rates[1][0]]
     };
-    let add = |s: [f64; 2], k: [f64; 2], by: f64| [s[0] + by * k[0], s[1] + by * k[1]];
-    // A study begins with the reading right: x = f/ω₀², at rest.
-    let end = (0..20_000).fold([force(0.0) / (omega * omega), 0.0], |s, n| {
+    let add = |s: [f64; 4], k: [f64; 4], by: f64| std::array::from_fn(|i| s[i] + by * k[i]);
+    // A study begins with the reading right: x = f/ω₀², at rest, and so are a law's own states.
+    let static_m = force(0.0) / (omega * omega);
+    let own = match law.term.id() {
+        "coupled-mode" => static_m,
+        "parasitic-mode" => p[0][0] * force(0.0) / p[1][0].powi(2),
+        _ => 0.0,
+    };
+    let end = (0..20_000).fold([static_m, 0.0, own, 0.0], |s, n| {
         let t = f64::from(n) * h;
         let k1 = slope(t, s);
         let k2 = slope(t + 0.5 * h, add(s, k1, 0.5 * h));
@@ -332,7 +340,8 @@ fn in_displacement(number: usize) -> f64 {
         let k4 = slope(t + h, add(s, k3, h));
         std::array::from_fn(|i| s[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
     });
-    omega * omega * end[0] - force(2.0)
+    let read_beside = if law.term.id() == "parasitic-mode" { end[2] } else { 0.0 };
+    omega * omega * (end[0] + read_beside) - force(2.0)
 }
 
 fn as_the_gpu() -> Result<(), Failed> {

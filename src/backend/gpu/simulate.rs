@@ -83,7 +83,8 @@ impl Backend for Ensembles {
         let terms = flicker_amplitudes(&job.clock).len();
         // Two sets of flicker terms at most; moments of every report stay on the device until the
         // end.
-        let widest = 4 * ((COLUMNS + coefficients::MOST + WEIGHTS).max(state::TERMS + 2 * terms) as u64);
+        let (of_laws, own_states) = (source::laws::columns(coefficients::laws()).len(), coefficients::own_states());
+        let widest = 4 * ((COLUMNS + of_laws + WEIGHTS).max(state::TERMS + own_states + 2 * terms) as u64);
         let moments = (job.clock.report_samples.len() * 4 * size_of::<layout::Partial>()) as u64;
         let room = self.gpu.adapter.largest_binding;
         let counts = (job.clock.report_samples.len() * 4 * (BINS + 2) * 4) as u64;
@@ -153,17 +154,18 @@ impl Plan {
         let drawn = parallel::map_members(batch.members.clone(), |i| column(job, i))
             .into_iter()
             .collect::<Result<Vec<Column>>>()?;
-        let place =
-            |number: Number| parallel::map_chunks(&drawn, 4096, |_, d| d.iter().map(|d| number.of(d) as f32).collect());
+        let place = |number: Number<'_>| {
+            parallel::map_chunks(&drawn, 4096, |_, d| d.iter().map(|d| number.of(d) as f32).collect())
+        };
         let pad = (stride - members) as usize;
         let mut columns: Vec<f32> = Vec::with_capacity(COLUMNS * stride as usize);
         let laws = needed::acting(job, &drawn)?;
-        let coefficients = laws.iter().flat_map(|law| law.places());
         let constants = needed::constants(job, &drawn)?;
         let on = |term: &SensorTerm| constants.iter().any(|(n, v)| *n == source::terms::switch(*term) && *v != 0.0);
         let weights = if on(&SensorTerm::ReadoutLowPass) { WEIGHTS } else { 0 };
-        let beside = coefficients.map(Number::Law).chain((0..weights).map(Number::LowPass));
-        let numbers: Vec<Number> = (0..COLUMNS).map(Number::Value).chain(beside).collect();
+        let own_states: usize = laws.iter().map(|law| law.term.states()).sum();
+        let beside = source::laws::columns(&laws).into_iter().map(Number::Law).chain((0..weights).map(Number::LowPass));
+        let numbers: Vec<Number<'_>> = (0..COLUMNS).map(Number::Value).chain(beside).collect();
         for number in numbers {
             place(number).into_iter().for_each(|part: Vec<f32>| columns.extend(part));
             columns.extend(std::iter::repeat_n(0.0, pad));
@@ -202,7 +204,7 @@ impl Plan {
         bins.resize(reports as usize * 4, layout::Bins::zeroed());
         let blocks = stride / u64::from(BLOCK);
         let shader = if traced { source::simulate_traced } else { source::simulate };
-        let state_bytes = 4 * stride * (state::TERMS + sets * amplitudes.len()) as u64;
+        let state_bytes = 4 * stride * (state::TERMS + own_states + sets * amplitudes.len()) as u64;
         Ok(Self {
             members: members as u32,
             stride: stride as u32,
@@ -359,19 +361,19 @@ impl Shape {
 
 /// Where a number of a member stands on the host.
 #[derive(Debug, Clone, Copy)]
-enum Number {
+enum Number<'a> {
     Value(usize),
-    /// Among the coefficients of its laws.
-    Law(usize),
+    /// Among the numbers of its laws.
+    Law(source::laws::Number<'a>),
     /// Among the weights of its low-pass.
     LowPass(usize),
 }
 
-impl Number {
+impl Number<'_> {
     fn of(self, column: &Column) -> f64 {
         match self {
             Self::Value(place) => column.values[place],
-            Self::Law(place) => column.laws[place],
+            Self::Law(number) => number.of(column),
             Self::LowPass(place) => column.low_pass[place],
         }
     }

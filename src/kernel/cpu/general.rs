@@ -3,38 +3,20 @@
 //!
 //! The stages are those of `oscillator::RungeKutta4`, taken by 64 members together, so that a law
 //! that none of them follows costs nothing: each law that acts is one loop over the lanes of a
-//! stage.
+//! stage. States of a law's own go through the stages with the mass (`acting`).
 
+use super::acting::{Acting, Stage};
 use super::lanes::{Kernel, LANES, Lane};
 use super::low_pass::Moved;
 use super::oscillator::{ProofMasses, read, sines};
 use crate::kernel::force::Force;
 use crate::kernel::member::column;
 use crate::numerics::elementary::{Real, fma};
-use crate::physics::coefficients::laws;
-use crate::physics::library::Term;
 use crate::physics::state::{Base, Instants};
-
-/// A law that some of 64 members follow, and its parameters with the substep as unit of time and
-/// the reading as displacement.
-#[derive(Debug, Clone)]
-pub(super) struct Acting<T> {
-    term: Term,
-    p: Vec<[T; LANES]>,
-}
-
-impl<T: Real> Acting<T> {
-    /// The laws that some of these members follow, by their columns.
-    pub(super) fn of(columns: &[Lane<T>]) -> Vec<Self> {
-        let acts = |lane: &Lane<T>| lane.0.iter().any(|v| *v != T::of(0.0));
-        let found = laws().iter().filter(|law| columns.get(law.first).is_some_and(acts));
-        found.map(|law| Self { term: law.term, p: columns[law.places()].iter().map(|lane| lane.0).collect() }).collect()
-    }
-}
 
 /// [`ProofMasses`] under these laws.
 pub(super) struct General<'a, T> {
-    pub laws: &'a [Acting<T>],
+    pub laws: &'a mut [Acting<T>],
     /// Number of the first substep.
     pub first: u64,
     /// The members and their force.
@@ -61,16 +43,16 @@ impl<T: Real> Kernel for General<'_, T> {
             for f in steps {
                 let sine = m.sine.map_or([zero; 3], |(turns, _)| sines::<T, FMA>(m.k, turns, half));
                 let force = felt_by_each::<T, FMA>(&m.k[column::GAIN], f, &sine);
-                let from = [Lane(mass.e), Lane(mass.q)];
+                let from = low_pass.as_ref().map(|_| mass.seen::<FMA>(&force[0]));
                 mass.step::<FMA>(&force, &push.0, T::of(substep as f64));
-                if let Some(low_pass) = &mut low_pass {
-                    let ([e0, q0], [e, q]) = (&from, &[Lane(mass.e), Lane(mass.q)]);
+                if let (Some(low_pass), Some([e0, q0])) = (&mut low_pass, &from) {
+                    let [e, q] = &mass.seen::<FMA>(&force[2]);
                     low_pass.step::<FMA>(&Moved { from: [e0, q0], to: [e, q], growth: &force[4], push: &push });
                 }
                 *felt = force[2];
                 (half, substep) = (half + 2, substep + 1);
             }
-            let shown = low_pass.as_ref().map_or(Lane(mass.e), |low_pass| low_pass.p);
+            let shown = low_pass.as_ref().map_or_else(|| mass.seen::<FMA>(felt)[0], |low_pass| low_pass.p);
             read::<T, FMA>(m.k, &shown, felt, m.scaled, error);
         }
         (m.e.0, m.q.0) = (mass.e, mass.q);
@@ -95,7 +77,7 @@ fn felt_by_each<T: Real, const FMA: bool>(gain: &Lane<T>, f: &Force<T>, sine: &[
 
 /// 64 members in a step.
 struct Mass<'a, T> {
-    laws: &'a [Acting<T>],
+    laws: &'a mut [Acting<T>],
     base: &'a Base<T, LANES>,
     e: [T; LANES],
     q: [T; LANES],
@@ -113,9 +95,11 @@ impl<T: Real> Mass<'_, T> {
         let mut e = self.e;
         let mut d = [zero; 4];
         for stage in 0..4 {
+            let mut growth = &zero;
             if stage > 0 {
                 let (grown, input) = if stage == 3 { (to_end, end) } else { (to_middle, middle) };
                 (at.time, at.input) = (time + if stage == 3 { one } else { half }, input.0);
+                growth = &grown.0;
                 let before = d[stage - 1];
                 for l in 0..LANES {
                     // The displacement moves with the rate of the stage before, the rate from the
@@ -135,10 +119,13 @@ impl<T: Real> Mass<'_, T> {
                 let linear = fma::<T, FMA>(-self.base.stiffness[l], e[l], push[l]);
                 sum[l] = fma::<T, FMA>(-self.base.damping[l], at.v[l], linear);
             }
-            for law in self.laws {
-                law.term.force::<T, LANES, FMA>(&at, &law.p, &[], &mut [], &mut sum);
+            for law in &mut *self.laws {
+                law.act::<FMA>(&Stage { number: stage, at: &at, growth }, &mut sum);
             }
             d[stage] = sum;
+        }
+        for law in &mut *self.laws {
+            law.finish::<FMA>(&to_end.0);
         }
         for l in 0..LANES {
             let twice = d[1][l] + d[2][l];
@@ -147,5 +134,14 @@ impl<T: Real> Mass<'_, T> {
             self.e[l] = fma::<T, FMA>(sixth, once, start + from);
             self.q[l] = fma::<T, FMA>(sixth, once + twice + d[3][l], from);
         }
+    }
+
+    /// Error and rate of what is read at this force: of the mass, and of modes that are read with
+    /// it.
+    #[inline(always)]
+    fn seen<const FMA: bool>(&self, force: &Lane<T>) -> [Lane<T>; 2] {
+        let mut seen = [Lane(self.e), Lane(self.q)];
+        self.laws.iter().for_each(|law| law.add_to_reading::<FMA>(&force.0, &mut seen));
+        seen
     }
 }

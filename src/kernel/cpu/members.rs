@@ -3,8 +3,8 @@
 //!
 //! Not for stepping them: that is `simulate` and the phases it calls.
 
+use super::acting::Acting;
 use super::flicker::Flicker;
-use super::general::Acting;
 use super::lanes::{LANES, Lane};
 use super::low_pass::LowPass;
 use super::noise::Drawer;
@@ -209,7 +209,7 @@ impl<T: Real> Members<T> {
             columns: _,
             turns: _,
             waves: _,
-            laws: _,
+            laws,
             low_pass,
             e,
             q,
@@ -224,7 +224,8 @@ impl<T: Real> Members<T> {
         let lanes = [e, q, mean, gyro_mean, acceleration, velocity, position, rate];
         let shown = low_pass.as_mut().map(|low_pass| &mut low_pass.p);
         let numbers = lanes.into_iter().chain(shown).chain(reading.lanes()).flat_map(|lane| &mut lane.0);
-        numbers.for_each(|v| *v = T::of(with(v.f64())));
+        let own = laws.iter_mut().flat_map(Acting::own);
+        numbers.chain(own).for_each(|v| *v = T::of(with(v.f64())));
         let totals = [start_tilt, velocity_total, position_total, rate_total].into_iter().flat_map(|lane| &mut lane.0);
         totals.for_each(|v| *v = with(*v));
         failed.iter_mut().for_each(|f| *f = with(f64::from(u8::from(*f))) != 0.0);

@@ -161,7 +161,7 @@ impl<T: Real> Simulate<'_, T> {
             Integrator::ExactHold => level.run(Step(ExactHold, motion)),
             Integrator::RungeKutta4 { .. } => level.run(Step(RungeKutta4, motion)),
             Integrator::RungeKutta4General { .. } => {
-                level.run(General { laws: &m.laws, first: from * u64::from(shared.substeps), motion });
+                level.run(General { laws: &mut m.laws, first: from * u64::from(shared.substeps), motion });
             }
             Integrator::ExponentialRk2 { .. } => level.run(Step(ExponentialRk2, motion)),
             Integrator::RosenbrockEuler { .. } => level.run(Step(RosenbrockEuler, motion)),

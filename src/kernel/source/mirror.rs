@@ -8,7 +8,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use super::Shader;
 use crate::kernel::layout::{self, Bins, Fix, Flight, OrbitTile, Partial, Report, Tile};
 use crate::kernel::source;
-use crate::physics::coefficients::laws;
+use crate::physics::coefficients::{StudyLaw, laws};
 use crate::sensor::SensorTerm;
 use crate::sensor::error_law::{ErrorLaw, Shape};
 
@@ -253,4 +253,16 @@ fn a_shader_holds_the_laws_that_act_and_no_other() {
         assert!(!uses(&source::simulate(false, &[]), &name), "{name} is in a shader of linear masses");
     }
     drop(parsed(&source::simulate(false, &[])));
+}
+
+/// States of laws' own are in a shader with such a law, and leave no trace in one without.
+#[test]
+fn a_shader_holds_states_only_of_laws_that_have_them() {
+    let (with, without): (Vec<StudyLaw>, Vec<StudyLaw>) = laws().iter().copied().partition(StudyLaw::has_states);
+    assert_eq!(with.len(), 3);
+    let [with, without] = [source::simulate(false, &with), source::simulate(false, &without)];
+    let places = |states: usize| format!("const STATE_TERMS = {}u;", layout::state::TERMS + states);
+    assert!(with.text.contains("struct Own") && with.text.contains(&places(5)));
+    assert!(!without.text.contains("Own") && !without.text.contains("_own(") && without.text.contains(&places(0)));
+    assert!(!with.text.lines().any(|line| line.trim().starts_with("#own")));
 }

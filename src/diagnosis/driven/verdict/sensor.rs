@@ -128,9 +128,6 @@ fn why_not(term: &Term) -> &'static str {
         }
         Term::ReadoutSaturation(_) => "a study's range is the same on both sides of zero",
         Term::InputLag(_) => "it belongs to what recorded the input, not to the sensor",
-        Term::Hysteresis(_) | Term::ParasiticMode(_) | Term::CoupledMode(_) => {
-            "a study integrates the proof mass alone, without a further state"
-        }
         _ => "a study has no key for it",
     }
 }
@@ -231,5 +228,26 @@ mod tests {
             let got = metric(Coefficients::default(), law(id), &[3.0], -2.0).of(&law(id).given()[0].key);
             assert!((got - expected).abs() < 1e-12, "{id}: {got}");
         }
+    }
+
+    // y = x + x₂ in units of which −2 m/s² drive one: g₂ follows the gain and its sign, what is a
+    // ratio or a rate stays; 1/y of a memory is 2/m.
+    #[test]
+    fn states_of_their_own_become_metric_too() {
+        for (id, given, expected) in [
+            ("parasitic-mode", [3.0, 40.0, 0.1], [-1.5, 40.0, 0.1]),
+            ("coupled-mode", [0.3, 40.0, 0.1], [0.3, 40.0, 0.1]),
+            ("hysteresis", [3.0, 5.0, -1.0], [3.0, 10.0, -2.0]),
+        ] {
+            // Unknown beginnings stand behind the parameters.
+            let fitted = [given[0], given[1], given[2], 7.0, 8.0];
+            let got = metric(Coefficients::default(), law(id), &fitted, -2.0);
+            for (key, expected) in law(id).given().iter().zip(expected) {
+                assert!((got.of(&key.key) - expected).abs() < 1e-12, "{id}: {got:?}");
+            }
+        }
+        assert!(
+            is_refused(law("coupled-mode"), &[-0.1, 1.0, 0.1]) && !is_refused(law("parasitic-mode"), &[-0.1, 1.0, 0.1])
+        );
     }
 }
