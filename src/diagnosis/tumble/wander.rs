@@ -84,12 +84,15 @@ fn wander(observed: &Observed<'_>, fit: &Fit, group: Group) -> Option<f64> {
         let deviations = fit.rows.deviation[rows[a]] * fit.rows.deviation[rows[b]];
         along(a).dot(&along(b)) * covariance / deviations
     });
-    // Columns that move these rows, scaled; those that do not are left out, for they would make the
-    // design singular.
+    // Columns of what these rows settle, scaled. What others settle they do not take up: the slope
+    // of a gyro at rest with its scale factor is its residual itself.
+    let settled = |c: &usize| {
+        let slope = fit.rows.slope.column(*c);
+        rows.iter().map(|r| slope[*r].powi(2)).sum::<f64>() > 0.5 * slope.norm_squared()
+    };
     let columns: Vec<DVector<f64>> = (0..fit.active.len())
-        .map(|c| DVector::from_iterator(rows.len(), rows.iter().map(|r| fit.rows.slope[(*r, c)])))
-        .filter(|c| c.norm() > 0.0)
-        .map(|c| c.normalize())
+        .filter(settled)
+        .map(|c| DVector::from_iterator(rows.len(), rows.iter().map(|r| fit.rows.slope[(*r, c)])).normalize())
         .collect();
     let design = DMatrix::from_columns(&columns);
     let residual = DVector::from_iterator(rows.len(), rows.iter().map(|r| fit.rows.residual[*r]));
