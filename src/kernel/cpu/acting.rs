@@ -62,28 +62,32 @@ impl<T: Real> Acting<T> {
         self.own.iter_mut().flatten()
     }
 
+    /// Whether it has states of its own.
+    pub(super) fn has_states(&self) -> bool {
+        !self.own.is_empty()
+    }
+
     /// Adds its force at a stage to the acceleration of the masses.
     #[inline(always)]
-    pub(super) fn act<const FMA: bool>(&mut self, stage: &Stage<'_, T>, sum: &mut [T; LANES]) {
-        if !self.own.is_empty() {
-            self.begin::<FMA>(stage);
-        }
-        self.term.force::<T, LANES, FMA>(stage.at, &self.p, &self.here, &mut self.rates, sum);
+    pub(super) fn act<const FMA: bool>(&mut self, at: &Instants<'_, T, LANES>, sum: &mut [T; LANES]) {
+        self.term.force::<T, LANES, FMA>(at, &self.p, &self.here, &mut self.rates, sum);
+    }
+
+    /// Adds the rates of its states at a stage to their sums: 1, 2, 2, 1 sixths.
+    #[inline(always)]
+    pub(super) fn end<const FMA: bool>(&mut self, stage: usize) {
+        let weight = T::of([1.0, 2.0, 2.0, 1.0][stage]);
         for (sums, rates) in self.sums.iter_mut().zip(&self.rates) {
             for l in 0..LANES {
-                // 1, 2, 2, 1 sixths.
-                sums[l] = match stage.number {
-                    0 => rates[l],
-                    3 => sums[l] + rates[l],
-                    _ => fma::<T, FMA>(T::of(2.0), rates[l], sums[l]),
-                };
+                let before = if stage == 0 { T::of(0.0) } else { sums[l] };
+                sums[l] = fma::<T, FMA>(weight, rates[l], before);
             }
         }
     }
 
     /// Its states at a stage, by the rates of the one before.
     #[inline(always)]
-    fn begin<const FMA: bool>(&mut self, stage: &Stage<'_, T>) {
+    pub(super) fn begin<const FMA: bool>(&mut self, stage: &Stage<'_, T>) {
         let share = T::of([0.0, 0.5, 0.5, 1.0][stage.number]);
         for (s, own) in self.own.iter().enumerate() {
             let (here, rates) = (&mut self.here[s], &self.rates[s]);
