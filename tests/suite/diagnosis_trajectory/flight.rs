@@ -108,6 +108,13 @@ impl Flight {
         Self { stamps_ns: self.stamps_ns.iter().map(|s| s + shift).collect(), ..self.clone() }
     }
 
+    /// The IMU's stamps later and later, by this part of the time since the first.
+    pub fn gaining(&self, part: f64) -> Self {
+        let first = self.stamps_ns.first().copied().unwrap_or_default();
+        let later = |s: &i64| s + (part * (s - first) as f64).round() as i64;
+        Self { stamps_ns: self.stamps_ns.iter().map(later).collect(), ..self.clone() }
+    }
+
     /// Every rate altered.
     pub fn with_rate(&self, of: impl Fn(Three) -> Three) -> Self {
         self.with_rate_at(|_, w| of(w))

@@ -12,11 +12,15 @@ use proofmass::study::{self, Overrides, Study};
 use toml::{Table, Value};
 
 use super::super::world::{check, near, test};
-use super::flight::{Files, ids, made_up};
+use super::flight::{Files, Flight, made_up};
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
-    vec![test("trajectory: the repaired sensor is a study that runs, with the numbers that were named", runs)]
+    vec![
+        test("trajectory: the repaired sensor is a study that runs, with the numbers that were named", runs),
+        test("trajectory: the repaired sensor has the clock that was named, from where its study begins", gains),
+        test("trajectory: the repaired sensor has the gyro's range that was named", ends),
+    ]
 }
 
 /// repaired.toml of a recording.
@@ -25,7 +29,6 @@ fn document(files: &Files, folder: &std::path::Path) -> Result<String, Failed> {
     let model = model::read(&model)?;
     let recording = model::read_recording(&imu, &model)?;
     let answer = diagnose(&recording, &model, &Control::silent())?;
-    check(!ids(&answer).is_empty(), "nothing is named")?;
     let found = worded(answer);
     repaired::document(found.repair.as_ref(), &found.detail, &found.verdict).ok_or_else(|| "no study".into())
 }
@@ -64,6 +67,47 @@ fn runs() -> Result<(), Failed> {
     near("down", still, 0.05, 0.01)?;
     std::fs::write(&path, without(&table, "accelerometer").to_string())?;
     check((down_m(&study::read(&path, &few)?)? - 0.05).abs() > 0.01, "a sensor without that bias would pass")
+}
+
+/// The table of a recording's study, which can be read.
+fn table(flight: &Flight) -> Result<Table, Failed> {
+    let folder = tempfile::tempdir()?;
+    let text = document(&flight.files(), folder.path())?;
+    let path = folder.path().join("repaired.toml");
+    std::fs::write(&path, &text)?;
+    study::read(&path, &Overrides::default())?;
+    Ok(text.parse()?)
+}
+
+/// Stamps that gain from the first reading on, where the study begins: there is no offset there, while
+/// the diagnosis states that of the middle, 22 ms. The drift is known to some ppm.
+fn gains() -> Result<(), Failed> {
+    let flight = made_up(2)?;
+    let of = |part: f64| -> Result<[f64; 2], Failed> {
+        let table = table(&flight.gaining(part))?;
+        let offset_us = mean(&table, "sensor", "time_offset_us", 0);
+        Ok([mean(&table, "sensor", "clock_drift_ppm", 0), if offset_us.is_nan() { 0.0 } else { offset_us }])
+    };
+    let [drift_ppm, offset_us] = of(500e-6)?;
+    near("drift, ppm", drift_ppm, 500.0, 30.0)?;
+    near("offset at the beginning, µs", offset_us, 0.0, 1500.0)?;
+    // Controls: a clock that loses has the other sign, and one that does neither has no key.
+    near("drift of a clock that loses, ppm", of(-500e-6)?[0], -500.0, 30.0)?;
+    check(of(0.0)?[0].is_nan(), "a drift that was not planted")
+}
+
+/// What clips at 0.6 rad/s has this range, 34.4 °/s.
+fn ends() -> Result<(), Failed> {
+    let flight = made_up(3)?;
+    let range_deg_s = |limit: f64| -> Result<f64, Failed> {
+        let table = table(&flight.with_rate(|w| w.map(|v| v.clamp(-limit, limit))))?;
+        Ok(number(table.get("gyro").and_then(|gyro| gyro.get("range_deg_s"))))
+    };
+    for limit in [0.6f64, 0.5] {
+        near("range, °/s", range_deg_s(limit)?, limit.to_degrees(), 0.01)?;
+    }
+    // Control: what reads all there is has none.
+    check(range_deg_s(1e3)?.is_nan(), "a range that was not planted")
 }
 
 fn without(table: &Table, section: &str) -> Table {
