@@ -52,6 +52,7 @@ pub mod standing;
 pub mod trajectory;
 pub mod tumble;
 pub mod verdict;
+mod warm_profile;
 
 use crate::control::Control;
 use crate::error::{Error, Result};

@@ -207,14 +207,15 @@ fn lines(keys: &[(&str, f64)]) -> String {
 
 /// `[temperature]`, to a ten-thousandth of its range; empty without points.
 fn temperature_section(temperature: &Temperature) -> String {
-    let Temperature { points, reference_deg_c } = temperature;
+    let Temperature { points, reference_deg_c, .. } = temperature;
     let [low, high] = points.iter().fold([f64::MAX, f64::MIN], |[l, h], [_, deg_c]| [l.min(*deg_c), h.max(*deg_c)]);
     if points.is_empty() {
         return String::new();
     }
     let digits = (4.0 - (high - low).max(1e-9).log10().floor()).max(1.0) as usize;
     let lines: String = points.iter().map(|[time_s, deg_c]| format!("  [{time_s:?}, {deg_c:.digits$}],\n")).collect();
-    format!("\n[temperature]\nprofile_s_deg_c = [\n{lines}]\nreference_deg_c = {reference_deg_c:.digits$}\n")
+    let late = if temperature.lag_s() > 0.0 { format!("lag_s = {:?}\n", temperature.lag_s()) } else { String::new() };
+    format!("\n[temperature]\nprofile_s_deg_c = [\n{lines}]\nreference_deg_c = {reference_deg_c:.digits$}\n{late}")
 }
 
 fn sensor_keys(sensor: &Sensor, rate_hz: f64) -> Vec<(&'static str, f64)> {
@@ -298,7 +299,7 @@ mod tests {
 
     #[test]
     fn a_study_lasts_as_long_as_its_temperature_is_known() {
-        let until = |end_s: f64| Temperature { points: vec![[0.0, 20.0], [end_s, 25.0]], reference_deg_c: 20.0 };
+        let until = |end_s: f64| Temperature::new(vec![[0.0, 20.0], [end_s, 25.0]], 20.0);
         let known = [20.0, 200.004, 1e5].map(|end_s| duration_s(&until(end_s)));
         assert_eq!(known, [USUAL_S, 200.0, LONGEST_S]);
         assert_eq!(duration_s(&Temperature::default()), USUAL_S);

@@ -160,6 +160,9 @@ pub struct Temperature {
     /// Temperature at which the stated biases and scale factors hold, °C; absent: the first of the
     /// profile.
     pub reference_deg_c: Option<f64>,
+    /// Time constant, s, of the first-order lag with which the sensor follows the profile, from its
+    /// first point on; absent: it follows at once.
+    pub lag_s: Option<f64>,
 }
 
 /// `[navigator]`: how the readings are integrated.

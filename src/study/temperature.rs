@@ -26,7 +26,7 @@ pub(super) fn is_idle(temperature: &Temperature, axes: &[Tolerances]) -> bool {
 ///
 /// # Errors
 /// A temperature coefficient without a `[temperature]` section; times of the profile that are below
-/// zero or do not increase; temperatures, or a reference, that no sensor sees.
+/// zero or do not increase; temperatures, or a reference, that no sensor sees; a lag below zero.
 pub(super) fn read(name: &str, section: Option<&file::Temperature>, axes: &[Tolerances]) -> Result<Temperature> {
     let given = |key: &&Key| axes.iter().any(|axis| axis[key].is_some());
     let Some(section) = section else {
@@ -55,5 +55,10 @@ pub(super) fn read(name: &str, section: Option<&file::Temperature>, axes: &[Tole
         let cause = format!("`temperature.reference_deg_c` = {reference_deg_c:?}: no sensor is calibrated there");
         return Err(refuse(name, cause, "give °C, e.g. 25.0"));
     }
-    Ok(Temperature { points, reference_deg_c })
+    let lag_s = section.lag_s.unwrap_or(0.0);
+    if !(0.0..f64::INFINITY).contains(&lag_s) {
+        let cause = format!("`temperature.lag_s` = {lag_s:?}: a time constant is a number of seconds from 0 on");
+        return Err(refuse(name, cause, "e.g. lag_s = 30.0"));
+    }
+    Ok(Temperature::new(points, reference_deg_c).with_lag(lag_s))
 }

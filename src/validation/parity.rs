@@ -27,7 +27,7 @@ pub fn rows(gpu: &mut Place, control: &Control) -> Result<Vec<Row>> {
         let mut sensor = Sensor { proof_mass: Some(mass), ..everything() };
         sensor.proof_mass.iter_mut().for_each(|m| m.force_noise_m_s_rts = 1e-4);
         let force = Sine { amplitude_m_s2: 5.0, frequency_hz: 3.0, offset_m_s2: 0.0 };
-        let temperature = Arc::new(Temperature { points: vec![[0.0, 21.0], [5.0, 31.0]], reference_deg_c: 20.0 });
+        let temperature = Arc::new(Temperature::new(vec![[0.0, 21.0], [5.0, 31.0]], 20.0));
         let job = Job { temperature, ..job(sensor, MEMBERS, &[0.5, 5.0], force, integrator) };
         let (here, there) = (cpu.run(&job)?, gpu.run(&job)?);
         let what = format!(

@@ -4,6 +4,7 @@
 //! 200 s at 100 Hz hold a process with a memory of 1 s some hundred times: its deviation is found to
 //! 7 %, its memory to 14 %. A quarter is more than three standard errors of the curve they make.
 
+use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
@@ -33,6 +34,7 @@ pub fn tests() -> Vec<Trial> {
         test("carried over: a named sinusoid has the planted Allan deviation in a study", sinusoid),
         test("carried over: a named temperature sensitivity follows the recorded temperature in a study", temperature),
         test("carried over: a sensitivity with a bend follows the recorded temperature in a study", curved),
+        test("carried over: a sensitivity with a lag follows the recorded temperature as late in a study", late),
         test("carried over: a sensitivity that no study can run is said, with the reason", not_carried),
         test("carried over: a named warm-up takes the planted course in a study", warm_up),
     ]
@@ -217,6 +219,39 @@ fn curved() -> Result<(), Failed> {
         check(follows(&readings(&without(&text, key))?).is_err(), format!("it passes without {key}"))?;
     }
     Ok(())
+}
+
+/// b = s (θ_l − θ̄_l), θ_l the temperature after a first-order lag, which begins where it is.
+fn late() -> Result<(), Failed> {
+    let (slope, lag_s) = (0.4, 20.0);
+    let kept = (-1.0 / (lag_s * RATE_HZ)).exp();
+    let course: Vec<f64> = (0..ROWS)
+        .scan(deg_c(0.0), |state, n| {
+            *state = kept * *state + (1.0 - kept) * deg_c(n as f64 / RATE_HZ);
+            Some(*state)
+        })
+        .collect();
+    let row = Cell::new(0);
+    let follows = |_: f64| slope * course[row.replace(row.get() + 1)];
+    let text = repaired(&warmed(47, follows, |deg_c| deg_c), "temperature-sensitivity")?;
+    let table: toml::Table = text.parse()?;
+    let found = table["temperature"].get("lag_s").and_then(toml::Value::as_float).ok_or("no lag_s")?;
+    near("lag, s", found, lag_s, 0.05 * lag_s)?;
+    let mean = course.iter().sum::<f64>() / ROWS as f64;
+    let follows = |members: &[Vec<f64>]| -> Result<(), Failed> {
+        for second in [0, 20, 50, 90, 140, 199] {
+            let part = 100 * second..100 * (second + 1);
+            let reading = members.iter().flat_map(|m| &m[part.clone()]).sum::<f64>() / (100 * members.len()) as f64;
+            let expected = slope * (course[100 * second + 50] - mean);
+            near(&format!("mean reading in second {second}, mg"), reading / MG, expected, 0.2)?;
+        }
+        Ok(())
+    };
+    follows(&readings(&text)?)?;
+    // Controls: the same without its lag, and with half of it.
+    check(follows(&readings(&without(&text, "lag_s"))?).is_err(), "it passes without the lag")?;
+    let half = text.replace(&format!("lag_s = {found:?}"), &format!("lag_s = {:?}", 0.5 * found));
+    check(follows(&readings(&half)?).is_err(), "half the lag passes")
 }
 
 fn not_carried() -> Result<(), Failed> {

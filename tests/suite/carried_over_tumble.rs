@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 use proofmass::study::{self, tolerances};
 
 use super::bench::{Bench, study as run_study};
-use super::tumble_bench::Imu;
+use super::tumble_bench::{Imu, deg_c};
 use super::world::{check, near, test};
 
 const G: f64 = 9.80665;
@@ -18,27 +18,67 @@ const G: f64 = 9.80665;
 pub fn tests() -> Vec<Trial> {
     vec![
         test("carried over: scale factors, misalignment and g-sensitivity of poses are a study's", axes),
+        test("carried over: biases that follow the temperature of poses follow it in a study", warmth),
         test("carried over: a gyro's misalignment of poses is a study's, a curved scale is said", rows),
     ]
 }
 
 /// `repaired.toml` of an IMU on a turntable, which a study has run.
 fn repaired(imu: &Imu) -> Result<String, Failed> {
+    repaired_with(imu, None)
+}
+
+/// The same with a column that says how warm it is.
+fn repaired_with(imu: &Imu, column: Option<fn(f64) -> f64>) -> Result<String, Failed> {
     let bench = Bench::new()?;
     let (recording, ranges) = imu.record(5);
-    let mut text = String::from("ax,ay,az,gx,gy,gz\n");
+    let mut text = String::from("ax,ay,az,gx,gy,gz,temp\n");
     for k in 0..recording.samples() {
-        let cells: Vec<String> = recording.columns.iter().map(|c| c.values[k].to_string()).collect();
+        let warmth = column.map_or(0.0, |of| of(minutes(k, recording.samples())));
+        let cells = recording.columns.iter().map(|c| c.values[k]).chain([warmth]);
+        let cells: Vec<String> = cells.map(|v| v.to_string()).collect();
         text += &(cells.join(",") + "\n");
     }
     let poses: String = ranges.iter().map(|range| format!("{},{}\n", range.start, range.end)).collect();
     bench.file("poses.csv", &format!("start_row,end_row_exclusive\n{poses}"))?;
     let model = "kind = \"tumble\"\nrate_hz = 50.0\ngravity_m_s2 = 9.81\nposes = \"poses.csv\"\n[columns]\n\
                  gyro = [\"gx\", \"gy\", \"gz\"]\naccelerometer = [\"ax\", \"ay\", \"az\"]\n";
+    let environment = if column.is_some() { "environment = [\"temp\"]\n" } else { "" };
     let out = bench.path("out");
-    bench.diagnose(&text, model, &["--json", "--out", &out.display().to_string()])?.json()?;
+    bench
+        .diagnose(&text, &format!("{model}{environment}"), &["--json", "--out", &out.display().to_string()])?
+        .json()?;
     run_study(&out.join("repaired.toml"), &bench.path("study"), 64)?;
     Ok(std::fs::read_to_string(out.join("repaired.toml"))?)
+}
+
+/// Time of a sample from the middle of the recording.
+fn minutes(sample: usize, samples: usize) -> f64 {
+    (sample as f64 - 0.5 * samples as f64) / 50.0 / 60.0
+}
+
+/// Biases that follow the temperature by so much a kelvin, which swings by 4 K either way: thirty poses
+/// known to 1.2 mm/s² and 0.9 mrad/s give 0.1 of each per kelvin. Sixty points of the profile miss a
+/// tenth of a kelvin.
+fn warmth() -> Result<(), Failed> {
+    let mut imu = Imu::without_defect(5);
+    imu.per_kelvin = [Vector3::new(0.01, -0.02, 0.03), Vector3::new(4e-3, 8e-3, -6e-3)];
+    let text = repaired_with(&imu, Some(deg_c))?;
+    check(!text.contains("Not in this study: temperature"), format!("it is said not to run:\n{text}"))?;
+    holds(&text, ("accelerometer.bias_temperature_ug_k", 1e6 / G), [0.01, -0.02, 0.03], 6e-4)?;
+    holds(&text, ("gyro.bias_temperature_deg_h_k", 648_000.0 / PI), [4e-3, 8e-3, -6e-3], 5e-4)?;
+    let study = study::parse("repaired.toml", &text, Path::new(""))?;
+    let warmer = study.in_motion.as_ref().ok_or("the study has one axis")?.course.temperature();
+    let samples = (imu.poses * 150 - 50) as f64;
+    for second in [5.0, 20.0, 28.0, 60.0, 81.0] {
+        let here = deg_c((second - 0.5 * samples / 50.0) / 60.0) - warmer.reference_deg_c;
+        near(&format!("kelvins after {second} s"), warmer.above_reference_k(second), here, 0.2)?;
+        check((warmer.above_reference_k(second + 4.0) - here).abs() > 0.2, "another time is as warm")?;
+    }
+    // Control: counts are no temperature.
+    let text = repaired_with(&imu, Some(|minutes| 20_000.0 + 300.0 * deg_c(minutes)))?;
+    let said = text.replace("\n#   ", " ");
+    check(said.contains("no temperature in °C") && !text.contains("\n[temperature]"), format!("counts as °C:\n{text}"))
 }
 
 /// Mean of a key over members for each axis, in its unit.

@@ -44,12 +44,19 @@ fn warming(keys: &str, profile: &str) -> Result<Answer, Failed> {
 fn warming_bias() -> Result<(), Failed> {
     let ramp = "[[0.0, 20.0], [60.0, 50.0]]";
     let accelerometer = warming("[accelerometer]\nbias_temperature_ug_k = [10.0, 0.0, 0.0]\n", ramp)?;
-    let expected = 10e-6 * G * 0.5 * 60.0f64.powi(3) / 6.0;
+    let expected_of = |kelvins_per_s: f64| 10e-6 * G * kelvins_per_s * 60.0f64.powi(3) / 6.0;
+    let expected = expected_of(0.5);
     near("accelerometer", last(&accelerometer, Quantity::Position(0)), expected, 1e-3 * expected)?;
     check((expected - 2.0 * last(&accelerometer, Quantity::Position(0))).abs() > 1e-3 * expected, "any slope fits")?;
     let gyro = warming("[gyro]\nbias_temperature_deg_h_k = [0.0, 2.0, 0.0]\n", ramp)?;
     let expected = -G * 2.0 * std::f64::consts::PI / 180.0 / 3600.0 * 0.5 * 60.0f64.powi(4) / 24.0;
     near("gyro", last(&gyro, Quantity::Position(0)), expected, 1e-3 * expected.abs())?;
+    // With a lag of 9 s the warmth stays 4.5 K (1 − e^(−t/9)) behind: b (t²/2 − 9 t + 81 (1 − e^(−t/9)))
+    // less in position.
+    let late = warming("[accelerometer]\nbias_temperature_ug_k = [10.0, 0.0, 0.0]\n", &format!("{ramp}\nlag_s = 9.0"))?;
+    let behind = 1800.0 - 540.0 + 81.0 * (1.0 - (-60.0f64 / 9.0).exp());
+    let lagging = expected_of(0.5) - 10e-6 * G * 4.5 * behind;
+    near("with a lag", last(&late, Quantity::Position(0)), lagging, 1e-3 * lagging)?;
     // Of the square, c (t/2)²: c t⁴/48 of an accelerometer; of the cube of a gyro, −g c t⁶/960.
     let square = warming("[accelerometer]\nbias_temperature_ug_k2 = [0.0, 1.0, 0.0]\n", ramp)?;
     let expected = 1e-6 * G * 60.0f64.powi(4) / 48.0;
@@ -234,6 +241,7 @@ fn refusals() -> Result<(), Failed> {
         ),
         (rest.to_owned(), "[temperature]\nprofile_s_deg_c = [[-5.0, 20.0], [1.0, 30.0]]\n", "times not below 0"),
         (rest.to_owned(), "[temperature]\nprofile_s_deg_c = [[0.0, -300.0]]\n", "in °C"),
+        (rest.to_owned(), "[temperature]\nprofile_s_deg_c = [[0.0, 20.0]]\nlag_s = -1.0\n", "`temperature.lag_s`"),
     ];
     for (first, text, expected) in cases {
         match parsed(&format!("duration_s = 1.0\n{first}{text}")) {

@@ -46,7 +46,7 @@ pub fn tests() -> Vec<Trial> {
 fn acts(place: &mut Place) -> Result<(), Failed> {
     let force = Sine { amplitude_m_s2: 20.0, frequency_hz: 3.0, offset_m_s2: 1.0 };
     let mut largest = |sensor: Sensor| -> Result<f64, Failed> {
-        let temperature = Arc::new(Temperature { points: vec![[0.0, 21.0]], reference_deg_c: 20.0 });
+        let temperature = Arc::new(Temperature::new(vec![[0.0, 21.0]], 20.0));
         let job = Job { temperature, ..job(sensor, 256, &[0.5], force, Integrator::Ideal) };
         let statistics = place.run(&job)?;
         Ok(statistics.at.iter().flatten().map(|s| s.mean.abs().max(s.sd)).fold(0.0, f64::max))

@@ -26,6 +26,8 @@ pub struct Imu {
     pub quadratic: [Vector3<f64>; 2],
     /// Offset drift of both sensors, unit per minute.
     pub drift_per_minute: [Vector3<f64>; 2],
+    /// Offset of both sensors that follows `deg_c`, unit per kelvin.
+    pub per_kelvin: [Vector3<f64>; 2],
     /// Rate of the frame, rad/s.
     pub frame_rate_rad_s: Vector3<f64>,
     /// Accelerometer bias that keeps the sign of the last time an axis pointed up or down, m/s²:
@@ -57,6 +59,7 @@ impl Imu {
             g_sensitivity: Matrix3::zeros(),
             quadratic: [Vector3::zeros(); 2],
             drift_per_minute: [Vector3::zeros(); 2],
+            per_kelvin: [Vector3::zeros(); 2],
             frame_rate_rad_s: Vector3::zeros(),
             hysteresis_m_s2: 0.0,
             heading_rad_s: 0.0,
@@ -130,6 +133,7 @@ impl Imu {
         let stop = force.map(|f| if f > 5.0 { self.soft_stop_m_s2 * (f - 5.0) / 5.0 } else { 0.0 });
         let acceleration = curved(self.alignment[0] * force, &self.quadratic[0])
             + self.drift_per_minute[0] * minutes
+            + self.per_kelvin[0] * (deg_c(minutes) - 25.0)
             + memory * self.hysteresis_m_s2
             + stop;
         let heading = attitude.inverse() * Vector3::new(1.0, 0.0, 0.0);
@@ -138,6 +142,7 @@ impl Imu {
         let angular = curved(along, &self.quadratic[1])
             + along.map(|w| self.bend_s * w.abs() * w)
             + self.drift_per_minute[1] * minutes
+            + self.per_kelvin[1] * (deg_c(minutes) - 25.0)
             + heading * self.heading_rad_s;
         [acceleration, angular]
             .into_iter()
@@ -147,6 +152,11 @@ impl Imu {
             .try_into()
             .unwrap_or_default()
     }
+}
+
+/// How warm the turntable is so many minutes after the middle of the recording, °C.
+pub fn deg_c(minutes: f64) -> f64 {
+    25.0 + 4.0 * (9.0 * minutes).sin()
 }
 
 /// model.toml for it, without a file of poses.

@@ -1,5 +1,5 @@
-//! A still start in the warmth: what it takes off the error that follows the temperature, by closed
-//! forms.
+//! A still start in the warmth, and warmth that comes late: what both leave of the error that follows
+//! the temperature, by closed forms.
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::drift::expected::Expected;
@@ -13,8 +13,36 @@ use super::world::{check, near, test};
 pub fn tests() -> Vec<Trial> {
     vec![
         test("closed form: a still start takes off what the temperature made of the bias", warm_start),
+        test("closed form: a sensor that follows the temperature late drifts late", lag),
         test("closed form: it takes off what the temperature's square made of it", warm_start_of_a_square),
     ]
+}
+
+/// 1 K/s followed with a lag of τ: b′ (t − τ (1 − e^(−t/τ))), twice integrated.
+fn lag() -> Result<(), Failed> {
+    let slope = 100e-6 * G;
+    let text = |lag_s: f64| {
+        format!(
+            "[accelerometer]\nbias_temperature_ug_k = 100.0\n[temperature]\nprofile_s_deg_c = [[0.0, 20.0], [20.0, \
+             40.0]]\nlag_s = {lag_s:?}\n"
+        )
+    };
+    let law = |tau: f64, t: f64| {
+        let gone = 1.0 - (-t / tau).exp();
+        slope * (t.powi(3) / 6.0 - 0.5 * tau * t * t + tau * tau * t - tau.powi(3) * gone)
+    };
+    let study = study(&text(4.0))?;
+    let statistics = simulate(&study, Choice::Cpu)?;
+    let expected = Expected::of(&study, &study.clock.report_samples);
+    for (k, t) in TIMES_S.into_iter().enumerate() {
+        let got = statistics.at[k][quantity::POSITION].mean;
+        near("position over the law", got / law(4.0, t), 1.0, 2e-4)?;
+        near("reported position", expected.total(quantity::POSITION)[k].mean / law(4.0, t), 1.0, 1e-5)?;
+        // Control: another lag, and none.
+        check((got / law(4.4, t) - 1.0).abs() > 5e-3, "any lag makes the same way")?;
+        check(got < 0.8 * slope * t.powi(3) / 6.0, "it is not late")?;
+    }
+    Ok(())
 }
 
 /// 10 K above the reference during the still start, then 1 K/s: of b′ per kelvin the start finds 10

@@ -4,12 +4,10 @@
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Fitted, Term};
 use super::followed::{Delay, Followed};
-use crate::motion::temperature::{POSSIBLE_DEG_C, Temperature};
+use crate::diagnosis::warm_profile::{is_possible, profile};
+use crate::motion::temperature::Temperature;
 use crate::numerics::moments;
 use crate::recording::Recording;
-
-/// Points of a profile, at most.
-const POINTS: usize = 60;
 
 /// What a study takes of a named sensitivity.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +19,7 @@ pub(super) struct Warmth {
     pub(super) temperature: Temperature,
     /// Heading of the column.
     pub(super) column: String,
-    /// Whether it acts late, and the profile is as late.
+    /// Whether it acts with play, and the profile is as late.
     pub(super) is_late: bool,
 }
 
@@ -71,50 +69,22 @@ pub(super) fn of(channel: &Channel, fitted: &Fitted, recording: &Recording) -> R
     }
     let logged = recording.columns.iter().find(|c| c.name == *column).ok_or(Unfit::Unlogged)?;
     let mean = moments::mean(&logged.values);
-    let points = profile(&curve.values, channel.rate_hz, |value| mean + unit * value);
-    if !points.iter().all(|[_, deg_c]| POSSIBLE_DEG_C.contains(deg_c)) {
+    let lag_s = match delay {
+        Delay::Lag(lag) if logged.values.len() == curve.values.len() => lag.value / channel.rate_hz,
+        _ => 0.0,
+    };
+    // With a lag the sensor is as warm as the column at the beginning; its mean is another one.
+    let (points, reference_deg_c) = match (lag_s > 0.0, logged.values.first(), curve.values.first()) {
+        (true, Some(first), Some(late)) => (profile(&logged.values, channel.rate_hz, |v| v), first - unit * late),
+        _ => (profile(&curve.values, channel.rate_hz, |value| mean + unit * value), mean),
+    };
+    if !is_possible(&points) {
         return Err(Unfit::NoTemperature);
     }
     Ok(Warmth {
         by_power,
-        temperature: Temperature { points, reference_deg_c: mean },
+        temperature: Temperature::new(points, reference_deg_c).with_lag(lag_s),
         column: column.clone(),
-        is_late: *delay != Delay::None,
+        is_late: *delay != Delay::None && lag_s == 0.0,
     })
-}
-
-/// Points at equal times from the first sample to the last, each the mean of half the way to its
-/// neighbours; the ends are where a straight line through the means of their two quarters ends.
-fn profile(values: &[f64], rate_hz: f64, to: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
-    let parts = POINTS.min(values.len() / 4).max(1);
-    let at = |quarters: usize| quarters * values.len() / (4 * parts);
-    let mean = |from: usize, to: usize| {
-        let around = &values[at(from)..at(to)];
-        moments::mean(around)
-    };
-    let end = |outer: f64, inner: f64| outer + 0.5 * (outer - inner);
-    let last = 4 * parts;
-    let point = |k: usize| {
-        let value = match k {
-            0 => end(mean(0, 1), mean(1, 2)),
-            k if k == parts => end(mean(last - 1, last), mean(last - 2, last - 1)),
-            k => mean(4 * k - 2, 4 * k + 2),
-        };
-        [k as f64 * values.len() as f64 / parts as f64 / rate_hz, to(value)]
-    };
-    (0..=parts).map(point).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::profile;
-
-    #[test]
-    fn a_profile_goes_through_a_straight_line_and_ends_where_the_recording_does() {
-        let points = profile(&(0..2400).map(f64::from).collect::<Vec<_>>(), 40.0, |v| 20.0 + v / 40.0);
-        assert_eq!((points.len(), points[0][0], points[60][0]), (61, 0.0, 60.0));
-        for [time_s, deg_c] in points {
-            assert!((deg_c - (20.0 + time_s)).abs() < 0.02, "{time_s}: {deg_c}");
-        }
-    }
 }

@@ -13,7 +13,7 @@ pub(super) enum Lacking {
     Nothing,
     /// The elements of a row apart: it draws each about the mean of the row with its spread.
     Elements,
-    /// The temperature over time.
+    /// The temperature over time: what was recorded is none in °C.
     Temperature,
     /// The term as a whole.
     All,
@@ -22,8 +22,8 @@ pub(super) enum Lacking {
 /// Numbers of a key for x, y and z, SI.
 pub(super) type Numbers = (&'static Key, [Drawn; 3]);
 
-/// A named term by its key, and what that leaves out.
-pub(super) fn of(term: &Term, calibration: &Calibration) -> (Option<Numbers>, Lacking) {
+/// A named term by its key, and what that leaves out; the recorded column may be a temperature.
+pub(super) fn of(term: &Term, calibration: &Calibration, is_warmth: bool) -> (Option<Numbers>, Lacking) {
     let [force, rate] = [&calibration.accelerometer, &calibration.gyro];
     let row = |term: SensorTerm| &term.row().keys[0];
     let first = term.parameters.first().cloned().unwrap_or_default();
@@ -40,10 +40,17 @@ pub(super) fn of(term: &Term, calibration: &Calibration) -> (Option<Numbers>, La
             let row = |i: usize| over(&[0, 1, 2].map(|j| calibration.g_sensitivity[(i, j)]));
             (&coupling::G_SENSITIVITY, [0, 1, 2].map(row))
         }
+        r if r == accelerometer::TEMPERATURE && is_warmth => (&coupling::ACCELEROMETER_BIAS_PER_K, per_kelvin(force)),
+        r if r == gyro::TEMPERATURE && is_warmth => (&coupling::GYRO_BIAS_PER_K, per_kelvin(rate)),
         r if r == accelerometer::TEMPERATURE || r == gyro::TEMPERATURE => return (None, Lacking::Temperature),
         _ => return (None, Lacking::All),
     };
     (Some((key, numbers)), if is_spread(&numbers) { Lacking::Elements } else { Lacking::Nothing })
+}
+
+/// Change of the biases per kelvin.
+fn per_kelvin(triad: &Triad) -> [Drawn; 3] {
+    [0, 1, 2].map(|axis| Drawn { mean: triad.temperature[axis], sd: 0.0 })
 }
 
 /// Whether a row of it has elements that differ.

@@ -11,10 +11,12 @@ use super::candidate::Term;
 use super::conclusion::Case;
 use super::selection::Selection;
 use crate::diagnosis::repair::{Cost, Repair, Row, Vibration};
+use crate::diagnosis::warm_profile::{is_possible, profile};
 use crate::motion::temperature::Temperature;
 use crate::navigation::closed_form::Process;
 use crate::number::short;
-use crate::sensor::{Sense, Sensor};
+use crate::numerics::moments;
+use crate::sensor::{Sense, Sensor, coupling};
 use crate::units::{DEGREE_PER_HOUR, STANDARD_GRAVITY_M_S2};
 
 impl Case<'_> {
@@ -63,14 +65,16 @@ impl Case<'_> {
                 }
             });
         }
-        let named: Vec<_> = selection.named_terms().map(|t| (t, by_axis::of(t, &detail.calibration))).collect();
+        let warmth = self.warmth();
+        let of = |term| by_axis::of(term, &detail.calibration, warmth.is_some());
+        let named: Vec<_> = selection.named_terms().map(|term| (term, of(term))).collect();
         let not_expressible = named.iter().filter_map(|(t, (_, lacking))| {
             let why = match lacking {
                 Lacking::Nothing => return None,
                 Lacking::Elements => {
                     "a study has one number for each row, and draws each element about the mean of the row with its spread"
                 }
-                Lacking::Temperature => "given a [temperature], a study runs it as a bias over temperature",
+                Lacking::Temperature => "its column holds values that are no temperature in °C",
                 Lacking::All => "a study has no key for it",
             };
             Some(format!("{} ({}): {why}", t.phrase(), t.candidate.equation))
@@ -80,21 +84,26 @@ impl Case<'_> {
         if self.observed.imu.gyro.is_some() {
             by_axis.extend(by_axis::turned_gyro(&by_axis, &detail.calibration));
         }
+        let follows = by_axis.iter().any(|(key, _)| coupling::OVER_TEMPERATURE.contains(key));
         let moving = if named.iter().any(|(_, (numbers, _))| numbers.is_some()) {
             " The study lies still; give it a [trajectory] of your own motion."
         } else {
             ""
+        };
+        let warm = match self.model.columns.environment.first().filter(|_| follows) {
+            Some(name) => format!(" [temperature] is the column `{name}`, one of its units taken as 1 °C."),
+            None => String::new(),
         };
         Repair {
             before,
             after,
             by_axis,
             not_expressible: not_expressible.collect(),
-            temperature: Temperature::default(),
+            temperature: warmth.filter(|_| follows).unwrap_or_default(),
             relation: format!(
                 "Counts became m/s² and rad/s by the calibration found here ({} counts per m/s², {} per rad/s). Without \
                  the named physics a sensor at rest errs by {} mm/s² and {} °/h (rms over axes and recorded attitudes); \
-                 that is the constant bias of the first row.{moving}",
+                 that is the constant bias of the first row.{moving}{warm}",
                 short(detail.calibration.accelerometer.scale.mean()),
                 short(detail.calibration.gyro.scale.mean()),
                 short(force * 1e3),
@@ -103,6 +112,15 @@ impl Case<'_> {
             vibration: Vibration { amplitude_m_s2: 0.0, frequency_hz: 0.0 },
             own_cost,
         }
+    }
+
+    /// The environment column as the temperature that a study follows; `None` where there is none, or
+    /// it is none in °C.
+    fn warmth(&self) -> Option<Temperature> {
+        let name = self.model.columns.environment.first()?;
+        let logged = self.recording.columns.iter().find(|column| column.name == *name)?;
+        let points = profile(&logged.values, self.observed.imu.rate_hz, |deg_c| deg_c);
+        is_possible(&points).then(|| Temperature::new(points, moments::mean(&logged.values)))
     }
 
     /// What the base model gets wrong at rest beside the repaired one: m/s² and rad/s per axis, rms
