@@ -57,6 +57,13 @@ fn bearers(selected: &[Selection], described: &[bool], judged: usize, cause: Cau
     (0..selected.len()).filter(|i| stands(*i)).count()
 }
 
+/// Whether a cause stands without a rival in a channel that it leaves with noise.
+fn is_sure(selected: &[Selection], described: &[bool], cause: Cause) -> bool {
+    let sure =
+        |s: &Selection| s.chosen.terms.iter().zip(&s.named).any(|(t, n)| t.cause == cause && n.rivals.is_empty());
+    selected.iter().zip(described).any(|(s, described)| *described && sure(s))
+}
+
 /// Judges one term of one channel by what its neighbours bear.
 fn settle(
     channels: &[Channel],
@@ -68,7 +75,12 @@ fn settle(
     let bearers = |selected: &[Selection], cause: Cause| bearers(selected, described, i, cause);
     let cause = selected[i].chosen.terms[index].cause;
     let own = bearers(selected, cause);
-    let common = |other: Cause| other != cause && bearers(selected, other) > own && !selected[i].chosen.has(other);
+    // A name that ties with one that a neighbour bears beyond doubt yields to as many.
+    let yields = |other: Cause| selected[i].named[index].rivals.contains(&other) && is_sure(selected, described, other);
+    let common = |other: Cause| {
+        let as_many = own + usize::from(!yields(other));
+        other != cause && bearers(selected, other) >= as_many && !selected[i].chosen.has(other)
+    };
     if !selected.iter().any(|s| s.chosen.terms.iter().any(|t| common(t.cause))) {
         // Where neighbours bear the name and not its rival, they have decided between the two.
         let decided: Vec<Cause> =
