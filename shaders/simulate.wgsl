@@ -222,6 +222,10 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
                         );
                         before = now.x;
                         let begin = seen(laws, s, f.begin);
+                        // A run begins at rest, and with it what the low-pass holds.
+                        if HAS_READOUT_LOW_PASS && n * SUBSTEPS + substep == 0u {
+                            low_pass = begin.x;
+                        }
                         s = advance(k, laws, s, f, push, f32(n * SUBSTEPS + substep));
                         felt = f.end;
                         if HAS_READOUT_LOW_PASS {

@@ -273,12 +273,12 @@ impl Study {
         let run_s = self.still_s() + self.duration_s();
         let stiffest = self.stiffest().map(|mass| mass.at_its_stiffest(run_s));
         let choice = self.tolerances.integrator(stiffest.as_ref(), self.clock.step_s)?;
-        let gain = match self.excitation.variation {
-            Variation::None => 1.0,
-            Variation::Gain | Variation::Sine => {
-                let (mean, variance) = self.tolerances.moments(&excitation::SIZE);
-                mean.abs() + 2.0 * variance.sqrt()
-            }
+        let (mean, variance) = self.tolerances.moments(&excitation::SIZE);
+        let largest = mean.abs() + 2.0 * variance.sqrt();
+        let (gain, own_sine_m_s2) = match self.excitation.variation {
+            Variation::None => (1.0, 0.0),
+            Variation::Gain => (largest, 0.0),
+            Variation::Sine => (1.0, largest),
         };
         mass_check::followed_memory(
             &self.name,
@@ -286,6 +286,7 @@ impl Study {
                 stiffest: stiffest.as_ref(),
                 waveform: self.excitation.waveform.as_ref(),
                 gain,
+                own_sine_m_s2,
                 duration_s: self.clock.duration_s(),
                 substep_s: self.clock.step_s / f64::from(choice.integrator.substeps()),
             },

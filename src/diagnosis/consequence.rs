@@ -4,7 +4,8 @@
 //! Constant and random errors by their closed forms, the proof mass under the stated vibration by
 //! `rectification`. One axis, flat earth. Not an ensemble: `proofmass study` runs DIR/repaired.toml
 //! for distributions. Left out: what follows temperature (the sensor stays at its reference), what
-//! is in proportion to an input, rounding and full scale.
+//! is in proportion to an input, rounding and full scale. Laws with states of their own have no row:
+//! only a study integrates them.
 
 use super::rectification;
 use super::repair::{Cost, Repair, Row, Vibration};
@@ -35,13 +36,19 @@ pub fn costs(repair: Option<&Repair>, control: &Control) -> Result<Vec<Cost>, St
     let Some(repair) = repair else { return Ok(Vec::new()) };
     let before = Drift::of(&repair.before, &repair.vibration, control)?;
     let mut rows = vec![row(Row::Before, before.total(), repair)];
-    if repair.after != repair.before {
+    if repair.after != repair.before && only_a_study_integrates(&repair.after).is_empty() {
         let after = Drift::of(&repair.after, &repair.vibration, control)?;
         rows.push(row(Row::After, after.total(), repair));
         rows.push(row(Row::Difference, after.beyond(&before, repair.before.proof_mass.is_some()), repair));
     }
     rows.extend(repair.own_cost.iter().cloned());
     Ok(rows)
+}
+
+/// Laws of a sensor that `rectification` leaves out, by id.
+fn only_a_study_integrates(sensor: &Sensor) -> Vec<&'static str> {
+    let mass = sensor.proof_mass.iter();
+    mass.flat_map(|mass| mass.laws.acting()).filter(|law| law.has_states()).map(|law| law.term.id()).collect()
 }
 
 fn row(row: Row, metres: [f64; 2], repair: &Repair) -> Cost {
@@ -58,8 +65,13 @@ fn row(row: Row, metres: [f64; 2], repair: &Repair) -> Cost {
         ),
         None => ("at rest".to_owned(), "closed forms"),
     };
+    let left_out = only_a_study_integrates(&repair.after);
+    let basis = match left_out.is_empty() {
+        true => basis.to_owned(),
+        false => format!("{basis}; a study of repaired.toml integrates {}", left_out.join(" and ")),
+    };
     let [ten, sixty] = metres;
-    Cost { row, of: of.into(), under, position_10_s_m: ten, position_60_s_m: sixty, basis: basis.into() }
+    Cost { row, of: of.into(), under, position_10_s_m: ten, position_60_s_m: sixty, basis }
 }
 
 impl Drift {

@@ -170,9 +170,9 @@ enum Law {
 
 fn law(study: &Study, source: ErrorSource) -> Law {
     match source {
-        ErrorSource::Mechanics if study.member(0).sensor.proof_mass.is_some() => {
-            Law::None("the lag of a linear proof mass stays bounded; its nonlinearity has no closed form")
-        }
+        ErrorSource::Mechanics if study.member(0).sensor.proof_mass.is_some() => Law::None(
+            "the lag of a linear proof mass stays bounded; further modes, stops and springs that bend have no closed form",
+        ),
         ErrorSource::Mechanics => Law::Absent,
         ErrorSource::ForceNoise if is_on(study, &mechanics::FORCE_NOISE) => {
             Law::Random(vec![Process::White(level(study, &mechanics::FORCE_NOISE))])

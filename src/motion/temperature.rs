@@ -52,9 +52,10 @@ impl Temperature {
         if self.lag_s == 0.0 {
             return along;
         }
-        // τθ′ + θ = u along a straight line u: θ stays τu′ behind it, and what was apart dies out.
-        let behind = per_s * self.lag_s;
-        along - behind + (self.reached[point] - from + behind) * (-since_s / self.lag_s).exp()
+        // τθ′ + θ = u along a straight line u: θ stays τu′ behind it once what was apart has died out.
+        // By the exponential less one, as τu′ alone may be larger than all temperatures.
+        let gone = -(-since_s / self.lag_s).exp_m1();
+        along - per_s * self.lag_s * gone + (self.reached[point] - from) * (1.0 - gone)
     }
 
     /// How much warmer than the reference it is, K; zero without points.

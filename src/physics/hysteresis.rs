@@ -102,10 +102,10 @@ fn hysteresis(at: Instant, p0: f32, p1: f32, p2: f32, own: f32, sum: f32) -> f32
 }"
     }
     /// Where z is largest, 1/(β + γ), and the mass turns back, z′/x′ = 1 + (β − γ)z; from z = 0 on
-    /// it is 1.
+    /// it is 1. No more than ten: a z that may grow far takes a way that no mass has.
     fn stiffens(&self, p: &[f64]) -> f64 {
         let back = if p[1] + p[2] > 0.0 { 2.0 * p[1] / (p[1] + p[2]) } else { 1.0 };
-        p[0].max(0.0) * back.max(1.0)
+        p[0].max(0.0) * back.clamp(1.0, 10.0)
     }
     fn start_grid(&self, s: &Scales) -> Option<StartGrid> {
         let bends = (0..12).map(|i| 0.1 / s.output * 250f64.powf(f64::from(i) / 11.0));

@@ -311,6 +311,7 @@ impl InMotion {
                 stiffest: stiffest.as_ref(),
                 waveform: waveform.as_ref(),
                 gain: 1.0,
+                own_sine_m_s2: 0.0,
                 duration_s: run.clock.duration_s(),
                 substep_s: clock.step_s / f64::from(integrator.substeps()),
             };

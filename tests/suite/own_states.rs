@@ -35,6 +35,10 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("own states: linear modes move as the exponential of their matrix, of order 4", modes),
         test("own states: a spring with memory follows its closed form and its equation", memory),
+        test(
+            "own states: under a steady force a low-pass shows a parasitic mode from the beginning on",
+            behind_a_low_pass,
+        ),
         test("own states: tiles and a stop between them do not change a bit", interrupted),
         test("own states: keys of a study give them, and refuse one in part", keys),
         test("own states: in motion a stiff parasitic mode is a scale error", in_motion),
@@ -56,7 +60,11 @@ fn mass(law: &str, parameters: [f64; 3]) -> Result<ProofMass, Failed> {
 
 /// Error of the reading of one noiseless member, m/s², in f64, after `seconds` in steps of `step_s`.
 fn error(mass: ProofMass, waveform: Arc<dyn Waveform>, step_s: f64, seconds: f64) -> Result<f64, Failed> {
-    let sensor = Sensor { proof_mass: Some(mass), ..Sensor::default() };
+    shown(Sensor { proof_mass: Some(mass), ..Sensor::default() }, waveform, step_s, seconds)
+}
+
+/// The same of any sensor.
+fn shown(sensor: Sensor, waveform: Arc<dyn Waveform>, step_s: f64, seconds: f64) -> Result<f64, Failed> {
     let mut job: Job = job(sensor, 64, &[1.0], FORCE, Integrator::RungeKutta4General { substeps: 1 });
     let samples = (seconds / step_s).round() as u64;
     (job.clock.step_s, job.clock.steps_per_sample, job.clock.samples) = (step_s, 1, samples);
@@ -133,6 +141,24 @@ fn modes() -> Result<(), Failed> {
         let order = (away(8e-3)? / away(4e-3)?).log2();
         near(&format!("order of {law}"), order, 4.0, 0.2)?;
         check((order - 3.0).abs() > 0.5, "of order 3 too (control)")?;
+    }
+    Ok(())
+}
+
+/// Under a steady force nothing moves: the mode adds its static share g₂ω₀²/ω₂² of it to the reading
+/// at every time, also behind a low-pass. Control: one that begins from nothing lacks e^(−t/τ) of it.
+fn behind_a_low_pass() -> Result<(), Failed> {
+    let [gain, omega2, zeta2] = [0.4, 20.0, 0.9];
+    let mass = mass("parasitic-mode", [gain, omega2, zeta2])?;
+    let mut sensor = Sensor { proof_mass: Some(mass), ..Sensor::default() };
+    sensor.accelerometer.readout_lowpass_s = 0.5;
+    let steady = Sine { amplitude_m_s2: 0.0, frequency_hz: 1.0, offset_m_s2: 0.5 };
+    let share = gain * (OMEGA / omega2).powi(2) * 0.5;
+    for seconds in [0.001, 0.25f64] {
+        let got = shown(sensor, Arc::new(steady), 1e-3, seconds)?;
+        near("reading error", got, share, 1e-9)?;
+        let from_nothing = share * (1.0 - (-seconds / 0.5).exp());
+        check((got - from_nothing).abs() > 0.5 * share, "one that begins from nothing shows as much")?;
     }
     Ok(())
 }
@@ -276,6 +302,16 @@ fn keys() -> Result<(), Failed> {
     let error = integrator(forgets).err().map(|e| e.to_string()).unwrap_or_default();
     check(error.contains("sensor.hysteresis_beta_per_m") && error.contains("memory"), error)?;
     integrator(&forgets.replace("1e8", "1e3"))?;
+    // A sine that each member draws is a force as well.
+    let drawn = |beta: &str| {
+        let sine = "kind = \"sine\"\nfrequency_hz = 1.0\namplitude_m_s2 = { mean = 2.0, sd = 0.1 }\n";
+        let all = text(&forgets.replace("1e8", beta));
+        let (sensor, _) = all.split_once("kind =").unwrap_or_default();
+        study::parse("modes", &(sensor.to_owned() + sine), Path::new(""))?.integrator()
+    };
+    let error = drawn("1e8").err().map(|e| e.to_string()).unwrap_or_default();
+    check(error.contains("sensor.hysteresis_beta_per_m") && error.contains("memory"), error)?;
+    drawn("1e3")?;
     // The steps follow the mode: 60 Hz need more of them than 30 Hz, and 6 kHz far more.
     let substeps = |sensor: &str| -> Result<u32, Failed> {
         Ok(study::parse("modes", &text(sensor), Path::new(""))?.integrator()?.integrator.substeps())

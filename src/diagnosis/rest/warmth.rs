@@ -42,7 +42,7 @@ impl Unfit {
         match self {
             Self::Unlogged => {
                 "Given the temperature as [temperature], a study runs it as bias_temperature_ug_k or \
-                 bias_temperature_deg_h_k."
+                 bias_temperature_deg_h_k; where it bends, with those that end in _k2 and _k3."
             }
             Self::Elsewhere => "It is in another channel than the one that stands for the sensor.",
             Self::Several => "A study has one temperature, and the reading follows several columns.",

@@ -32,6 +32,8 @@ const WITHOUT_MEMORY: [f64; 9] = [1.0, 1.5, 2.2, 3.3, 5.0, 10.0, 30.0, 100.0, 10
 /// Factors on the wander's variance, which begins at a quarter of the mean noise variance of a
 /// pose.
 const WANDER: [f64; 10] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0];
+/// Part of what is known of a parameter that is left out of account.
+const NEXT_TO_NOTHING: f64 = 0.01;
 /// More rows than this take too long for what they add.
 const MOST_ROWS: usize = 360;
 
@@ -84,16 +86,19 @@ fn wander(observed: &Observed<'_>, fit: &Fit, group: Group) -> Option<f64> {
         let deviations = fit.rows.deviation[rows[a]] * fit.rows.deviation[rows[b]];
         along(a).dot(&along(b)) * covariance / deviations
     });
-    // Columns of what these rows settle, scaled. What others settle they do not take up: the slope
-    // of a gyro at rest with its scale factor is its residual itself.
+    // Columns of what these rows help to settle, scaled. What others settle they do not take up: the
+    // slope of a gyro at rest with its scale factor is its residual itself.
     let settled = |c: &usize| {
         let slope = fit.rows.slope.column(*c);
-        rows.iter().map(|r| slope[*r].powi(2)).sum::<f64>() > 0.5 * slope.norm_squared()
+        rows.iter().map(|r| slope[*r].powi(2)).sum::<f64>() > NEXT_TO_NOTHING * slope.norm_squared()
     };
     let columns: Vec<DVector<f64>> = (0..fit.active.len())
         .filter(settled)
         .map(|c| DVector::from_iterator(rows.len(), rows.iter().map(|r| fit.rows.slope[(*r, c)])).normalize())
         .collect();
+    if columns.is_empty() {
+        return None;
+    }
     let design = DMatrix::from_columns(&columns);
     let residual = DVector::from_iterator(rows.len(), rows.iter().map(|r| fit.rows.residual[*r]));
     let unit = kernel.diagonal().mean();

@@ -2,7 +2,8 @@
 //! what `source::staged` writes for the GPU.
 //!
 //! The first state is kept as what it has more than it would have at rest under the force of the
-//! moment, as the mass keeps its error: a constant force cancels, and a run begins at rest.
+//! moment, as the mass keeps its error: a run begins at rest, and a constant force cancels but for the
+//! rounding of displacements that a law takes from one another.
 
 use super::lanes::{LANES, Lane};
 use crate::numerics::elementary::{Real, fma};

@@ -45,6 +45,10 @@ impl<T: Real> Kernel for General<'_, T> {
                 let sine = m.sine.map_or([zero; 3], |(turns, _)| sines::<T, FMA>(m.k, turns, half));
                 let force = felt_by_each::<T, FMA>(&m.k[column::GAIN], f, &sine);
                 let from = low_pass.as_ref().map(|_| mass.seen::<FMA>(&force[0]));
+                // A run begins at rest, and with it what the low-pass holds.
+                if let (0, Some(low_pass), Some([e0, _])) = (substep, &mut low_pass, &from) {
+                    low_pass.p = *e0;
+                }
                 mass.step::<FMA>(&force, &push.0, T::of(substep as f64));
                 if let (Some(low_pass), Some([e0, q0])) = (&mut low_pass, &from) {
                     let [e, q] = &mass.seen::<FMA>(&force[2]);
