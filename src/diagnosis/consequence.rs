@@ -136,6 +136,11 @@ fn random_variance(sensor: &Sensor, time_s: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::motion::temperature::Temperature;
+    use crate::physics::hysteresis;
+    use crate::sensor::ProofMass;
+    use crate::sensor::mechanics::CUBIC_STIFFNESS;
+    use crate::units::key::Key;
 
     /// The textbook's closed forms, written out: bias ½bt², velocity random walk N t^1.5/√3, gyro
     /// bias g b t³/6, angle random walk g N t^2.5/√20; the paper's 0.034 m/s² makes 1.7 m after 10
@@ -162,6 +167,31 @@ mod tests {
                 assert!((got / expected - 1.0).abs() < 1e-9, "{got} {expected}");
             }
         }
+    }
+
+    /// With a spring with memory, which is not integrated here, no row claims to hold the named
+    /// physics, and the one that is left says what does; with a cubic spring all three are given
+    /// (control).
+    #[test]
+    fn what_only_a_study_integrates_has_no_cost_here() {
+        let mass = ProofMass { natural_frequency_rad_s: 60.0, damping_ratio: 0.3, ..ProofMass::default() };
+        let costs_with = |key: &Key| {
+            let with = |mass: ProofMass| Sensor { proof_mass: Some(mass), ..Sensor::default() };
+            let repair = Repair {
+                before: with(mass),
+                after: with(mass.with(key, 1e3)),
+                temperature: Temperature::default(),
+                by_axis: Vec::new(),
+                relation: String::new(),
+                not_expressible: Vec::new(),
+                vibration: Vibration { amplitude_m_s2: 1.0, frequency_hz: 5.0 },
+                own_cost: Vec::new(),
+            };
+            costs(Some(&repair), &Control::silent()).expect("nothing to interrupt")
+        };
+        let [memory, cubic] = [&hysteresis::GIVEN[0].key, &CUBIC_STIFFNESS].map(costs_with);
+        assert!(memory.len() == 1 && memory[0].basis.contains("hysteresis"), "{memory:?}");
+        assert!(cubic.len() == 3 && !cubic[0].basis.contains("study"), "{cubic:?}");
     }
 
     /// Slow errors of an accelerometer by their double integrals, written out: Gauss–Markov σ²(2τt³/3
