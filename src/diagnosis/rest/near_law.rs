@@ -51,6 +51,11 @@ pub(super) fn one_for_all(of: &Judged<'_>) -> Option<Found> {
     let chosen = &selection.chosen;
     let exponent = departure.exponent.filter(|_| departure.of == Of::Spectrum)?;
     let (cause, law) = nearest(exponent.value)?;
+    // An exponent that may as well be nearer to another law's has the name of neither.
+    let is_other = |end: &f64| nearest(*end).is_some_and(|(other, _)| other != cause);
+    if departure.ruling == Ruling::Refuted && exponent.ci95.iter().any(is_other) {
+        return None;
+    }
     let slow = slow_laws(chosen);
     let open = departure.ruling == Ruling::Open;
     // One whole law that may hold keeps its name as it is; so does a memory that does better.
