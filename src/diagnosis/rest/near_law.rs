@@ -34,6 +34,11 @@ fn nearest(exponent: f64) -> Option<(Cause, Law)> {
     }
 }
 
+/// Whether an end of the exponent's interval is nearer to another law's.
+fn may_be_another(cause: Cause, ci95: [f64; 2]) -> bool {
+    ci95.iter().any(|end| nearest(*end).is_some_and(|(other, _)| other != cause))
+}
+
 /// One channel among those judged.
 pub(super) struct Judged<'a> {
     pub(super) place: usize,
@@ -52,8 +57,7 @@ pub(super) fn one_for_all(of: &Judged<'_>) -> Option<Found> {
     let exponent = departure.exponent.filter(|_| departure.of == Of::Spectrum)?;
     let (cause, law) = nearest(exponent.value)?;
     // An exponent that may as well be nearer to another law's has the name of neither.
-    let is_other = |end: &f64| nearest(*end).is_some_and(|(other, _)| other != cause);
-    if departure.ruling == Ruling::Refuted && exponent.ci95.iter().any(is_other) {
+    if departure.ruling == Ruling::Refuted && may_be_another(cause, exponent.ci95) {
         return None;
     }
     let slow = slow_laws(chosen);
@@ -96,4 +100,17 @@ pub(super) fn one_for_all(of: &Judged<'_>) -> Option<Found> {
         rivals: if open { rivals.collect() } else { Vec::new() },
         basis: Basis::Exponent,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // Half way from 1/f to 1/f² lies 1.5: an interval on both sides of it says neither. Beyond 2.5
+    // there is no law that it could be mistaken for.
+    #[test]
+    fn an_interval_that_reaches_half_way_to_another_law_may_be_either() {
+        assert!(may_be_another(Cause::RandomWalk, [1.34, 1.7]) && may_be_another(Cause::FlickerNoise, [1.2, 1.51]));
+        assert!(!may_be_another(Cause::FlickerNoise, [1.23, 1.47]) && !may_be_another(Cause::RandomWalk, [1.75, 2.61]));
+    }
 }
