@@ -76,6 +76,7 @@ mod suite {
     pub mod sweep;
     pub mod trial;
     pub mod tumble_bench;
+    pub mod tumble_wander;
     pub mod unlike_members;
     pub mod warm_start;
     pub mod windows;
@@ -169,6 +170,8 @@ fn main() {
         suite::diagnosis_trajectory::tests(),
         // tumble: planted physics of an IMU in still poses is named, and nothing else.
         suite::diagnosis_tumble::tests(),
+        // tumble: a wander of 1/f noise is no mismatch.
+        suite::tumble_wander::tests(),
         // diagnosis_driven: planted physics is named, foreign physics is not, and a real circuit's spring is found.
         suite::diagnosis_driven::tests(),
         // several recordings: fitted together, judged by others, refused where they do not belong together.

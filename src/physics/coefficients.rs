@@ -26,7 +26,7 @@ impl StudyLaw {
         self.term.study()
     }
 
-    /// Whether it has states of its own beside the mass.
+    /// Whether it has states besides the displacement and velocity of the mass.
     pub fn has_states(&self) -> bool {
         self.term.states() > 0
     }
@@ -145,7 +145,7 @@ mod tests {
         for law in laws() {
             assert_eq!(law.given().len(), law.term.candidate().parameters.len(), "{}", law.term.id());
             assert!(!law.term.wgsl().is_empty(), "{}", law.term.id());
-            // One or two states of its own, as the shader has numbers and vectors of two for them.
+            // At most two internal states: the shader stores one as f32 and two as vec2<f32>.
             let own = format!("fn {}_rates(", law.term.id().replace('-', "_"));
             assert!(law.term.states() <= 2, "{}", law.term.id());
             assert_eq!(law.term.wgsl().contains(&own), law.term.states() > 0, "{}", law.term.id());

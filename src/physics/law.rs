@@ -158,8 +158,8 @@ pub trait Law {
     fn fastest_rad_s(&self, _parameters: &[f64], _scales: &Scales) -> f64 {
         0.0
     }
-    /// What it adds at most to ω₀² of a mass, so that the steps of a study stay short enough: the
-    /// square of its own fastest rate, (rad/s)².
+    /// The most that it adds to ω₀² of a mass, (rad/s)²; from it a study chooses steps that are short
+    /// enough.
     fn stiffens(&self, _p: &[f64]) -> f64 {
         0.0
     }

@@ -154,7 +154,7 @@ impl Imu {
     }
 }
 
-/// How warm the turntable is so many minutes after the middle of the recording, °C.
+/// Temperature of the turntable, °C, by the time in minutes from the middle of the recording.
 pub fn deg_c(minutes: f64) -> f64 {
     25.0 + 4.0 * (9.0 * minutes).sin()
 }

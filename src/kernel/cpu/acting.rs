@@ -1,9 +1,9 @@
-//! A law that some of 64 members follow, with the states of its own in the stages of a step; twin of
-//! what `source::staged` writes for the GPU.
+//! A law that some of 64 members follow, and its internal states at each stage of a step; twin of what
+//! `source::staged` writes for the GPU.
 //!
-//! The first state is kept as what it has more than it would have at rest under the force of the
-//! moment, as the mass keeps its error: a run begins at rest, and a constant force cancels but for the
-//! rounding of displacements that a law takes from one another.
+//! The first state is stored as its difference from equilibrium under the present force, as the mass
+//! stores its error. A run therefore begins at rest, and a constant force cancels, except for rounding
+//! where a law subtracts one displacement from another.
 
 use super::lanes::{LANES, Lane};
 use crate::numerics::elementary::{Real, fma};
@@ -63,7 +63,7 @@ impl<T: Real> Acting<T> {
         self.own.iter_mut().flatten()
     }
 
-    /// Whether it has states of its own.
+    /// Whether it has internal states.
     pub(super) fn has_states(&self) -> bool {
         !self.own.is_empty()
     }

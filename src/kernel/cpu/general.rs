@@ -83,8 +83,8 @@ fn felt_by_each<T: Real, const FMA: bool>(gain: &Lane<T>, f: &Force<T>, sine: &[
 /// 64 members in a step.
 struct Mass<'a, T> {
     laws: &'a mut [Acting<T>],
-    /// Whether some law has states of its own. Asked once: asking each law in each stage cost runs
-    /// without any a twentieth of their speed.
+    /// Whether any law has internal states. Tested once per tile: testing each law at every stage made
+    /// runs without such laws 7 % slower.
     staged: bool,
     base: &'a Base<T, LANES>,
     e: [T; LANES],
