@@ -43,12 +43,14 @@ impl Campaign {
             (_, Family::StillUnknown | Family::TurnedUnknown) => 20,
             (_, Family::TurnedNull) => 40,
             (_, Family::TurnedPlanted) => 36,
+            (_, Family::Unsearched) => 12,
         }
     }
 
-    /// Cases of a trial of full size.
+    /// Cases of a trial of full size, without those of families that are drawn behind all others
+    /// ([`Family::is_drawn_last`]).
     pub fn size(self) -> usize {
-        Family::ALL.iter().map(|family| self.cases_of(*family)).sum()
+        Family::ALL.iter().filter(|family| !family.is_drawn_last()).map(|family| self.cases_of(*family)).sum()
     }
 
     /// Rows per driven recording and per log at rest in a trial of full size.

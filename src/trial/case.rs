@@ -57,11 +57,14 @@ pub enum Family {
     TurnedPlanted,
     /// Turned by hand, something that no candidate describes.
     TurnedUnknown,
+    /// One law in a form that the library holds and does not search for: a second mass that pulls
+    /// back, friction that differs by direction.
+    Unsearched,
 }
 
 impl Family {
     /// Every family, in the order of the report.
-    pub const ALL: [Family; 21] = [
+    pub const ALL: [Family; 22] = [
         Self::Null,
         Self::ForceNoiseOnly,
         Self::SingleOnePercent,
@@ -83,7 +86,14 @@ impl Family {
         Self::TurnedNull,
         Self::TurnedPlanted,
         Self::TurnedUnknown,
+        Self::Unsearched,
     ];
+
+    /// Whether its cases come behind those of all other families, which keep their numbers, and so
+    /// their draws, as they were before it was added.
+    pub fn is_drawn_last(self) -> bool {
+        self == Self::Unsearched
+    }
 
     /// Name of its row in the report.
     pub fn name(self) -> &'static str {
@@ -109,6 +119,7 @@ impl Family {
             Self::TurnedNull => "turned by hand, nothing planted",
             Self::TurnedPlanted => "turned by hand, one fault",
             Self::TurnedUnknown => "turned by hand, unknown physics",
+            Self::Unsearched => "a law's form that is not searched for",
         }
     }
 }
@@ -178,6 +189,15 @@ impl Case {
         };
         ids.sort();
         ids
+    }
+
+    /// For each planted effect the ids that are right for it.
+    pub fn names(&self) -> Vec<Vec<String>> {
+        match &self.body {
+            Body::Driven(d) => d.planted.iter().map(|p| p.term.physics.names()).collect(),
+            Body::Still(s) => s.planted.iter().map(|p| p.slow.names()).collect(),
+            Body::Turned(t) => t.planted.iter().map(|p| p.fault.names()).collect(),
+        }
     }
 
     /// Whether the library has a candidate for everything planted.

@@ -4,13 +4,15 @@
 //! A list is written once; its enum, its two tables and its public ids follow from it.
 
 /// Declares an enum whose variants are public ids (kebab case), with `LIBRARY` for what a candidate
-/// describes and `FOREIGN` for what none does.
+/// describes and `FOREIGN` for what none does. What is `alike` the library has a candidate for that
+/// no recording tells from another, which it searches for; both names are right.
 macro_rules! catalogue {
     (
         $(#[$doc:meta])*
         $name:ident
         library { $($known:ident,)* }
         foreign { $($strange:ident = $words:literal,)* }
+        $(alike { $($twin:ident = $searched:ident,)* })?
     ) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
@@ -19,6 +21,7 @@ macro_rules! catalogue {
         pub enum $name {
             $($known,)*
             $($strange,)*
+            $($($twin,)*)?
         }
 
         impl $name {
@@ -26,12 +29,23 @@ macro_rules! catalogue {
             pub const LIBRARY: &[$name] = &[$($name::$known,)*];
             /// Physics that no candidate describes, unlike each other.
             pub const FOREIGN: &[$name] = &[$($name::$strange,)*];
+            /// What no recording tells from a candidate that is searched for.
+            pub const ALIKE: &[$name] = &[$($($name::$twin,)*)?];
 
             /// The public id, or a name of the same form for foreign physics.
             pub fn id(self) -> String {
                 match serde_json::to_value(self) {
                     Ok(serde_json::Value::String(id)) => id,
                     _ => String::new(),
+                }
+            }
+
+            /// The ids that are right for it: its own, and that of a candidate that no recording
+            /// tells from it.
+            pub fn names(self) -> Vec<String> {
+                match self {
+                    $($($name::$twin => vec![self.id(), $name::$searched.id()],)*)?
+                    _ => vec![self.id()],
                 }
             }
 

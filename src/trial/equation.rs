@@ -5,16 +5,17 @@
 
 use super::physics::{Physics, Scales, Term};
 
-/// x, v, then hysteresis, second mode (2), gain control, mount, and ten elements of a fractional
-/// damper.
+/// x, v, then hysteresis, second mode (2), gain control, mount, second mass (2), and ten elements
+/// of a fractional damper.
 pub(super) type State = [f64; STATES];
 /// Length of the state.
-pub(super) const STATES: usize = 17;
+pub(super) const STATES: usize = 19;
 const HYSTERESIS: usize = 2;
 const MODE: usize = 3;
 const GAIN: usize = 5;
 const MOUNT: usize = 6;
-const FRACTIONAL: usize = 7;
+const SECOND_MASS: usize = 7;
+const FRACTIONAL: usize = 9;
 
 /// A linear proof mass: x'' + 2ζω₀x' + ω₀²x = gain·u.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,7 +44,8 @@ pub(super) struct Machine<'a> {
     scales: Scales,
     /// Physical first parameters, in the order of `terms`.
     values: Vec<f64>,
-    friction: f64,
+    /// Friction against motion forwards and backwards.
+    friction: [f64; 2],
     /// Relaxation rate and weight of each fractional element.
     fractional: Vec<[f64; 2]>,
     states: usize,
@@ -62,7 +64,13 @@ impl<'a> Machine<'a> {
     /// With as many states as its terms need.
     pub(super) fn new(oscillator: Oscillator, terms: &'a [Term], scales: Scales) -> Self {
         let of = |physics| terms.iter().find(|t| t.physics == physics);
-        let inner = [Physics::Hysteresis, Physics::ParasiticMode, Physics::GainControl, Physics::SlippingMount];
+        let inner = [
+            Physics::Hysteresis,
+            Physics::ParasiticMode,
+            Physics::GainControl,
+            Physics::SlippingMount,
+            Physics::CoupledMode,
+        ];
         let states = if of(Physics::FractionalDamper).is_some() {
             STATES
         } else if inner.into_iter().any(|p| of(p).is_some()) {
@@ -75,11 +83,29 @@ impl<'a> Machine<'a> {
             terms,
             scales,
             values: terms.iter().map(|t| t.value(&scales)).collect(),
-            friction: of(Physics::CoulombFriction).map_or(0.0, |t| t.value(&scales)),
+            friction: of(Physics::CoulombFriction).map_or([0.0; 2], |t| {
+                let [lean, _] = t.shape;
+                [1.0 + lean, 1.0 - lean].map(|share| share * t.value(&scales))
+            }),
             fractional: of(Physics::FractionalDamper)
                 .map_or_else(Vec::new, |t| fractional_elements(t.shape[0], oscillator.omega_rad_s)),
             states,
         }
+    }
+
+    /// The state from which the mass is let go; a second mass hangs where the first is and moves with
+    /// it.
+    pub(super) fn beginning(&self) -> State {
+        let mut state = [0.0; STATES];
+        state[..2].copy_from_slice(&self.oscillator.start);
+        state[SECOND_MASS..FRACTIONAL].copy_from_slice(&self.oscillator.start);
+        state
+    }
+
+    /// Friction against a motion towards this side.
+    fn friction(&self, side: f64) -> f64 {
+        let [forwards, backwards] = self.friction;
+        if side < 0.0 { backwards } else { forwards }
     }
 
     fn acceleration(&self, s: &State, now: &Instant) -> f64 {
@@ -125,10 +151,20 @@ impl<'a> Machine<'a> {
                 }
                 Physics::StiffnessJump if now.t_s > p * self.scales.duration_s => total -= q * a * k * x,
                 Physics::DampingDrift => total -= p * a * c * now.t_s / self.scales.duration_s * v,
+                Physics::CoupledMode => total += value * self.pull(term, s, v),
                 _ => {}
             }
         }
         total + self.oscillator.gain * input
+    }
+
+    /// What a second mass pulls the first with, over the second's own mass: by a spring and a damper
+    /// between them.
+    fn pull(&self, term: &Term, s: &State, velocity: f64) -> f64 {
+        let [ratio, damping] = term.shape;
+        let omega = ratio * self.oscillator.omega_rad_s;
+        let [stretch, slip] = [s[SECOND_MASS] - s[0], s[SECOND_MASS + 1] - velocity];
+        omega * omega * stretch + 2.0 * damping * omega * slip
     }
 
     fn derivative(&self, s: &State, now: &Instant, contact: Contact) -> State {
@@ -136,7 +172,7 @@ impl<'a> Machine<'a> {
         match contact {
             Contact::Slipping(side) => {
                 d[0] = s[1];
-                d[1] = self.acceleration(s, now) - side * self.friction;
+                d[1] = self.acceleration(s, now) - side * self.friction(side);
             }
             Contact::Sticking => {}
         }
@@ -164,6 +200,10 @@ impl<'a> Machine<'a> {
                 }
                 Physics::GainControl => {
                     d[GAIN] = (x.abs() - s[GAIN]) / (p * self.scales.duration_s);
+                }
+                Physics::CoupledMode => {
+                    d[SECOND_MASS] = s[SECOND_MASS + 1];
+                    d[SECOND_MASS + 1] = -self.pull(term, s, v);
                 }
                 Physics::SlippingMount => {
                     let threshold = p * self.scales.u;
@@ -224,7 +264,7 @@ impl<'a> Machine<'a> {
     /// One whole step; where the velocity passes through zero, the friction turns or holds at that
     /// instant.
     pub(super) fn step(&self, s: &State, window: &Window<'_>, contact: &mut Contact) -> State {
-        if self.friction == 0.0 {
+        if self.friction == [0.0; 2] {
             return self.advance(s, window, 0.0, window.step_s, Contact::Slipping(0.0));
         }
         let (mut state, mut from) = (*s, 0.0);
@@ -232,7 +272,7 @@ impl<'a> Machine<'a> {
         for _ in 0..4 {
             if *contact == Contact::Sticking {
                 let push = self.acceleration(&state, &window.instant(from));
-                if push.abs() > self.friction {
+                if push.abs() > self.friction(push) {
                     *contact = Contact::Slipping(push.signum());
                 }
             }

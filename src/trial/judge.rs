@@ -4,7 +4,7 @@
 //!   that something may be missing.
 //! - Physics of the library: the named set must be the planted set. `undecidable` also counts as
 //!   right when every planted effect stands in a tie of at most two and every tie holds a planted
-//!   effect.
+//!   effect. What no recording tells from an effect that is searched for may have the name of either.
 //! - Foreign physics: only `unexplained` is right.
 
 use serde::{Deserialize, Serialize};
@@ -65,23 +65,25 @@ impl Mark {
 
 /// The mark of a verdict on a case.
 pub fn judge(case: &Case, said: &Said) -> Mark {
-    let truth = case.planted();
+    let truth = case.names();
     let ids = said.ids();
+    let allows = |id: &String| truth.iter().any(|names| names.contains(id));
+    let hit = truth.iter().filter(|names| names.iter().any(|name| ids.contains(name))).count();
     match said.outcome {
         Ending::Error => Mark::Error,
         Ending::Adequate => Mark::Silent,
         Ending::Unexplained => Mark::Unexplained,
         Ending::Undecidable => {
-            let covered = truth.iter().all(|t| ids.contains(t));
-            let tight = said.groups.iter().all(|g| g.len() <= 2 && g.iter().any(|id| truth.contains(id)));
-            if !truth.is_empty() && covered && tight { Mark::Tied } else { Mark::Undecided }
+            let tight = said.groups.iter().all(|g| g.len() <= 2 && g.iter().any(allows));
+            if !truth.is_empty() && hit == truth.len() && tight { Mark::Tied } else { Mark::Undecided }
         }
         Ending::Explained => {
-            let (inside, outside): (Vec<_>, Vec<_>) = ids.iter().partition(|id| truth.contains(id));
+            let (inside, outside): (Vec<_>, Vec<_>) = ids.iter().partition(|id| allows(id));
+            // Both names of what no recording tells apart are one too many.
             match (inside.len(), outside.len()) {
-                (hit, 0) if hit == truth.len() && hit > 0 => Mark::Named,
-                (1.., 0) => Mark::Partial,
-                (hit, _) if hit == truth.len() && hit > 0 => Mark::Extra,
+                (named, 0) if named == truth.len() && hit == named && hit > 0 => Mark::Named,
+                (named, 0) if named > 0 && hit < truth.len() => Mark::Partial,
+                (named, _) if named > 0 && hit == truth.len() => Mark::Extra,
                 _ => Mark::Wrong,
             }
         }

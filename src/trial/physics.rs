@@ -8,10 +8,12 @@
 //! | effect | physical value | shape |
 //! |---|---|---|
 //! | cubic, quadratic stiffness | β = ±a k/σ², α = ±a k/σ | sign |
-//! | quadratic, squeeze-film damping, Coulomb friction | a c/σv, a c/σ², a c σv | |
+//! | quadratic, squeeze-film damping | a c/σv, a c/σ² | |
+//! | Coulomb friction | a c σv, (1 ± lean) times it forwards and backwards | lean |
 //! | hysteresis (Bouc–Wen, n = 1) | stiffness a k | yield/σ, share of β in β + γ |
 //! | stiffness drift | k(1 ± a t/T), or k(1 ± a × environment) | sign, 1 for the column |
 //! | parasitic mode | static gain a of the first's, with the ratio's sign | ± frequency ratio, damping ratio |
+//! | coupled mode | mass a of the proof mass' | frequency ratio, damping ratio |
 //! | drive nonlinearity | u ± a u²/σu | sign |
 //! | end stop, saturation | at peak/(1 + a) | stiffness/k (stop only), side −1 0 1 |
 //! | force noise | rms response a σ | |
@@ -60,6 +62,9 @@ catalogue! {
         GainControl = "a readout gain that follows the mean amplitude",
         ClockWander = "sampling instants that wander",
         DampingDrift = "a damping that drifts",
+    }
+    alike {
+        CoupledMode = ParasiticMode,
     }
 }
 
@@ -123,7 +128,8 @@ impl Term {
             QuadraticStiffness => vec![("alpha", p * a * k / s.x)],
             QuadraticDamping => vec![("c2", a * c / s.v)],
             SqueezeFilmDamping => vec![("c", a * c / (s.x * s.x))],
-            CoulombFriction => vec![("f_c", a * c * s.v)],
+            CoulombFriction if p == 0.0 => vec![("f_c", a * c * s.v)],
+            CoulombFriction => vec![("f_c", a * c * s.v), ("f_d", p * a * c * s.v)],
             Hysteresis => vec![("k_h", a * k), ("beta", q / (p * s.x)), ("gamma", (1.0 - q) / (p * s.x))],
             StiffnessDrift if q == 0.0 => vec![("kappa", p * a / s.duration_s)],
             StiffnessDrift => vec![("kappa", p * a / DEGREES)],
@@ -132,6 +138,7 @@ impl Term {
                 let g2 = a * p.signum() * p * p * s.gain;
                 vec![("g2", g2), ("omega2", omega2), ("zeta2", q)]
             }
+            CoupledMode => vec![("mu", a), ("omega2", p * s.omega_rad_s), ("zeta2", q)],
             DriveNonlinearity => vec![("kappa", p * a / s.u)],
             EndStop => vec![("gap", s.peak / (1.0 + a)), ("k_c", p * k)],
             ForceNoise => vec![("rms_displacement", a * s.x)],

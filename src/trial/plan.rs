@@ -76,16 +76,18 @@ impl Plan {
         Self { seed, cases: 150, samples: 4000, campaign: Campaign::Concealed }
     }
 
-    /// The families of all cases, interleaved so that any first part of a trial holds some of each.
+    /// The families of all cases, interleaved so that any first part of a trial holds some of each;
+    /// what is drawn last stands at the end.
     pub fn families(&self) -> Vec<(Family, usize)> {
-        let mut all: Vec<(f64, Family, usize)> = Vec::new();
+        let mut all: Vec<(bool, f64, Family, usize)> = Vec::new();
         for family in Family::ALL {
             let full = self.campaign.cases_of(family);
             let count = (full * self.cases).div_ceil(self.campaign.size().max(1));
-            all.extend((0..count).map(|k| ((k as f64 + 0.5) / count as f64, family, k)));
+            let last = family.is_drawn_last();
+            all.extend((0..count).map(|k| (last, (k as f64 + 0.5) / count as f64, family, k)));
         }
-        all.sort_by(|a, b| a.0.total_cmp(&b.0));
-        all.into_iter().map(|(_, family, k)| (family, k)).collect()
+        all.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        all.into_iter().map(|(_, _, family, k)| (family, k)).collect()
     }
 
     /// Draws the case with this number, `nth` of its family.
@@ -199,6 +201,15 @@ impl Plan {
                 add(&mut case, rng, first, Size::Visible(sizes[0]))
                     && add(&mut case, rng, second, Size::Visible(sizes[1]))
             }
+            Family::Unsearched => {
+                let size = log_uniform(rng, 0.01, 0.05);
+                let (physics, shape) = match nth % 2 {
+                    0 => (Physics::CoupledMode, plant::shape(rng, Physics::CoupledMode, &case)),
+                    // Twice to nine times as much friction forwards as backwards, or the reverse.
+                    _ => (Physics::CoulombFriction, [plant::sign(rng) * uniform(rng, 0.33, 0.8), 0.0]),
+                };
+                plant(&mut case, physics, shape, Size::Visible(size))
+            }
             Family::AbsorbedByBase => {
                 let size = log_uniform(rng, 0.03, 0.1);
                 add(&mut case, rng, ABSORBABLE[nth % ABSORBABLE.len()], Size::Raw(size))
@@ -247,6 +258,7 @@ mod tests {
             let case = plan.draw(number, *family, *nth);
             assert_eq!(case, plan.draw(number, *family, *nth));
         }
+        assert!(families.iter().skip_while(|(f, _)| !f.is_drawn_last()).all(|(f, _)| f.is_drawn_last()));
         let full = Plan { cases: Campaign::Planted.size(), campaign: Campaign::Planted, ..plan };
         assert_eq!(full.families().len(), full.cases);
     }

@@ -91,6 +91,7 @@ pub fn shape(rng: &mut impl Rng, physics: Physics, case: &Driven) -> [f64; 2] {
             let highest = (0.4 * std::f64::consts::TAU * case.rate_hz / case.omega_rad_s).min(3.0);
             [sign(rng) * uniform(rng, 1.4, highest), log_uniform(rng, 0.01, 0.1)]
         }
+        CoupledMode => [log_uniform(rng, 0.6, 1.7), log_uniform(rng, 0.01, 0.1)],
         EndStop => [log_uniform(rng, 10.0, 50.0), f64::from(rng.random_range(-1..=1))],
         ReadoutSaturation => [0.0, f64::from(rng.random_range(-1..=1))],
         ReadoutNonlinearity => match rng.random_range(0..3) {
@@ -205,7 +206,7 @@ mod tests {
 
     #[test]
     fn every_effect_reaches_the_size_asked() {
-        for (n, &physics) in Physics::LIBRARY.iter().chain(Physics::FOREIGN).enumerate() {
+        for (n, &physics) in Physics::LIBRARY.iter().chain(Physics::FOREIGN).chain(Physics::ALIKE).enumerate() {
             let mut rng = Philox::new(11, n as u64, Stream::Host);
             let reached = (0..6).any(|_| {
                 let mut case = bare(&mut rng, Drive::Any, 1500, 0.002);

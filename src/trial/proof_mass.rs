@@ -4,7 +4,7 @@
 //! Many sub-steps per sample; independent of the fitting code on purpose. Not fast: 20,000 samples
 //! take some 30 ms.
 
-use super::equation::{Contact, Machine, Oscillator, STATES, Window};
+use super::equation::{Contact, Machine, Oscillator, Window};
 use super::physics::{Physics, Scales, Term};
 use crate::rng::{Philox, Stream};
 
@@ -49,8 +49,7 @@ pub fn integrate(
     });
     let mut rng = Philox::new(noise_seed, 0, Stream::Force);
     let steps = (clock.input.len() - 1) / 2;
-    let mut state = [0.0; STATES];
-    state[..2].copy_from_slice(&oscillator.start);
+    let mut state = machine.beginning();
     let mut contact = if state[1] == 0.0 { Contact::Sticking } else { Contact::Slipping(state[1].signum()) };
     let mut motion = MechanicalSignal { signal: Vec::with_capacity(steps + 1), velocity_rms: 0.0 };
     let mut largest = 0.0f64;
@@ -141,6 +140,7 @@ mod tests {
             (Physics::CubicStiffness, [1.0, 0.0]),
             (Physics::SqueezeFilmDamping, [0.0, 0.0]),
             (Physics::ParasiticMode, [2.5, 0.05]),
+            (Physics::CoupledMode, [1.3, 0.05]),
             (Physics::FractionalDamper, [0.5, 0.0]),
             (Physics::ParametricPumping, [1.1, 0.3]),
         ] {
@@ -156,6 +156,7 @@ mod tests {
     fn abrupt_physics_is_exact_to_a_ten_thousandth_at_the_steps_used() {
         for (physics, shape) in [
             (Physics::CoulombFriction, [0.0, 0.0]),
+            (Physics::CoulombFriction, [0.4, 0.0]),
             (Physics::Hysteresis, [0.5, 0.7]),
             (Physics::EndStop, [30.0, 0.0]),
             (Physics::BacklashSpring, [0.3, 0.0]),
@@ -182,6 +183,47 @@ mod tests {
         assert!((turn(2.0) - (1.0 - 2.0 * loss)).abs() < 1e-6);
         let end = signal[signal.len() - 1];
         assert!(end == signal[signal.len() - 500] && end.abs() <= f_c / 36.0, "it holds where it stopped: {end}");
+    }
+
+    // Backwards the equilibrium is shifted by (1 − lean) f_c/ω₀², forwards by (1 + lean) f_c/ω₀².
+    #[test]
+    fn friction_that_leans_takes_more_from_the_half_swings_forwards() {
+        let steps = 20_000;
+        let input = vec![0.0; 2 * steps + 1];
+        let clock = Clock { input: &input, step_s: 10.0 / steps as f64, start_s: 0.0, environment: &[] };
+        let oscillator = Oscillator { omega_rad_s: 6.0, zeta: 0.0, gain: 0.0, start: [1.0, 0.0] };
+        let turns = |lean: f64| {
+            let friction = Term { physics: Physics::CoulombFriction, amplitude: 0.6, shape: [lean, 0.0] };
+            let signal = integrate(oscillator, &[friction], scales(), &clock, 1).signal;
+            [1.0, 2.0].map(|n| signal[(n * std::f64::consts::PI / 6.0 / clock.step_s).round() as usize])
+        };
+        let loss = 2.0 * 0.6 * 1.2 * 6.0 / 36.0;
+        let [back, forth] = turns(0.5);
+        assert!((back + 1.0 - 0.5 * loss).abs() < 1e-6, "{back}");
+        assert!((forth - (1.0 - 0.5 * loss - 1.5 * loss)).abs() < 1e-6, "{forth}");
+        let [back, _] = turns(0.0);
+        assert!((back + 1.0 - 0.5 * loss).abs() > 0.1, "friction that does not lean takes twice as much: {back}");
+    }
+
+    // Two masses tuned alike have Ω² = ω₀²(1 + μ/2 ∓ √(μ + μ²/4)) (Den Hartog, Mechanical Vibrations,
+    // § 3.2). From both displaced by one: x = Σ c cos Ωt over both, by x(0) = 1 and x″(0) = −ω₀².
+    #[test]
+    fn a_coupled_mode_splits_the_resonance_as_a_vibration_absorber_does() {
+        let (omega, mu, steps) = (6.0f64, 0.3f64, 20_000);
+        let input = vec![0.0; 2 * steps + 1];
+        let clock = Clock { input: &input, step_s: 10.0 / steps as f64, start_s: 0.0, environment: &[] };
+        let oscillator = Oscillator { omega_rad_s: omega, zeta: 0.0, gain: 0.0, start: [1.0, 0.0] };
+        let term = Term { physics: Physics::CoupledMode, amplitude: mu, shape: [1.0, 0.0] };
+        let signal = integrate(oscillator, &[term], scales(), &clock, 1).signal;
+        let worst = |mu: f64| {
+            let [slow, fast] = [-1.0, 1.0].map(|side| 1.0 + 0.5 * mu + side * (mu + 0.25 * mu * mu).sqrt());
+            let share = (fast - 1.0) / (fast - slow);
+            let at = |t: f64| share * (omega * slow.sqrt() * t).cos() + (1.0 - share) * (omega * fast.sqrt() * t).cos();
+            let apart = signal.iter().enumerate().map(|(n, x)| (x - at(n as f64 * clock.step_s)).abs());
+            apart.fold(0.0, f64::max)
+        };
+        assert!(worst(mu) < 1e-7, "{}", worst(mu));
+        assert!(worst(1.1 * mu) > 0.1, "a heavier second mass splits it further: {}", worst(1.1 * mu));
     }
 
     // Stationary variance of a resonator driven by white acceleration of two-sided density S:

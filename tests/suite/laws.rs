@@ -21,6 +21,7 @@ use proofmass::kernel::integrator::Integrator;
 use proofmass::kernel::job::Job;
 use proofmass::numerics::elementary::Real;
 use proofmass::physics::coefficients::laws;
+use proofmass::physics::coulomb_friction::{CoulombFriction, Sides};
 use proofmass::physics::dimension::Units;
 use proofmass::physics::library::Term;
 use proofmass::physics::state::{Base, Instants};
@@ -81,19 +82,24 @@ fn planted() -> Vec<Planted> {
         term(Physics::QuadraticDamping, 0.5, [0.0, 0.0]),
         term(Physics::SqueezeFilmDamping, 0.5, [0.0, 0.0]),
         term(Physics::CoulombFriction, 0.5, [0.0, 0.0]),
+        term(Physics::CoulombFriction, 0.5, [-0.5, 0.0]),
         term(Physics::Hysteresis, 0.2, [0.5, 0.7]),
         // β = 0.9 and γ = −1.2 over the rms displacement.
         term(Physics::Hysteresis, 0.2, [-10.0 / 3.0, -3.0]),
         term(Physics::StiffnessDrift, 0.2, [1.0, 0.0]),
         term(Physics::ParasiticMode, 0.2, [2.5, 0.05]),
+        term(Physics::CoupledMode, 0.2, [1.3, 0.05]),
         term(Physics::DriveNonlinearity, 0.3, [1.0, 0.0]),
         term(Physics::EndStop, 0.5, [3.0, 0.0]),
     ]
 }
 
-/// The law of the library that the trial calls so.
-fn counterpart(physics: Physics) -> Result<Term, Failed> {
-    let id = physics.id();
+/// The law of the library that the trial calls so, in the form planted.
+fn counterpart(planted: &Planted) -> Result<Term, Failed> {
+    let id = planted.physics.id();
+    if planted.physics == Physics::CoulombFriction && planted.shape[0] != 0.0 {
+        return Ok(Term::CoulombFriction(CoulombFriction(Sides::Apart)));
+    }
     Term::all().into_iter().find(|t| t.id() == id).ok_or_else(|| format!("the library has no {id}").into())
 }
 
@@ -162,7 +168,7 @@ fn as_the_trial() -> Result<(), Failed> {
     near("no law", distance(&simulated(None, 8), &plain), 0.0, TOLERANCE)?;
     let all = planted();
     for (i, here) in all.iter().enumerate() {
-        let term = counterpart(here.physics)?;
+        let term = counterpart(here)?;
         let own = values(&term, here)?;
         let got = simulated(Some((term, &own)), 16);
         let expected = integrated(Some(*here));
@@ -242,7 +248,7 @@ fn pulled<T: Real>(term: &Term, p: &[f64], [x, v, u, z]: [f64; 4]) -> [f64; 2] {
 
 fn single_is_double() -> Result<(), Failed> {
     for here in planted() {
-        let term = counterpart(here.physics)?;
+        let term = counterpart(&here)?;
         let p = values(&term, &here)?;
         let mut moved = 0.0f64;
         for k in 0..50 {
