@@ -8,6 +8,7 @@
 
 use std::ops::Range;
 
+use crate::numerics::moments::{mean, rms};
 use crate::numerics::order;
 
 /// A reading this many robust deviations off the mean of its second is a knock.
@@ -71,14 +72,6 @@ fn spread(values: &[f64]) -> f64 {
     TO_DEVIATION * order::median(values.iter().map(|v| v.abs()).collect()).unwrap_or(0.0)
 }
 
-fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
 fn knocks(values: &[f64], rate_hz: f64) -> Vec<Disturbance> {
     let block = (rate_hz.round() as usize).clamp(16, values.len().max(16));
     let away: Vec<f64> = values
@@ -93,7 +86,7 @@ fn knocks(values: &[f64], rate_hz: f64) -> Vec<Disturbance> {
     let step = changes.fold(f64::INFINITY, f64::min);
     // Readings that seldom leave their median have no robust spread; what little they do have is
     // theirs.
-    let usual = if spread(&away) > 0.0 { spread(&away) } else { rms(&away) };
+    let usual = if spread(&away) > 0.0 { spread(&away) } else { rms(away.iter().copied()) };
     let limit = (KNOCK * usual).max(if step.is_finite() { STEPS * step } else { 0.0 });
     let mut found: Vec<Disturbance> = Vec::new();
     for (n, _) in away.iter().enumerate().filter(|(_, v)| v.abs() > limit) {
@@ -111,7 +104,7 @@ fn jumps(values: &[f64], block: usize) -> Vec<Disturbance> {
     }
     let means: Vec<f64> = values.chunks_exact(block).map(mean).collect();
     let differences: Vec<f64> = means.windows(2).map(|w| w[1] - w[0]).collect();
-    let limit = JUMP * spread(&differences).max(rms(&differences));
+    let limit = JUMP * spread(&differences).max(rms(differences.iter().copied()));
     let mut found: Vec<Disturbance> = Vec::new();
     for (k, _) in differences.iter().enumerate().filter(|(_, d)| limit > 0.0 && d.abs() > limit) {
         // Between the middles of the two blocks: a jump inside a block shows in the differences on

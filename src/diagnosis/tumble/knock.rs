@@ -6,7 +6,7 @@
 //! is held against what is left (an F test of the deleted residuals; Cook & Weisberg, Residuals and
 //! Influence in Regression, 1982, §2.2).
 
-use super::calibration::Point;
+use super::calibration::{Point, gyro};
 use super::candidate::{Role, terms};
 use super::fit::Fit;
 use super::group::Group;
@@ -28,7 +28,7 @@ pub(crate) fn leave_out(observed: &mut Observed<'_>, guess: &Point) -> Vec<usize
     let with_gyro = observed.imu.gyro.is_some();
     let usual = terms(with_gyro, observed.imu.covariate.is_some())
         .into_iter()
-        .filter(|t| matches!(t.role, Role::EveryUnit | Role::OfAColumn) || t.id() == "g-sensitivity");
+        .filter(|t| matches!(t.role, Role::EveryUnit | Role::OfAColumn) || t.parameters == [gyro::G_SENSITIVITY]);
     let active: Vec<usize> =
         start::base(with_gyro).into_iter().chain(usual.flat_map(|t| t.active().collect::<Vec<_>>())).collect();
     let mut out = Vec::new();
