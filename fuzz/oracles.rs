@@ -314,7 +314,7 @@ pub fn diagnose(bytes: &[u8]) -> Verdict {
     let [first, rest @ ..] = bytes else { return Ok(()) };
     let model = model::parse("model.toml", MODELS[usize::from(first % 3)]).map_err(|e| e.to_string())?;
     let path = file("shape.csv", table(usize::from(first / 3), rest).as_bytes());
-    speaks_or(model::read_recording(&path, &model), |recording| {
+    speaks_or(model::read_recording(&path, &model, &Control::silent()), |recording| {
         speaks_or(diagnosis::diagnose(&recording, &model, &Control::default()), |answer| {
             let diagnosis = report::diagnosis::worded(answer);
             parses_as_json(&to_json(&diagnosis.verdict).map_err(|e| e.to_string())?)?;

@@ -106,13 +106,13 @@ pub fn answer(
 /// integrates pieces of each.
 ///
 /// # Errors
-/// Mechanics that no integrator can step; a log that is there and cannot be read.
-pub fn jobs(study: &Study) -> Result<Vec<Job>> {
+/// Mechanics that no integrator can step; a log that is there and cannot be read; Ctrl-C.
+pub fn jobs(study: &Study, control: &Control) -> Result<Vec<Job>> {
     let integrator = integrator(study)?.integrator;
     let samples = curve_samples(&study.clock);
     let mut jobs = vec![study.job(integrator, samples.clone())];
     jobs.extend(budget::jobs(study, integrator, &samples));
-    jobs.extend(compare::jobs(study)?);
+    jobs.extend(compare::jobs(study, control)?);
     Ok(jobs)
 }
 

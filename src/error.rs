@@ -5,8 +5,6 @@
 
 use std::path::Path;
 
-use crate::signal;
-
 /// Shorthand used throughout the crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -58,12 +56,6 @@ impl Error {
             _ => "check the path, the permissions and the free space",
         };
         Self::new(format!("could not {verb} {}", path.display()), cause.to_string(), hint)
-    }
-
-    /// The run was stopped by Ctrl-C or another signal; `hint` says how to continue it.
-    pub fn interrupted(attempt: impl Into<String>, hint: impl Into<String>) -> Self {
-        let by = signal::stopped_by().map_or("Ctrl-C", signal::Signal::name);
-        Self { kind: Kind::Interrupted, ..Self::new(attempt, format!("stopped by {by}"), hint) }
     }
 
     /// In the words of a longer work of which the one that was stopped by Ctrl-C is a part; other

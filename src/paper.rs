@@ -89,7 +89,7 @@ pub fn compute(data: Option<&Path>, maps: bool, device: Device<'_>, control: &Co
     let growth = growth::compute();
     step()?;
     let imu = match data.filter(|folder| folder.join("xsens_mti").is_dir()) {
-        Some(folder) => inertial::recorded(folder)?,
+        Some(folder) => inertial::recorded(folder, control)?,
         None => inertial::simulated(),
     };
     let pitch = pitch::compute(&imu);

@@ -1,7 +1,7 @@
 //! The [`Control`] of a program on a terminal: progress bars on stderr, and signals that stop.
 //! Without the feature `cli` it shows nothing.
 
-use crate::control::{Control, Progress};
+use crate::control::Control;
 
 #[cfg(feature = "cli")]
 mod bars;
@@ -17,9 +17,4 @@ pub(crate) fn terminal() -> Control {
 #[cfg(not(feature = "cli"))]
 pub(crate) fn terminal() -> Control {
     Control::silent()
-}
-
-/// A bar without a [`Control`]; it goes when it is dropped.
-pub(crate) fn bar(name: &str, length: u64) -> Progress {
-    terminal().stage(name, length)
 }

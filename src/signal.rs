@@ -58,8 +58,3 @@ pub(crate) fn stopped_by() -> Option<Signal> {
     let code = STOP.load(Ordering::Relaxed);
     [Signal::Interrupt, Signal::Terminate, Signal::HangUp].into_iter().find(|s| s.exit_code() == code)
 }
-
-/// Whether the user asked to stop. Long loops look at it at least every 100 ms.
-pub(crate) fn interrupted() -> bool {
-    STOP.load(Ordering::Relaxed) != 0
-}

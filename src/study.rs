@@ -17,6 +17,7 @@ mod preset;
 mod refusal;
 pub mod section;
 pub mod source;
+pub mod surroundings;
 pub mod sweep;
 mod temperature;
 pub mod tolerances;
@@ -26,6 +27,7 @@ use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
+use crate::control::Control;
 use crate::document::{from_table, hexadecimal, parse_toml, read_text};
 use crate::error::{Error, Result};
 use crate::excitation;
@@ -42,6 +44,7 @@ use in_motion::InMotion;
 pub use overrides::{Assignment, Overrides};
 pub use preset::Preset;
 pub use source::{StudyText, read_default};
+pub use surroundings::Surroundings;
 pub use sweep::Axis;
 use tolerances::Tolerances;
 
@@ -89,40 +92,44 @@ pub struct Study {
 ///
 /// # Errors
 /// A file that cannot be read, an unknown key (the nearest is named), a value that makes no sense
-/// alone or beside the others, a replay that cannot be read.
-pub fn read(path: &Path, overrides: &Overrides) -> Result<Study> {
+/// alone or beside the others, a replay that cannot be read, Ctrl-C.
+pub fn read(path: &Path, overrides: &Overrides, control: &Control) -> Result<Study> {
     let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
-    Study::from_text(&path.display().to_string(), &read_text(path)?, overrides, folder)
+    parse_watched(&path.display().to_string(), &read_text(path)?, overrides, &Surroundings::new(folder, control))
 }
 
-/// A study from text, with paths relative to `folder`.
+/// A study from text, with paths relative to `folder`; nobody watches.
 ///
 /// # Errors
 /// As [`read`].
 pub fn parse(name: &str, text: &str, folder: &Path) -> Result<Study> {
-    Study::from_text(name, text, &Overrides::default(), folder.into())
+    parse_watched(name, text, &Overrides::default(), &Surroundings::new(folder, &Control::silent()))
 }
 
-/// A study from the text that another one was read from, with its members and seed; paths are
-/// relative to `folder`.
+/// A study from text.
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_again(name: &str, text: &str, members: u64, seed: u64, folder: &Path) -> Result<Study> {
-    let overrides = Overrides { members: Some(members), seed: Some(seed), ..Overrides::default() };
-    Study::from_text(name, text, &overrides, folder.into())
+pub fn parse_watched(name: &str, text: &str, overrides: &Overrides, surroundings: &Surroundings) -> Result<Study> {
+    // As written first, so that its own mistakes are placed by line.
+    let file: file::File = parse_toml(name, text)?;
+    if overrides.is_empty() {
+        return Study::new(name, text.to_owned(), file, overrides, surroundings);
+    }
+    Study::from_document(name, parse_toml(name, text)?, overrides, surroundings)
 }
 
-/// A study that was never text, with paths relative to `folder`.
+/// A study that was never text, with paths relative to the folder of the process.
 ///
 /// # Errors
 /// As [`read`], without a place in a file.
-pub fn of_table(name: &str, table: toml::Table, overrides: &Overrides, folder: &Path) -> Result<Study> {
+pub fn of_table(name: &str, table: toml::Table, overrides: &Overrides, control: &Control) -> Result<Study> {
+    let surroundings = Surroundings::new("", control);
     if !overrides.is_empty() {
-        return Study::from_document(name, table, overrides, folder.into());
+        return Study::from_document(name, table, overrides, &surroundings);
     }
     let text = table.to_string();
-    Study::new(name, text, from_table(name, table)?, overrides, folder.into())
+    Study::new(name, text, from_table(name, table)?, overrides, &surroundings)
 }
 
 /// The numbers of a sensor that stands in a study.toml or alone in a sensor.toml, axis by axis, and
@@ -137,23 +144,15 @@ pub fn sensor(name: &str, text: &str) -> Result<([Tolerances; 3], f64)> {
 }
 
 impl Study {
-    fn from_text(source: &str, text: &str, overrides: &Overrides, folder: PathBuf) -> Result<Self> {
-        // As written first, so that its own mistakes are placed by line.
-        let file: file::File = parse_toml(source, text)?;
-        if overrides.is_empty() {
-            return Self::new(source, text.to_owned(), file, overrides, folder);
-        }
-        Self::from_document(source, parse_toml(source, text)?, overrides, folder)
-    }
-
-    fn from_document(source: &str, mut document: toml::Table, overrides: &Overrides, folder: PathBuf) -> Result<Self> {
+    fn from_document(name: &str, mut document: toml::Table, overrides: &Overrides, at: &Surroundings) -> Result<Self> {
         overrides.apply(&mut document)?;
-        let source = format!("{source} {}", overrides.words());
+        let source = format!("{name} {}", overrides.words());
         let text = document.to_string();
-        Self::new(&source, text, from_table(&source, document)?, overrides, folder)
+        Self::new(&source, text, from_table(&source, document)?, overrides, at)
     }
 
-    fn new(source: &str, text: String, mut file: file::File, overrides: &Overrides, folder: PathBuf) -> Result<Self> {
+    fn new(source: &str, text: String, mut file: file::File, overrides: &Overrides, at: &Surroundings) -> Result<Self> {
+        let folder = &at.folder;
         file.members = overrides.members.or(file.members);
         let seed = overrides.seed.or(file.seed).unwrap_or(1);
         let members = check::members(source, &file)?;
@@ -161,7 +160,7 @@ impl Study {
         let mut tolerances = check::tolerances(source, &file, 0)?;
         // The identity knows a path as it was written: the same study is the same from any folder.
         let as_written = file.trajectory.clone();
-        file.trajectory = file.trajectory.take().map(|section| section.in_folder(&folder));
+        file.trajectory = file.trajectory.take().map(|section| section.in_folder(folder));
         let in_motion = in_motion::read(source, &file, &clock, seed)?;
         let alignment = alignment::alignment(source, file.alignment.as_ref(), clock.sample_s(), in_motion.is_some())?;
         if in_motion.is_none()
@@ -184,7 +183,7 @@ impl Study {
         let flown = file.trajectory.as_ref().and_then(|t| t.compare.as_ref());
         reads.extend(flown.into_iter().flat_map(|compare| compare.reads()).map(Path::to_path_buf));
         reads.extend(file.trajectory.iter().flat_map(|t| [&t.file, &t.times]).flatten().cloned());
-        let run = Run { source, duration_s: clock.duration_s(), seed, folder: &folder };
+        let run = Run { source, duration_s: clock.duration_s(), seed, folder, control: &at.control };
         let excitation = excitation::plan(&file.excitation, run)?;
         excitation.drawn.iter().for_each(|(key, number)| tolerances[key] = Some(*number));
         check::signs(source, &tolerances)?;
@@ -209,7 +208,7 @@ impl Study {
             temperature: Arc::new(temperature),
             compare: file.compare,
             in_motion,
-            folder,
+            folder: folder.clone(),
             identity,
             reads,
             sweep,

@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::export::imu::Imu;
 use crate::export::{self, Target};
 use crate::output::{self, Folder};
+use crate::progress;
 use crate::recording::finding::Finding;
 use crate::recording::noise::{self, Noise};
 use crate::recording::unit::{Quantity, Unit};
@@ -80,7 +81,8 @@ const EXAMPLES: &str = "Examples:
 /// The recording cannot be read, a scale is invalid, a column is named twice, or the folder cannot
 /// be written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
-    let asked = Asked::new(arguments.request(), &arguments.scales())?;
+    let request = Request { control: progress::terminal(), ..arguments.request() };
+    let asked = Asked::new(request, &arguments.scales())?;
     let target = arguments.to.as_deref().map(export::target).transpose()?;
     recording::formats::located(&arguments.recording)?;
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, arguments.outputs())).transpose()?;

@@ -57,9 +57,10 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     if let Some(topic) = &arguments.topic {
         model = model.of_topic(topic);
     }
+    let control = progress::terminal();
     let seconds = model::Seconds { from_s: arguments.from_s, to_s: arguments.to_s };
     let read = |paths: &[PathBuf]| -> Result<Vec<Recording>> {
-        paths.iter().map(|path| model::read_part(path, &model, seconds)).collect()
+        paths.iter().map(|path| model::read_part(path, &model, seconds, &control)).collect()
     };
     let (train, test) = (read(&arguments.recordings)?, read(&arguments.test)?);
     for note in train.iter().filter_map(|recording| model::memory_note(recording, &model)) {
@@ -67,7 +68,6 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     let outputs = || outputs(arguments, &model);
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs())).transpose()?;
-    let control = progress::terminal();
     let diagnosis = page::worded(diagnosis::diagnose_all(Recordings { train: &train, test: &test }, &model, &control)?);
     let costs = consequence::costs(diagnosis.repair.as_ref(), &control)
         .map_err(|s| s.during("could not state the cost in metres", "start it again"))?;

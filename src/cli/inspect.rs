@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::say::{remark, sayln};
 use crate::error::Result;
+use crate::progress;
 use crate::recording::Request;
 use crate::recording::inspection;
 use crate::report::inspection as report;
@@ -33,6 +34,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         topic: arguments.topic.clone(),
         time: arguments.time.clone(),
         rate_hz: arguments.rate_hz,
+        control: progress::terminal(),
         ..Request::default()
     };
     let seen = inspection::inspect(&arguments.file, &request)?;

@@ -61,13 +61,14 @@ fn of_study(found: &[Found], arguments: &Arguments, json: bool) -> Result<()> {
         force: arguments.force,
         keeps: false,
     };
-    let study = carried::study(found)?;
+    let control = progress::terminal();
+    let study = carried::study(found, &control)?;
     if let Some(motion) = &study.in_motion {
         let out = arguments.out.as_deref().map(|path| (path, request()));
         return in_motion::merge(&study, motion, found, out, json);
     }
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, request())).transpose()?;
-    let drift = study::merged(&study, found, &progress::terminal())?;
+    let drift = study::merged(&study, found, &control)?;
     answer::print(&study, &drift, None, Some(found.len()), json)?;
     if let Some(mut folder) = folder {
         answer::write(&mut folder, &study, &drift, None)?;

@@ -88,11 +88,11 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
             "0.01, which is the default, stops at 1 % of the value",
         ));
     }
-    let source = StudyText::read(&arguments.study, arguments.changed.overrides(None))?;
+    let control = progress::terminal();
+    let source = StudyText::read(&arguments.study, arguments.changed.overrides(None), &control)?;
     let study = source.study()?;
     let catalogue = arguments.parts.as_deref().map(Catalogue::read).transpose()?;
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs(arguments, &study))).transpose()?;
-    let control = progress::terminal();
     for key in &arguments.vary {
         if source.is_drawn(key)? {
             control.remark(&format!(

@@ -193,8 +193,8 @@ fn say_what_has_no_effect(study: &Study) {
 fn source(arguments: &Arguments) -> Result<StudyText> {
     let overrides = arguments.changed.overrides(arguments.members);
     match &arguments.study {
-        Some(path) => StudyText::read(path, overrides),
-        None => StudyText::of_default(overrides),
+        Some(path) => StudyText::read(path, overrides, &progress::terminal()),
+        None => StudyText::of_default(overrides, &progress::terminal()),
     }
 }
 

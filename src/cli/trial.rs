@@ -288,8 +288,9 @@ fn tool(control: &Control) -> impl Fn(&Files) -> Result<Verdict> + Sync {
     let control = control.without_stages();
     move |files| {
         let model = model::read(&files.model)?;
-        let train = [model::read_recording(&files.recording, &model)?];
-        let test: Result<Vec<_>> = files.judging.iter().map(|path| model::read_recording(path, &model)).collect();
+        let train = [model::read_recording(&files.recording, &model, &control)?];
+        let test: Result<Vec<_>> =
+            files.judging.iter().map(|path| model::read_recording(path, &model, &control)).collect();
         let recordings = Recordings { train: &train, test: &test? };
         Ok(worded(diagnosis::diagnose_all(recordings, &model, &control)?).verdict)
     }

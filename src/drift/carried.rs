@@ -11,12 +11,13 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use crate::control::Control;
 use crate::document::hexadecimal;
 use crate::error::{Error, Result};
 use crate::shard::file::{Header, Progress, Run};
 use crate::shard::gather::Found;
 use crate::shard::{Part, Piece, Shard, rest};
-use crate::study::{Study, read_again};
+use crate::study::{Overrides, Study, Surroundings, parse_watched};
 
 /// The subcommand that divides studies.
 pub(crate) const COMMAND: &str = "study";
@@ -108,12 +109,13 @@ pub(crate) fn refuse(cause: String, hint: &str) -> Error {
 ///
 /// # Errors
 /// There are no files; the study or what it reads is not there any more.
-pub(crate) fn study(found: &[Found]) -> Result<Study> {
+pub(crate) fn study(found: &[Found], control: &Control) -> Result<Study> {
     let first = found.first().ok_or_else(|| refuse("there are none".into(), "give the folders that hold them"))?;
     let carried: Carried = serde_json::from_value(first.header.document.clone())
         .map_err(|e| refuse(format!("{}: {e}", first.path.display()), "run that shard again"))?;
     let Carried { source, text, members, seed, folder } = carried;
-    read_again(&source, &text, members, seed, &folder)
+    let overrides = Overrides { members: Some(members), seed: Some(seed), ..Overrides::default() };
+    parse_watched(&source, &text, &overrides, &Surroundings::new(folder, control))
 }
 
 /// The digest of the run that files are of, where it is that of this study in these parts.

@@ -110,7 +110,7 @@ pub fn run(
     simulate: &mut dyn FnMut(&Job, &str) -> Result<Statistics>,
 ) -> Result<Outcome> {
     let Some(compare) = &study.compare else { return Ok(Outcome::NotAsked) };
-    let Some((log, cuts)) = log(study, compare)? else {
+    let Some((log, cuts)) = log(study, compare, control)? else {
         return Ok(Outcome::Absent(compare.file.display().to_string()));
     };
     let progress = control.stage("comparing", compare.axis.len() as u64);
@@ -141,14 +141,15 @@ pub fn run(
 }
 
 /// The log and how it is cut, where it is there.
-fn log(study: &Study, compare: &Compare) -> Result<Option<(Recording, Vec<Cut>)>> {
+fn log(study: &Study, compare: &Compare, control: &Control) -> Result<Option<(Recording, Vec<Cut>)>> {
     let path = study.folder.join(&compare.file);
     if !path.exists() {
         return Ok(None);
     }
     let columns = compare.axis.iter().map(|a| a.column.clone()).collect();
     let (topic, rate_hz, time) = (compare.topic.clone(), compare.rate_hz, compare.time.clone());
-    let request = recording::Request { topic, columns, rate_hz, time, ..recording::Request::default() };
+    let control = control.clone();
+    let request = recording::Request { topic, columns, rate_hz, time, control, ..recording::Request::default() };
     let log = recording::read(&path, &request)?;
     // Refused before the work, not after it.
     let cuts = windows::cuts(study, compare, &log)?;
@@ -159,9 +160,10 @@ fn log(study: &Study, compare: &Compare) -> Result<Option<(Recording, Vec<Cut>)>
 ///
 /// # Errors
 /// As [`run`], of the log and its windows.
-pub fn jobs(study: &Study) -> Result<Vec<Job>> {
+pub fn jobs(study: &Study, control: &Control) -> Result<Vec<Job>> {
     let Some(compare) = study.compare.as_ref().filter(|c| c.windows_s.is_some()) else { return Ok(Vec::new()) };
-    let Some((log, cuts)) = log(study, compare)?.filter(|(_, cuts)| !cuts.is_empty()) else { return Ok(Vec::new()) };
+    let found = log(study, compare, control)?.filter(|(_, cuts)| !cuts.is_empty());
+    let Some((log, cuts)) = found else { return Ok(Vec::new()) };
     compare.axis.iter().map(|axis| windows::ensemble(study, axis, &log, &cuts)).collect()
 }
 

@@ -27,8 +27,8 @@ impl Divided {
     ///
     /// # Errors
     /// As [`jobs`].
-    pub(crate) fn of(study: &Study, input: Option<&Path>) -> Result<Self> {
-        let jobs = jobs(study)?;
+    pub(crate) fn of(study: &Study, input: Option<&Path>, control: &Control) -> Result<Self> {
+        let jobs = jobs(study, control)?;
         Ok(Self { line: Line::of(study, parts(&jobs), input)?, jobs })
     }
 
@@ -49,7 +49,7 @@ impl Divided {
 /// # Errors
 /// A file that is damaged; a recording of the study that has changed or is not there.
 pub(crate) fn merged(study: &Study, found: &[Found], control: &Control) -> Result<Drift> {
-    let jobs = jobs(study)?;
+    let jobs = jobs(study, control)?;
     let identity = carried::identity(study, &parts(&jobs), found)?;
     let mut statistics = merge(found, &identity, &jobs, control)?.into_iter();
     answer(study, control, |_, name| {

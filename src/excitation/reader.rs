@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::plan::Plan;
 use super::section::{Keys, Section, Value};
+use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::units::number::Number;
 
@@ -29,6 +30,8 @@ pub struct Run<'a> {
     pub seed: u64,
     /// Folder that a relative `file` starts from.
     pub folder: &'a Path,
+    /// Who watches the reading of a recording and may stop it.
+    pub control: &'a Control,
 }
 
 /// A section being read.

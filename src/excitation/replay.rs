@@ -40,7 +40,8 @@ fn read(given: &Reader<'_>) -> Result<(Replay, String)> {
             "add rate_hz = …, or time = \"t_s\" with the heading of a time column in s",
         ));
     }
-    let request = recording::Request { columns: vec![column.to_owned()], rate_hz, time, ..Default::default() };
+    let (columns, control) = (vec![column.to_owned()], given.run.control.clone());
+    let request = recording::Request { columns, rate_hz, time, control, ..Default::default() };
     let mut recording = recording::read(&file, &request)?;
     let samples_m_s2 = recording.columns.pop().map(|c| c.values).unwrap_or_default();
     let replay = Replay { samples_m_s2, rate_hz: recording.rate_hz };

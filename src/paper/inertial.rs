@@ -7,6 +7,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::check::Provenance;
+use crate::control::Control;
 use crate::diagnosis::tumble::{Imu, Slow, calibrate, poses};
 use crate::error::{Error, Result};
 use crate::navigation::tilt::{Vector, turn};
@@ -44,11 +45,15 @@ const COLUMNS: [&str; 6] = ["gx_cnt", "gy_cnt", "gz_cnt", "ax_cnt", "ay_cnt", "a
 ///
 /// # Errors
 /// Files that cannot be read, or poses that cannot be used.
-pub fn recorded(folder: &Path) -> Result<Inertial> {
+pub fn recorded(folder: &Path, control: &Control) -> Result<Inertial> {
     let folder = folder.join("xsens_mti");
     let path = folder.join("raw_counts.csv");
-    let request =
-        Request { columns: COLUMNS.map(String::from).to_vec(), time: Some("t_s".into()), ..Request::default() };
+    let request = Request {
+        columns: COLUMNS.map(String::from).to_vec(),
+        time: Some("t_s".into()),
+        control: control.clone(),
+        ..Request::default()
+    };
     let recording = read(&path, &request)?;
     let column = |name: &str| {
         recording.column(name).ok_or_else(|| {

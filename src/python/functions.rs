@@ -1,7 +1,6 @@
 //! The functions of the module: what the command does, with what Python holds in place of files.
 
 use std::ffi::OsString;
-use std::path::Path;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -23,6 +22,7 @@ use crate::drift;
 use crate::drift::document;
 use crate::ensemble::{self, Backends, Choice, Keeper, Options};
 use crate::error::{Error, Result};
+use crate::progress;
 use crate::recording::{self, Recording, Request};
 use crate::report;
 use crate::strapdown;
@@ -66,12 +66,12 @@ impl Changes<'_> {
 }
 
 fn read_study(given: Option<Document<'_>>, changes: &Changes<'_>) -> Result<Study> {
-    let overrides = changes.overrides()?;
+    let (overrides, control) = (changes.overrides()?, progress::terminal());
     let study = match given {
-        None => studies::read_default(&overrides),
-        Some(Document::Path(path)) => studies::read(&path, &overrides),
+        None => studies::read_default(&overrides, &control),
+        Some(Document::Path(path)) => studies::read(&path, &overrides, &control),
         Some(Document::Table(dictionary)) => {
-            studies::of_table("the study", value::table(&dictionary, "")?, &overrides, Path::new(""))
+            studies::of_table("the study", value::table(&dictionary, "")?, &overrides, &control)
         }
     }?;
     match study.sweep {
@@ -122,8 +122,8 @@ pub(super) fn study(
 #[pyfunction]
 pub(super) fn allan(py: Python<'_>, given: Given<'_>, request: Read, scales: Units) -> PyResult<Answer> {
     let Recorded { path, memory } = given.recorded().map_err(|error| raised(py, error))?;
-    detached(py, move |_| {
-        let request = Request { memory, ..request.into() };
+    detached(py, move |control| {
+        let request = Request { memory, control: control.clone(), ..request.into() };
         let noise = Asked::new(request, &scales.into())?.analyse(&path)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let json = format!("{:#}", report::allan::document(&name, &noise));
@@ -182,8 +182,9 @@ pub(super) fn diagnose(
     let (train, test, model) = prepared().map_err(|error| raised(py, error))?;
     let seconds = model::Seconds { from_s: part.from_s, to_s: part.to_s };
     detached(py, move |control| {
-        let read =
-            |all: Vec<Recorded>| all.into_iter().map(|one| read(one, &model, seconds)).collect::<Result<Vec<_>>>();
+        let read = |all: Vec<Recorded>| {
+            all.into_iter().map(|one| read(one, &model, seconds, control)).collect::<Result<Vec<_>>>()
+        };
         judge(&read(train)?, &read(test)?, &model, control)
     })
 }
@@ -208,9 +209,9 @@ fn read_model(given: Document<'_>, topic: Option<&str>) -> Result<Model> {
     })
 }
 
-fn read(recorded: Recorded, model: &Model, seconds: model::Seconds) -> Result<Recording> {
+fn read(recorded: Recorded, model: &Model, seconds: model::Seconds, control: &Control) -> Result<Recording> {
     let Recorded { path, memory } = recorded;
-    recording::read(&path, &Request { memory, ..model::requested(&path, model, seconds)? })
+    recording::read(&path, &Request { memory, control: control.clone(), ..model::requested(&path, model, seconds)? })
 }
 
 fn judge(train: &[Recording], test: &[Recording], model: &Model, control: &Control) -> Result<Answer> {

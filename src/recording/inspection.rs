@@ -14,7 +14,7 @@ use super::request::Request;
 use super::roles::{self, Roles};
 use super::stream::{self, Block, Streamed};
 use super::unit::{Quantity, Unit};
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use crate::numerics::order;
 
 /// Length of the windows that are judged still or moving, s.
@@ -101,7 +101,7 @@ pub struct Rows {
 /// Looks through a file.
 ///
 /// # Errors
-/// A file that cannot be read. One of which no part or no clock can be chosen is none: that stands
+/// A file that cannot be read, Ctrl-C. One of which no part or no clock can be chosen is none: that stands
 /// in the result.
 pub fn inspect(path: &Path, request: &Request) -> Result<Inspection> {
     let (format, parts) = match formats::find(path)? {
@@ -118,6 +118,7 @@ pub fn inspect(path: &Path, request: &Request) -> Result<Inspection> {
     }
     match rows(path, request) {
         Ok((found, clock)) => (seen.rows, seen.clock) = (Some(found), clock),
+        Err(error) if error.kind == Kind::Interrupted => return Err(error),
         Err(error) => {
             // Without a clock the numbers can still be looked at, row by row.
             let counted = Request { rate_hz: Some(1.0), time: None, ..request.clone() };

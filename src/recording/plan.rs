@@ -15,12 +15,10 @@ use super::request::Request;
 use super::rows::{Rows, Wanted};
 use super::run::Run;
 use super::source::FileSummary;
-use crate::control::Progress;
+use crate::control::{Control, Progress, Stopped};
 use crate::error::{Error, Result};
-use crate::progress;
-use crate::signal;
 
-/// Rows between looks at the progress bar and at Ctrl-C.
+/// Rows between looks at the control.
 const LOOK: usize = 65_536;
 
 /// Which rows are used and how.
@@ -59,20 +57,20 @@ pub enum Passed<'a> {
     Run(&'a Run<'a>),
 }
 
-/// Goes through the rows within `range`, with a progress bar; those before are passed. What comes
-/// behind is left unread.
+/// Goes through the rows within `range`; those before are passed. What comes behind is left unread.
 ///
 /// # Errors
 /// As [`Rows::advance`]; Ctrl-C; whatever `visit` says.
 pub fn walk(
     path: &Path,
+    control: &Control,
     table: &mut Rows,
     range: &Range<usize>,
     mut visit: impl FnMut(&mut Rows) -> Result<Next>,
 ) -> Result<()> {
-    let bar = progress::bar("reading", table.length_bytes());
+    let watched = Watched { path, control, progress: control.stage("reading", table.length_bytes()) };
     for row in 0..range.end {
-        look(path, table, &bar, row)?;
+        watched.look(table, row)?;
         if row < range.start {
             if !table.skip()? {
                 break;
@@ -83,7 +81,6 @@ pub fn walk(
             break;
         }
     }
-    drop(bar);
     Ok(())
 }
 
@@ -93,14 +90,15 @@ pub fn walk(
 /// As [`walk`].
 pub fn walk_runs(
     path: &Path,
+    control: &Control,
     table: &mut Rows,
     range: &Range<usize>,
     mut visit: impl FnMut(Passed<'_>) -> Result<Next>,
 ) -> Result<()> {
-    let bar = progress::bar("reading", table.length_bytes());
+    let watched = Watched { path, control, progress: control.stage("reading", table.length_bytes()) };
     let mut row = 0;
     while row < range.end {
-        look(path, table, &bar, row)?;
+        watched.look(table, row)?;
         let is_wanted = row >= range.start;
         let end = if is_wanted { range.end } else { range.start }.min((row / LOOK + 1) * LOOK);
         if let Some(run) = table.run(end - row, is_wanted) {
@@ -119,20 +117,27 @@ pub fn walk_runs(
             break;
         }
     }
-    drop(bar);
     Ok(())
 }
 
-/// Looks at the progress bar and at Ctrl-C every so many rows.
-#[inline]
-fn look(path: &Path, table: &Rows, bar: &Progress, row: usize) -> Result<()> {
-    if row.is_multiple_of(LOOK) {
-        bar.set(table.bytes_read());
-        if signal::interrupted() {
-            return Err(Error::interrupted(format!("could not read {}", path.display()), "start it again"));
+/// A way through a file that is watched and may be stopped.
+struct Watched<'a> {
+    path: &'a Path,
+    control: &'a Control,
+    progress: Progress,
+}
+
+impl Watched<'_> {
+    /// Says how far it has come and asks whether to go on, every so many rows.
+    #[inline]
+    fn look(&self, table: &Rows, row: usize) -> Result<()> {
+        if row.is_multiple_of(LOOK) {
+            self.progress.set(table.bytes_read());
+            let attempt = |by: Stopped| by.during(format!("could not read {}", self.path.display()), "start it again");
+            self.control.go_on().map_err(attempt)?;
         }
+        Ok(())
     }
-    Ok(())
 }
 
 /// Opens a file as it is asked for.
@@ -200,7 +205,7 @@ fn untimed(path: &Path, request: &Request, wanted: Range<usize>, values: bool) -
     let mut row = vec![f64::NAN; table.names().len()];
     let mut count = 0;
     if values {
-        walk(path, &mut table, &rows, |table| {
+        walk(path, &request.control, &mut table, &rows, |table| {
             table.values(&mut row)?;
             repeats.push(&row);
             count += 1;
@@ -222,12 +227,13 @@ fn timed(path: &Path, request: &Request, wanted: Range<usize>) -> Result<Plan> {
     let length_bytes = table.length_bytes();
     let question = Question { path, heading: &heading, rate_hz: request.rate_hz };
     let seconds = request.from_s.is_some() || request.to_s.is_some();
-    let mut survey = survey(&question, table, &wanted, seconds)?;
+    let mut survey = survey(&question, &request.control, table, &wanted, seconds)?;
     let mut rows = wanted.clone();
     if seconds && survey.steps > 0 {
         let unit = clock::unit_of(&question, &survey)?.0.seconds();
         let window = request.from_s.unwrap_or(0.0) / unit..request.to_s.map_or(f64::INFINITY, |s| s / unit);
-        (rows, survey) = within(&question, open(path, request)?.without_checksum().stamps_only(), &wanted, &window)?;
+        let table = open(path, request)?.without_checksum().stamps_only();
+        (rows, survey) = within(&question, &request.control, table, &wanted, &window)?;
         if request.to_s.is_none() {
             rows.end = wanted.end;
         }
@@ -244,9 +250,15 @@ fn timed(path: &Path, request: &Request, wanted: Range<usize>) -> Result<Plan> {
 
 /// All stamps of the rows wanted. Where seconds will be cut out, a clock that is set back ends what
 /// can be cut.
-fn survey(question: &Question<'_>, mut table: Rows, wanted: &Range<usize>, seconds: bool) -> Result<Survey> {
+fn survey(
+    question: &Question<'_>,
+    control: &Control,
+    mut table: Rows,
+    wanted: &Range<usize>,
+    seconds: bool,
+) -> Result<Survey> {
     let mut survey = Survey::default();
-    walk_runs(question.path, &mut table, wanted, |passed| {
+    walk_runs(question.path, control, &mut table, wanted, |passed| {
         let pushed = match passed {
             Passed::Row(table) => survey.push(table.row(), table.stamp()?, table.is_alike()),
             Passed::Run(run) => {
@@ -267,6 +279,7 @@ fn survey(question: &Question<'_>, mut table: Rows, wanted: &Range<usize>, secon
 /// The rows whose time since the first one lies in a window, and their stamps.
 fn within(
     question: &Question<'_>,
+    control: &Control,
     mut table: Rows,
     wanted: &Range<usize>,
     window: &Range<f64>,
@@ -274,7 +287,7 @@ fn within(
     let (mut survey, mut whole) = (Survey::default(), Timeline::default());
     let mut rows: Option<Range<usize>> = None;
     let mut fail: Option<SetBack> = None;
-    walk(question.path, &mut table, wanted, |table| {
+    walk(question.path, control, &mut table, wanted, |table| {
         let (row, stamp) = (table.row(), table.stamp()?);
         if !stamp.is_missing()
             && let Err(back) = whole.advance(row, stamp)

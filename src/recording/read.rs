@@ -52,7 +52,7 @@ pub fn read(path: &Path, request: &Request) -> Result<Recording> {
     let mut repeats = plan.repeated.map(|repeated| (repeated.meaning, Repeats::default()));
     let heading = table.time().unwrap_or_default().to_owned();
     let question = Question { path, heading: &heading, rate_hz: request.rate_hz };
-    plan::walk(path, &mut table, &plan.rows, |table| {
+    plan::walk(path, &request.control, &mut table, &plan.rows, |table| {
         let index = table.row();
         let place = match &mut placer {
             Some(placer) => {

@@ -3,9 +3,10 @@
 use std::ops::Range;
 
 use super::memory::Memory;
+use crate::control::Control;
 
 /// What to read of a file, and what its clock is.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default)]
 pub struct Request {
     /// Topic, message or array, where the file has several; absent: the only one that holds an
     /// IMU's readings.
@@ -32,4 +33,6 @@ pub struct Request {
     pub at_most: Option<usize>,
     /// Read in place of the file, whose path then is only a name.
     pub memory: Option<Memory>,
+    /// Who watches the reading and may stop it.
+    pub control: Control,
 }

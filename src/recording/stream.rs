@@ -92,7 +92,7 @@ fn hand_on(path: &Path, request: &Request, plan: Plan, send: &SyncSender<Block>)
     let mut placer = plan.clock.as_ref().map(Placer::new);
     let mut row = vec![0.0; table.names().len()];
     let mut dropped = Tally::default();
-    plan::walk_runs(path, &mut table, &plan.rows, |passed| {
+    plan::walk_runs(path, &request.control, &mut table, &plan.rows, |passed| {
         let table = match passed {
             Passed::Row(table) => table,
             Passed::Run(run) => {

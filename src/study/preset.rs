@@ -78,11 +78,13 @@ fn synonyms(section: &str, key: &str) -> impl Iterator<Item = &'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::control::Control;
     use crate::study::{Overrides, Study, read_default};
 
     fn with(preset: Preset, set: &[&str]) -> Study {
         let set = set.iter().map(|s| s.parse().expect("an assignment")).collect();
-        read_default(&Overrides { preset: Some(preset), set, ..Overrides::default() }).expect("a study")
+        read_default(&Overrides { preset: Some(preset), set, ..Overrides::default() }, &Control::silent())
+            .expect("a study")
     }
 
     #[test]

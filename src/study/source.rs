@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 use super::section::Section;
-use super::{Assignment, DEFAULT, Overrides, Study};
+use super::{Assignment, DEFAULT, Overrides, Study, Surroundings, parse_watched};
+use crate::control::Control;
 use crate::document::{from_table, parse_toml, read_text};
 use crate::error::Result;
 
@@ -16,7 +17,7 @@ pub struct StudyText {
     name: String,
     text: String,
     overrides: Overrides,
-    folder: PathBuf,
+    surroundings: Surroundings,
 }
 
 /// A sensor to put in the place of the study's; a section left out stays the study's.
@@ -33,9 +34,10 @@ impl StudyText {
     ///
     /// # Errors
     /// The file cannot be read.
-    pub fn read(path: &Path, overrides: Overrides) -> Result<Self> {
+    pub fn read(path: &Path, overrides: Overrides, control: &Control) -> Result<Self> {
         let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
-        Ok(Self { name: path.display().to_string(), text: read_text(path)?, overrides, folder })
+        let surroundings = Surroundings::new(folder, control);
+        Ok(Self { name: path.display().to_string(), text: read_text(path)?, overrides, surroundings })
     }
 
     /// The default study; with a preset, its motion with that grade's sensor, under the grade's
@@ -43,7 +45,7 @@ impl StudyText {
     ///
     /// # Errors
     /// None, as a test shows that the embedded file is sound.
-    pub fn of_default(overrides: Overrides) -> Result<Self> {
+    pub fn of_default(overrides: Overrides, control: &Control) -> Result<Self> {
         let name = "the default study".to_owned();
         let mut text = DEFAULT.to_owned();
         if let Some(preset) = overrides.preset {
@@ -52,7 +54,7 @@ impl StudyText {
             document.insert("name".into(), preset.name().into());
             text = document.to_string();
         }
-        Ok(Self { name, text, overrides, folder: PathBuf::new() })
+        Ok(Self { name, text, overrides, surroundings: Surroundings::new("", control) })
     }
 
     /// The study as it stands.
@@ -60,7 +62,7 @@ impl StudyText {
     /// # Errors
     /// As [`super::read`].
     pub fn study(&self) -> Result<Study> {
-        Study::from_text(&self.name, &self.text, &self.overrides, self.folder.clone())
+        parse_watched(&self.name, &self.text, &self.overrides, &self.surroundings)
     }
 
     /// The study with further keys set.
@@ -70,7 +72,7 @@ impl StudyText {
     pub fn with(&self, set: &[Assignment]) -> Result<Study> {
         let mut overrides = self.overrides.clone();
         overrides.set.extend_from_slice(set);
-        Study::from_text(&self.name, &self.text, &overrides, self.folder.clone())
+        parse_watched(&self.name, &self.text, &overrides, &self.surroundings)
     }
 
     /// The study with another number of members.
@@ -79,7 +81,7 @@ impl StudyText {
     /// As [`super::read`].
     pub fn with_members(&self, members: u64) -> Result<Study> {
         let overrides = Overrides { members: Some(members), ..self.overrides.clone() };
-        Study::from_text(&self.name, &self.text, &overrides, self.folder.clone())
+        parse_watched(&self.name, &self.text, &overrides, &self.surroundings)
     }
 
     /// The study with another sensor; `name` stands for it in messages.
@@ -96,7 +98,7 @@ impl StudyText {
         self.overrides.apply(&mut document)?;
         let source = format!("{} with the part {name}", self.name);
         let text = document.to_string();
-        Study::new(&source, text, from_table(&source, document)?, &self.overrides, self.folder.clone())
+        Study::new(&source, text, from_table(&source, document)?, &self.overrides, &self.surroundings)
     }
 
     /// The number at a dotted path, if one stands there.
@@ -128,6 +130,6 @@ impl StudyText {
 /// # Errors
 /// A preset or `--set` that the default study cannot take; none otherwise, as a test shows that the
 /// embedded file is sound.
-pub fn read_default(overrides: &Overrides) -> Result<Study> {
-    StudyText::of_default(overrides.clone())?.study()
+pub fn read_default(overrides: &Overrides, control: &Control) -> Result<Study> {
+    StudyText::of_default(overrides.clone(), control)?.study()
 }

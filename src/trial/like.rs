@@ -98,7 +98,7 @@ pub(crate) fn power(
     control: &Control,
 ) -> Result<Power> {
     let model = model::read(model_path)?;
-    let data = model::read_recording(recording, &model)?;
+    let data = model::read_recording(recording, &model, control)?;
     let attempt = || format!("could not make copies of {}", recording.display());
     let (kind, cases, samples, noise, base) = match &model {
         Model::Driven(m) => {

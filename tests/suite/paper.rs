@@ -61,7 +61,7 @@ fn simulated() -> Result<(), Failed> {
 }
 
 fn recorded(folder: &std::path::Path) -> Result<(), Failed> {
-    let imu = inertial::recorded(folder)?;
+    let imu = inertial::recorded(folder, &Control::silent())?;
     check(imu.poses.len() > 30, "poses are missing")?;
     let pitch = pitch::compute(&imu);
     let fusion = fusion::compute(moved::compute(&imu, &pitch));

@@ -49,7 +49,7 @@ fn within(outcome: &Outcome) -> Result<(), Failed> {
 /// By the way that `proofmass diagnose` goes.
 fn tool(files: &Files) -> proofmass::error::Result<Verdict> {
     let model = model::read(&files.model)?;
-    let recording = model::read_recording(&files.recording, &model)?;
+    let recording = model::read_recording(&files.recording, &model, &Control::silent())?;
     Ok(worded(diagnosis::diagnose(&recording, &model, &Control::silent())?).verdict)
 }
 

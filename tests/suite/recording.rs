@@ -2,10 +2,13 @@
 //! hint, or a finding.
 
 use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
 
 use libtest_mimic::{Failed, Trial};
-use proofmass::error::Error;
-use proofmass::recording::{self, Recording, Request};
+use proofmass::control::{Control, Stage, Watcher};
+use proofmass::error::{Error, Kind};
+use proofmass::recording::{self, Recording, Request, inspection, stream};
+use proofmass::study::{self, Overrides};
 
 use super::world::{check, data_test, test};
 
@@ -16,6 +19,7 @@ pub fn tests() -> Vec<Trial> {
         test("recording: bad files are refused with a hint, never a panic", refusals),
         test("recording: what can be survived is survived and said", findings),
         test("recording: a million columns are read by name", wide),
+        test("recording: whoever watches is told of the reading and can stop it", watched),
         data_test("recording: the real recordings are read whole", |folder| {
             let silverbox = Request { time: Some("t_s".into()), ..Request::default() };
             let read = recording::read(&folder.join("silverbox/SNLS80mV.csv"), &silverbox)?;
@@ -39,6 +43,60 @@ fn read(text: &str, columns: &[&str], time: Option<&str>) -> Result<Result<Recor
     let columns = columns.iter().map(|c| (*c).to_owned()).collect();
     let rate_hz = time.is_none().then_some(10.0);
     Ok(recording::read(&path, &Request { columns, rate_hz, time: time.map(str::to_owned), ..Request::default() }))
+}
+
+/// Notes the stages that begin, and asks to stop.
+struct Impatient {
+    stops: bool,
+    told: Arc<Mutex<Vec<String>>>,
+}
+
+struct Unheard;
+
+impl Stage for Unheard {
+    fn set(&self, _: u64) {}
+    fn add(&self, _: u64) {}
+    fn rename(&self, _: &str) {}
+}
+
+impl Watcher for Impatient {
+    fn stopped_by(&self) -> Option<&'static str> {
+        self.stops.then_some("a test")
+    }
+    fn begin(&self, name: &str, _: u64) -> Box<dyn Stage> {
+        self.told.lock().expect("not poisoned").push(name.to_owned());
+        Box::new(Unheard)
+    }
+    fn remark(&self, _: &str) {}
+}
+
+/// Every way to a recording asks the control that it was given, and no other.
+fn watched() -> Result<(), Failed> {
+    let (folder, log) = written(b"t,a\n0,1\n1,2\n2,3\n")?;
+    let path = folder.path().join("study.toml");
+    let text = "members = 2\nduration_s = 1.0\n[accelerometer]\nbias_mg = 1.0\n\
+                [excitation]\nkind = \"replay\"\nfile = \"log.csv\"\ncolumn = \"a\"\nrate_hz = 1.0\n";
+    std::fs::write(&path, text)?;
+    type Way<'a> = (&'a str, &'a dyn Fn(Request) -> Result<(), Error>);
+    let ways: [Way<'_>; 4] = [
+        ("into memory", &|request| recording::read(&log, &request).map(drop)),
+        ("as a stream", &|request| stream::read(&log, &request, |_| ()).map(drop)),
+        ("to look at it", &|request| inspection::inspect(&log, &request).map(drop)),
+        ("to replay it", &|request| study::read(&path, &Overrides::default(), &request.control).map(drop)),
+    ];
+    for (way, read) in ways {
+        for stops in [true, false] {
+            let told = Arc::new(Mutex::new(Vec::new()));
+            let control = Control::new(Impatient { stops, told: told.clone() });
+            let done = read(Request { rate_hz: Some(1.0), control, ..Request::default() });
+            // Negative control: the same reading goes on where nobody stops it.
+            let is_stopped = matches!(&done, Err(e) if e.kind == Kind::Interrupted && e.cause == "stopped by a test");
+            check(is_stopped == stops && done.is_ok() != stops, format!("{way}, {stops}: {done:?}"))?;
+            let told = told.lock().expect("not poisoned");
+            check(!told.is_empty() && told.iter().all(|name| name == "reading"), format!("{way}: {told:?}"))?;
+        }
+    }
+    Ok(())
 }
 
 fn separators() -> Result<(), Failed> {

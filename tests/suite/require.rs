@@ -68,7 +68,8 @@ fn bias() -> Result<(), Failed> {
     let (mut hits, mut wrong, seeds) = (0, 0, 60);
     for seed in 1..=seeds {
         let overrides = Overrides { seed: Some(seed), ..Overrides::default() };
-        let answer = answer(&StudyText::read(path.as_ref(), overrides)?, &question, &Control::silent())?;
+        let answer =
+            answer(&StudyText::read(path.as_ref(), overrides, &Control::silent())?, &question, &Control::silent())?;
         check(answer.outcome == Outcome::Crosses { below: true } && answer.settled, format!("{:?}", answer.outcome))?;
         let [Some(low), Some(high)] = answer.vary[0].ci95 else { return Err("an interval without ends".into()) };
         hits += u64::from(low <= expected && expected <= high);

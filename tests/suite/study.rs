@@ -15,7 +15,9 @@ use super::world::{check, data_test, near, test};
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
     let mut all = vec![
-        test("study: the embedded default reads", || Ok(study::read_default(&Overrides::default()).map(drop)?)),
+        test("study: the embedded default reads", || {
+            Ok(study::read_default(&Overrides::default(), &Control::silent()).map(drop)?)
+        }),
         test("study: every study of this repository reads", committed),
         test("study: datasheet units become SI", units),
         test("study: the paper's m, D0, k, eps give the same proof mass as its modes", mechanics),
@@ -41,7 +43,7 @@ fn committed() -> Result<(), Failed> {
     for entry in std::fs::read_dir(reports)? {
         let path = entry?.path().join("study.toml");
         if path.exists() {
-            let study = study::read(&path, &Overrides::default())?;
+            let study = study::read(&path, &Overrides::default(), &Control::silent())?;
             check(
                 path.parent().is_some_and(|p| p.ends_with(&study.name)),
                 format!("{} is named otherwise", path.display()),

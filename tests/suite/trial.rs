@@ -68,7 +68,7 @@ fn files_tell_nothing() -> Result<(), Failed> {
             check(!model.contains(&id), format!("model.toml of case {} names {id}", case.number))?;
         }
         let model = proofmass::diagnosis::model::read(&files.model)?;
-        let recording = proofmass::diagnosis::model::read_recording(&files.recording, &model)?;
+        let recording = proofmass::diagnosis::model::read_recording(&files.recording, &model, &Control::silent())?;
         let rows = std::fs::read_to_string(&files.recording)?.lines().count() - 1;
         check(recording.samples() == rows, "rows are missing")?;
     }

@@ -128,9 +128,10 @@ pub(super) fn run(request: &Request<'_>, json: bool) -> Result<()> {
 }
 
 fn on(ranks: &Ranks, request: &Request<'_>, json: bool) -> Result<()> {
+    let control = if ranks.number() == 0 { progress::terminal() } else { progress::terminal().without_stages() };
     let ready = || -> Result<(Asked, Divided)> {
         let asked = (request.read)()?;
-        let divided = Divided::of(&asked.study, request.input)?;
+        let divided = Divided::of(&asked.study, request.input, &control)?;
         Ok((asked, divided))
     };
     let (asked, divided) = ranks.agree(ready())?;
@@ -138,7 +139,6 @@ fn on(ranks: &Ranks, request: &Request<'_>, json: bool) -> Result<()> {
     let earlier = ranks.agree(if request.resume { earlier(&divided, ranks.shard(), &out) } else { Ok(Vec::new()) })?;
     // All have seen what is there before anyone changes it.
     ranks.world.barrier();
-    let control = if ranks.number() == 0 { progress::terminal() } else { progress::terminal().without_stages() };
     let begun = ranks.agree(begin(ranks, request, &divided, &earlier, &out))?;
     let Begun { mut keeper, header, path } = begun;
     let options = Options { backend: request.backend, control: control.clone(), ..Options::default() };
@@ -230,7 +230,7 @@ fn remove_others(header: &Header, out: &Path) -> Result<()> {
 fn answer(asked: Asked, found: &[Found], control: &Control, json: bool) -> Result<()> {
     are_whole(found, std::slice::from_ref(&asked.out))?;
     let mut folder = Folder::open(&asked.out, asked.outputs)?;
-    let study = carried::study(found)?;
+    let study = carried::study(found, control)?;
     let drift = merged(&study, found, control)?;
     answer::print(&study, &drift, None, Some(found.len()), json)?;
     answer::write(&mut folder, &study, &drift, None)?;

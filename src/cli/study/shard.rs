@@ -33,7 +33,8 @@ pub(super) struct Request<'a> {
 /// # Errors
 /// A backend that is not there, a folder that cannot be written, a state of another run, Ctrl-C.
 pub(super) fn run(study: &Study, request: &Request<'_>, json: bool) -> Result<()> {
-    let divided = Divided::of(study, request.input)?;
+    let control = progress::terminal();
+    let divided = Divided::of(study, request.input, &control)?;
     let header = divided.header(request.shard);
     let place = Place::take(request.out, &header, request.force)?;
     let path = place.path().to_path_buf();
@@ -42,7 +43,7 @@ pub(super) fn run(study: &Study, request: &Request<'_>, json: bool) -> Result<()
         false => Kept::new(place, header.clone()),
     };
     let mut keeper = Keeper::shard(kept);
-    let options = Options { backend: request.backend, control: progress::terminal(), ..Options::default() };
+    let options = Options { backend: request.backend, control, ..Options::default() };
     run_pieces(&divided.jobs, header.pieces.iter().map(|p| &p.piece), Backends::default(), &options, &mut keeper)?;
     tell(&header, " (those of the error budget included)", &path, json)
 }

@@ -183,7 +183,7 @@ fn tool(control: &Control) -> impl Fn(&Path, &Path) -> Result<Verdict> + Sync {
     let control = control.without_stages();
     move |recording, model| {
         let model = model::read(model)?;
-        let recording = model::read_recording(recording, &model)?;
+        let recording = model::read_recording(recording, &model, &control)?;
         Ok(worded(diagnosis::diagnose(&recording, &model, &control)?).verdict)
     }
 }

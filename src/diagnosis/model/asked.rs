@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::split::Ranges;
 use super::{MOST_AT_REST, Model};
+use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::recording::{self, Recording, Request};
 
@@ -21,16 +22,16 @@ pub struct Seconds {
 ///
 /// # Errors
 /// As [`recording::read`](fn@recording::read), and a column that is given two roles.
-pub fn read_recording(path: &Path, model: &Model) -> Result<Recording> {
-    read_part(path, model, Seconds::default())
+pub fn read_recording(path: &Path, model: &Model, control: &Control) -> Result<Recording> {
+    read_part(path, model, Seconds::default(), control)
 }
 
 /// The same of some seconds alone.
 ///
 /// # Errors
 /// As [`read_recording`].
-pub fn read_part(path: &Path, model: &Model, seconds: Seconds) -> Result<Recording> {
-    recording::read(path, &requested(path, model, seconds)?)
+pub fn read_part(path: &Path, model: &Model, seconds: Seconds, control: &Control) -> Result<Recording> {
+    recording::read(path, &Request { control: control.clone(), ..requested(path, model, seconds)? })
 }
 
 /// What a model asks of a recording; `path` stands for it in messages.

@@ -270,7 +270,7 @@ impl Files {
         let folder = tempfile::tempdir()?;
         let [imu, model] = self.write(folder.path())?;
         let model = model::read(&model)?;
-        let recording = model::read_recording(&imu, &model)?;
+        let recording = model::read_recording(&imu, &model, &Control::silent())?;
         Ok(diagnose(&recording, &model, &Control::silent())?)
     }
 }

@@ -27,7 +27,7 @@ pub fn tests() -> Vec<Trial> {
 fn document(files: &Files, folder: &std::path::Path) -> Result<String, Failed> {
     let [imu, model] = files.write(folder)?;
     let model = model::read(&model)?;
-    let recording = model::read_recording(&imu, &model)?;
+    let recording = model::read_recording(&imu, &model, &Control::silent())?;
     let answer = diagnose(&recording, &model, &Control::silent())?;
     let found = worded(answer);
     repaired::document(found.repair.as_ref(), &found.detail, &found.verdict).ok_or_else(|| "no study".into())
@@ -63,10 +63,13 @@ fn runs() -> Result<(), Failed> {
     let few = Overrides { members: Some(64), ..Overrides::default() };
     // The flight stands still for three seconds: a bias of 0.1 m/s² along z is ½ b t² after one,
     // within the 0.02 m/s² above.
-    let still = down_m(&study::read(&path, &few)?)?;
+    let still = down_m(&study::read(&path, &few, &Control::silent())?)?;
     near("down", still, 0.05, 0.01)?;
     std::fs::write(&path, without(&table, "accelerometer").to_string())?;
-    check((down_m(&study::read(&path, &few)?)? - 0.05).abs() > 0.01, "a sensor without that bias would pass")
+    check(
+        (down_m(&study::read(&path, &few, &Control::silent())?)? - 0.05).abs() > 0.01,
+        "a sensor without that bias would pass",
+    )
 }
 
 /// The table of a recording's study, which can be read.
@@ -75,7 +78,7 @@ fn table(flight: &Flight) -> Result<Table, Failed> {
     let text = document(&flight.files(), folder.path())?;
     let path = folder.path().join("repaired.toml");
     std::fs::write(&path, &text)?;
-    study::read(&path, &Overrides::default())?;
+    study::read(&path, &Overrides::default(), &Control::silent())?;
     Ok(text.parse()?)
 }
 
