@@ -1,8 +1,9 @@
 // One tile: each invocation takes one member through the samples, from state to state. Twin of
 // `src/kernel/cpu/simulate.rs`; see there for what happens in which order and why. Lines `#terms …`
 // are replaced by what the sensor terms have to say there, see `src/kernel/source/terms.rs`; lines
-// `#own …` by the states of laws that have any, see `src/kernel/source/staged.rs`; lines `#trace …`
-// by the writing of every reading's errors, where `navigate` reads them, and by nothing elsewhere.
+// `#own …` by the states of laws that have any, see `src/kernel/source/staged.rs`; the line `#warm …`
+// by the temperature, where a law follows it, and lines `#trace …` by the writing of every reading's
+// errors, where `navigate` reads them, and by nothing elsewhere.
 
 override INTEGRATOR: u32 = 0u;
 override SUBSTEPS: u32 = 1u;
@@ -202,6 +203,7 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
                 let n = 4u * counter + number;
                 if n >= tile.first_sample && n < stop {
                     // Mechanics.
+#warm sample
                     let push = force_sigma * pick(pushes, number);
                     var felt = 0.0;
                     for (var substep = 0u; substep < SUBSTEPS; substep++) {

@@ -60,4 +60,5 @@ pub mod stiffness_drift;
 pub mod study;
 #[cfg(test)]
 mod test_problem;
+pub mod warm_stiffness;
 pub mod warm_up;

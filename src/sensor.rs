@@ -17,7 +17,8 @@ pub use terms::{Accelerometer, Gyro, SensorTerm};
 
 use crate::physics::coefficients::Coefficients;
 use crate::physics::dimension::Units;
-use crate::physics::stiffness_drift;
+use crate::physics::study::Given;
+use crate::physics::{stiffness_drift, warm_stiffness};
 use crate::units::key::Key;
 
 /// The proof mass: x″ + 2ζω₀x′ + ω₀²x + βx³ = f (paper's eq. 6; eq. 4 is β = 0), with whatever
@@ -48,10 +49,13 @@ impl ProofMass {
         self.natural_frequency_rad_s.hypot(added.sqrt())
     }
 
-    /// The same with its spring as stiff as it becomes within so long of the run.
-    pub fn at_its_stiffest(mut self, time_s: f64) -> Self {
-        let growth = 1.0 + self.laws.of(&stiffness_drift::GIVEN[0].key) * time_s;
-        self.natural_frequency_rad_s *= growth.max(1.0).sqrt();
+    /// The same with its spring as stiff as it becomes within so long of the run, between these
+    /// temperatures above their reference.
+    pub fn at_its_stiffest(mut self, time_s: f64, warmer_k: [f64; 2]) -> Self {
+        let of = |given: &[Given]| self.laws.of(&given[0].key);
+        let [cold, warm] = warmer_k.map(|kelvins| of(warm_stiffness::GIVEN) * kelvins);
+        let growth = (of(stiffness_drift::GIVEN) * time_s).max(0.0) + cold.max(warm);
+        self.natural_frequency_rad_s *= (1.0 + growth).max(1.0).sqrt();
         self
     }
 

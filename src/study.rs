@@ -188,7 +188,7 @@ impl Study {
         excitation.drawn.iter().for_each(|(key, number)| tolerances[key] = Some(*number));
         check::signs(source, &tolerances)?;
         mass_check::delayed_force(source, &tolerances, excitation.variation)?;
-        mass_check::lasting_spring(source, &tolerances, clock.duration_s())?;
+        mass_check::lasting_spring(source, &tolerances, clock.duration_s(), &temperature)?;
         let excitation = excitation.resolved(source, clock.step_s)?;
         let sweep = file.sweep.as_ref().map(sweep::Sweep::read).transpose().map_err(|cause| {
             let hint = "e.g. [sweep] with gyro.bias_deg_h = \"1:20:log8\"";
@@ -270,7 +270,8 @@ impl Study {
     /// A proof mass that no integrator can step.
     pub fn integrator(&self) -> Result<Choice> {
         let run_s = self.still_s() + self.duration_s();
-        let stiffest = self.stiffest().map(|mass| mass.at_its_stiffest(run_s));
+        let warmer_k = self.temperature.range_above_reference_k();
+        let stiffest = self.stiffest().map(|mass| mass.at_its_stiffest(run_s, warmer_k));
         let choice = self.tolerances.integrator(stiffest.as_ref(), self.clock.step_s)?;
         let (mean, variance) = self.tolerances.moments(&excitation::SIZE);
         let largest = mean.abs() + 2.0 * variance.sqrt();

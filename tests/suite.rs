@@ -78,6 +78,7 @@ mod suite {
     pub mod tumble_bench;
     pub mod tumble_wander;
     pub mod unlike_members;
+    pub mod warm_spring;
     pub mod warm_start;
     pub mod windows;
     pub mod world;
@@ -206,6 +207,8 @@ fn main() {
         suite::closed_form::tests(),
         // unlike_members: what only some members of a study have.
         suite::unlike_members::tests(),
+        // warm_spring: a spring that follows the temperature, in a study.
+        suite::warm_spring::tests(),
         // warm_start: what a still start takes off what follows the temperature.
         suite::warm_start::tests(),
         // still_start: what averaging the first seconds leaves of each error.

@@ -48,11 +48,16 @@ struct Instant {
     step: f32,
     gain: f32,
     stiffness: f32,
+    warmer: f32,
 }
+
+// How much warmer than its reference the sensor is in the present sample, K. Slow beside the mass:
+// that of the sample's middle holds for all of it.
+var<private> warmer_k: f32;
 
 // Acceleration with all laws that act: `Laws` and `act` are written by `src/kernel/source/laws.rs`.
 fn general(k: Coefficients, laws: Laws, e: f32, q: f32, input: f32, time: f32, push: f32) -> f32 {
-    let at = Instant(e + input, q, input, time, 1.0, k.low.x, k.low.x);
+    let at = Instant(e + input, q, input, time, 1.0, k.low.x, k.low.x, warmer_k);
     return act(at, laws, fma(-k.low.y, q, fma(-k.low.x, e, push)));
 }
 

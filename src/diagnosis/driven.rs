@@ -39,7 +39,7 @@ use selection::folds::{self, Fold};
 use selection::judged::{self, Judged, Selection};
 use selection::{base_model, stepwise};
 use simulation::run;
-use verdict::answer::Asked;
+use verdict::asked::Asked;
 use verdict::conclude::{self, Conclusion};
 pub use verdict::detail::Detail;
 use verdict::dropped::Dropped;

@@ -100,8 +100,9 @@ pub(crate) fn position_error_m(
 impl<'a> VibratedSensor<'a> {
     fn of(control: &'a Control, mass: &ProofMass, vibration: &'a Vibration, steps_per_period: usize) -> Self {
         let (omega, si) = (mass.natural_frequency_rad_s, Units { y: 1.0, u: 1.0, s: 1.0 });
-        // What changes with time has no period; a state of a law's own is left out here.
-        let repeats = |law: &&StudyLaw| !matches!(law.term, Term::StiffnessDrift(_)) && law.term.states() == 0;
+        // What changes with time or temperature has no period; a state of a law's own is left out here.
+        let steady = |law: &StudyLaw| !matches!(law.term, Term::StiffnessDrift(_)) && !law.term.follows_temperature();
+        let repeats = |law: &&StudyLaw| steady(law) && law.term.states() == 0;
         let values = |law: &StudyLaw| mass.laws.values(law, &si).map(|v| [v]);
         Self {
             control,

@@ -68,6 +68,9 @@ fn ensemble(int64: bool, laws: &[StudyLaw], traced: bool) -> Shader {
     for (line, text) in TRACE {
         own = own.replace(line, if traced { text } else { "" });
     }
+    let follows_temperature = laws.iter().any(|law| law.term.follows_temperature());
+    let warm = if follows_temperature { "warmer_k = warmer[n - tile.first_sample];" } else { "" };
+    own = own.replace("#warm sample", warm);
     let mut declared = constants();
     let own_states = laws.iter().map(|law| law.term.states()).sum::<usize>();
     declared += &format!("const STATE_TERMS = {}u;\n", state::TERMS + own_states);

@@ -58,6 +58,13 @@ impl Temperature {
         along - per_s * self.lag_s * gone + (self.reached[point] - from) * (1.0 - gone)
     }
 
+    /// How much warmer than the reference it is at least and at most, K; zeros without points. With a
+    /// lag it stays within the points.
+    pub fn range_above_reference_k(&self) -> [f64; 2] {
+        let all = || self.points.iter().map(|[_, deg_c]| deg_c - self.reference_deg_c);
+        if self.points.is_empty() { [0.0; 2] } else { [all().fold(f64::MAX, f64::min), all().fold(f64::MIN, f64::max)] }
+    }
+
     /// How much warmer than the reference it is, K; zero without points.
     pub fn above_reference_k(&self, time_s: f64) -> f64 {
         let after = self.points.partition_point(|point| point[0] <= time_s);

@@ -168,6 +168,11 @@ pub trait Law {
     fn has_corner(&self) -> bool {
         false
     }
+    /// Whether it follows the temperature of a study, in K above its reference the first environment
+    /// column.
+    fn follows_temperature(&self) -> bool {
+        false
+    }
     /// Whether it needs an input column.
     fn needs_input(&self) -> bool {
         false

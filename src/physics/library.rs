@@ -127,7 +127,7 @@ library! {
     BiasRandomWalk in bias_random_walk,
     PeriodicDisturbance in periodic_disturbance;
     // What a diagnosis names as a form of another law.
-    in studies OneSidedStop in one_sided_stop;
+    in studies OneSidedStop in one_sided_stop, WarmStiffness in warm_stiffness;
     // Fitted like laws and never named by themselves.
     beside FreeForm in free_form
 }

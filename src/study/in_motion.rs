@@ -115,6 +115,9 @@ pub(super) fn read(name: &str, file: &File, clock: &Clock, seed: u64) -> Result<
     let aiding = aiding::read(name, file.aiding.as_ref(), clock, &truth, vertical)?;
     one_clock(name, &between)?;
     let temperature = temperature::read(name, file.temperature.as_ref(), &between)?;
+    for axis in &tolerances {
+        mass_check::lasting_spring(name, axis, clock.duration_s(), &temperature)?;
+    }
     let course = Arc::new(Course::new(truth, earth, rotation).with_temperature(temperature));
     let vibration = vibration(name, file, clock.duration_s(), seed)?;
     let mechanisation = file.navigator.as_ref().and_then(|n| n.integrator).unwrap_or_default();
@@ -297,8 +300,9 @@ impl InMotion {
             Clock { samples: run.clock.samples + still_samples, report_samples, still_samples, ..run.clock.clone() };
         let axis = |axis: usize| -> Result<Job> {
             let seed = axis_seed(run.seed, axis as u64);
+            let warmer_k = self.course.temperature().range_above_reference_k();
             let stiffest = self.stiffest(run.seed, run.members, axis);
-            let stiffest = stiffest.map(|mass| mass.at_its_stiffest(clock.duration_s()));
+            let stiffest = stiffest.map(|mass| mass.at_its_stiffest(clock.duration_s(), warmer_k));
             let tolerances = self.tolerances[axis].clone();
             let integrator = tolerances.integrator(stiffest.as_ref(), clock.step_s)?.integrator;
             let waveform = Arc::new(Along {

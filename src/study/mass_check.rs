@@ -5,9 +5,10 @@ use super::tolerances::Tolerances;
 use crate::error::Result;
 use crate::excitation::Waveform;
 use crate::excitation::plan::Variation;
+use crate::motion::temperature::Temperature;
 use crate::number::short;
 use crate::physics::coefficients::laws;
-use crate::physics::{hysteresis, stiffness_drift};
+use crate::physics::{hysteresis, stiffness_drift, warm_stiffness};
 use crate::sensor::{ProofMass, SensorTerm, mechanics};
 use crate::units::key::Key;
 use crate::units::number::Number;
@@ -128,16 +129,28 @@ pub(super) fn followed_memory(name: &str, moved: &Moved<'_>) -> Result<()> {
     ))
 }
 
-/// Refuses a spring that drifts to nothing before the study ends.
-pub(super) fn lasting_spring(name: &str, all: &Tolerances, duration_s: f64) -> Result<()> {
-    let key = &stiffness_drift::GIVEN[0].key;
-    let (drift_per_s, _) = all.moments(key);
-    if all[key].is_none() || 1.0 + drift_per_s * duration_s > 0.0 {
-        return Ok(());
+/// Refuses a spring of which nothing is left before the study ends, or at one of its temperatures.
+pub(super) fn lasting_spring(name: &str, all: &Tolerances, duration_s: f64, temperature: &Temperature) -> Result<()> {
+    let [drift, warm] = [stiffness_drift::GIVEN, warm_stiffness::GIVEN].map(|given| &given[0].key);
+    let (drift_per_s, _) = all.moments(drift);
+    if 1.0 + drift_per_s * duration_s <= 0.0 {
+        return Err(refuse(
+            name,
+            format!("`{}` = {} leaves no spring after {} s", drift.path, short(drift_per_s), short(-1.0 / drift_per_s)),
+            format!(
+                "need more than {} per s for {} s, or a shorter study",
+                short(-1.0 / duration_s),
+                short(duration_s)
+            ),
+        ));
     }
+    let (per_k, _) = all.moments(warm);
+    let gone = |kelvins: &f64| 1.0 + per_k * kelvins <= 0.0;
+    let Some(warmer_k) = temperature.range_above_reference_k().into_iter().find(gone) else { return Ok(()) };
+    let deg_c = temperature.reference_deg_c + warmer_k;
     Err(refuse(
         name,
-        format!("`{}` = {} leaves no spring after {} s", key.path, short(drift_per_s), short(-1.0 / drift_per_s)),
-        format!("need more than {} per s for {} s, or a shorter study", short(-1.0 / duration_s), short(duration_s)),
+        format!("`{}` = {} leaves no spring at {} °C", warm.path, short(per_k), short(deg_c)),
+        format!("need {} than {} per K", if warmer_k > 0.0 { "more" } else { "less" }, short(-1.0 / warmer_k)),
     ))
 }

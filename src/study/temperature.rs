@@ -6,6 +6,7 @@ use super::refusal::refuse;
 use super::tolerances::Tolerances;
 use crate::error::Result;
 use crate::motion::temperature::{POSSIBLE_DEG_C, Temperature};
+use crate::physics::warm_stiffness;
 use crate::sensor::error_law::ErrorLaw;
 use crate::sensor::{SensorTerm, coupling};
 use crate::units::key::Key;
@@ -13,7 +14,8 @@ use crate::units::key::Key;
 /// The keys of all that follows the temperature.
 fn over_temperature() -> impl Iterator<Item = &'static Key> {
     let curved = SensorTerm::ALL.into_iter().filter(|term| matches!(term.law(), ErrorLaw::WarmPower(_)));
-    coupling::OVER_TEMPERATURE.into_iter().chain(curved.flat_map(|term| term.row().keys))
+    let springs = warm_stiffness::GIVEN.iter().map(|given| &given.key);
+    coupling::OVER_TEMPERATURE.into_iter().chain(curved.flat_map(|term| term.row().keys)).chain(springs)
 }
 
 /// Whether a sensor whose axes have these numbers is warmed or cooled and none of them follows it.

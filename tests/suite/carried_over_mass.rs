@@ -28,6 +28,10 @@ pub fn tests() -> Vec<Trial> {
         carries("feedthrough", single(Physics::Feedthrough, [-1.0, 0.0], FEEDTHROUGH)),
         carries("a nonlinearity of the drive", single(Physics::DriveNonlinearity, [1.0, 0.0], DRIVE)),
         carries("a spring that drifts with time", single(Physics::StiffnessDrift, [-1.0, 0.0], SPRING)),
+        carries(
+            "a spring that follows a recorded temperature",
+            single(Physics::StiffnessDrift, [-1.0, 1.0], ("kappa", "sensor.stiffness_per_k")),
+        ),
         carries("a bias that drifts", single(Physics::BiasDrift, [1.0, 0.0], RAMP)),
     ]
 }
@@ -73,9 +77,14 @@ fn carried(case: &Case) -> Result<(), Failed> {
         driven: true,
     };
     let planted = plant_as(&plan, Some(case.shape))?;
-    let rows = planted.input.iter().zip(&planted.reading).map(|(u, y)| format!("{u:.9e},{y:.9e}\n"));
-    let log = format!("u,y\n{}", rows.collect::<String>());
-    let model = "kind = \"driven\"\nrate_hz = 1000.0\n[columns]\ninput = \"u\"\noutput = \"y\"\n";
+    // Where nothing follows it, the temperature stays.
+    let warm = |n: usize| planted.temperature.as_ref().map_or(20.0, |all| all[n]);
+    let rows = planted.input.iter().zip(&planted.reading).enumerate();
+    let rows = rows.map(|(n, (u, y))| format!("{u:.9e},{y:.9e},{:.9e}\n", warm(n)));
+    let log = format!("u,y,deg_c\n{}", rows.collect::<String>());
+    let environment = if planted.temperature.is_some() { "environment = [\"deg_c\"]\n" } else { "" };
+    let columns = format!("[columns]\ninput = \"u\"\noutput = \"y\"\n{environment}");
+    let model = &format!("kind = \"driven\"\nrate_hz = 1000.0\n{columns}");
     let bench = Bench::new()?;
     let out = bench.path("out");
     let verdict = bench.diagnose(&log, model, &["--json", "--out", &out.display().to_string()])?.json()?;

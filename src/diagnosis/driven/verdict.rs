@@ -2,6 +2,7 @@
 //! document made of it.
 
 pub mod answer;
+pub mod asked;
 pub mod conclude;
 pub mod detail;
 mod detectable;

@@ -19,6 +19,8 @@ pub(super) struct General<'a, T> {
     pub laws: &'a mut [Acting<T>],
     /// Number of the first substep.
     pub first: u64,
+    /// How much warmer than its reference the sensor is in each sample, K; empty where it is not.
+    pub warmer: &'a [T],
     /// The members and their force.
     pub motion: ProofMasses<'a, T>,
 }
@@ -41,6 +43,8 @@ impl<T: Real> Kernel for General<'_, T> {
             for l in 0..LANES {
                 push[l] = m.k[column::FORCE][l] * push[l];
             }
+            // Slow beside the mass: that of the sample's middle holds for all of it.
+            let warmer_k = self.warmer.get(i).map_or(0.0, |warmer| warmer.f64());
             for f in steps {
                 let sine = m.sine.map_or([zero; 3], |(turns, _)| sines::<T, FMA>(m.k, turns, half));
                 let force = felt_by_each::<T, FMA>(&m.k[column::GAIN], f, &sine);
@@ -49,7 +53,7 @@ impl<T: Real> Kernel for General<'_, T> {
                 if let (0, Some(low_pass), Some([e0, _])) = (substep, &mut low_pass, &from) {
                     low_pass.p = *e0;
                 }
-                mass.step::<FMA>(&force, &push.0, T::of(substep as f64));
+                mass.step::<FMA>(&force, &push.0, &During { warmer_k, begin: T::of(substep as f64) });
                 if let (Some(low_pass), Some([e0, q0])) = (&mut low_pass, &from) {
                     let [e, q] = &mass.seen::<FMA>(&force[2]);
                     low_pass.step::<FMA>(&Moved { from: [e0, q0], to: [e, q], growth: &force[4], push: &push });
@@ -91,15 +95,24 @@ struct Mass<'a, T> {
     q: [T; LANES],
 }
 
+/// When a substep is.
+struct During<T> {
+    /// When it begins, in substeps.
+    begin: T,
+    /// How much warmer than its reference the sensor is meanwhile, K.
+    warmer_k: f64,
+}
+
 impl<T: Real> Mass<'_, T> {
-    /// One substep that begins at `time`; `push` is the noise of the force, times W.
+    /// One substep; `push` is the noise of the force, times W.
     #[inline(always)]
-    fn step<const FMA: bool>(&mut self, force: &[Lane<T>; 5], push: &[T; LANES], time: T) {
+    fn step<const FMA: bool>(&mut self, force: &[Lane<T>; 5], push: &[T; LANES], during: &During<T>) {
+        let (time, environment) = (during.begin, &[during.warmer_k]);
         let [begin, middle, end, to_middle, to_end] = force;
         let (half, one, sixth) = (T::of(0.5), T::of(1.0), T::of(1.0 / 6.0));
         let zero = [T::of(0.0); LANES];
         let step = one;
-        let mut at = Instants { time, step, input: begin.0, x: zero, v: self.q, base: self.base, environment: &[] };
+        let mut at = Instants { time, step, input: begin.0, x: zero, v: self.q, base: self.base, environment };
         let mut e = self.e;
         let mut d = [zero; 4];
         for stage in 0..4 {

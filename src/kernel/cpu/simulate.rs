@@ -161,7 +161,9 @@ impl<T: Real> Simulate<'_, T> {
             Integrator::ExactHold => level.run(Step(ExactHold, motion)),
             Integrator::RungeKutta4 { .. } => level.run(Step(RungeKutta4, motion)),
             Integrator::RungeKutta4General { .. } => {
-                level.run(General { laws: &mut m.laws, first: from * u64::from(shared.substeps), motion });
+                let first = from * u64::from(shared.substeps);
+                let warmer = self.warmer.get(tile_samples.clone()).unwrap_or_default();
+                level.run(General { laws: &mut m.laws, first, warmer, motion });
             }
             Integrator::ExponentialRk2 { .. } => level.run(Step(ExponentialRk2, motion)),
             Integrator::RosenbrockEuler { .. } => level.run(Step(RosenbrockEuler, motion)),

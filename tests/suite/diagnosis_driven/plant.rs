@@ -31,6 +31,8 @@ pub struct Plan {
 pub struct Planted {
     pub input: Vec<f64>,
     pub reading: Vec<f64>,
+    /// °C, where the effect follows it.
+    pub temperature: Option<Vec<f64>>,
     /// Value of the effect's first parameter.
     pub strength: f64,
     /// Its values by the symbols of the library.
@@ -65,6 +67,6 @@ pub fn plant_as(plan: &Plan, shape: Option<[f64; 2]>) -> Result<Planted, Failed>
     }
     let strength = case.planted.first().map_or(0.0, |p| p.term.value(&case.scales));
     let values = case.planted.first().map_or(Vec::new(), |p| p.term.parameters(&case.scales));
-    let Columns { force, reading, .. } = case.render();
-    Ok(Planted { input: force.unwrap_or_default(), reading, strength, values })
+    let Columns { force, reading, temperature, .. } = case.render();
+    Ok(Planted { input: force.unwrap_or_default(), reading, temperature, strength, values })
 }

@@ -10,7 +10,7 @@ use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::notes::Notes;
 use crate::diagnosis::driven::intake::several::Piece;
 use crate::diagnosis::driven::selection::held_out::{Comparison, HeldOut, compare, ratio_interval};
-use crate::diagnosis::driven::verdict::answer::Asked;
+use crate::diagnosis::driven::verdict::asked::Asked;
 use crate::diagnosis::driven::verdict::conclude::WHITE;
 use crate::diagnosis::driven::verdict::detail::{Account, Detail, Shown};
 use crate::diagnosis::driven::verdict::effects::{Channels, unit, unit_of};

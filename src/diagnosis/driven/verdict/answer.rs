@@ -16,15 +16,14 @@ use crate::diagnosis::driven::selection::judged::Selection;
 use crate::diagnosis::driven::selection::term_worth::Named;
 use crate::diagnosis::driven::simulation::filter::States;
 use crate::diagnosis::driven::simulation::run::{Run, trace};
-use crate::diagnosis::model;
 use crate::diagnosis::verdict::{
     Fit as Fitted, Form, LogScore, Noise, Outcome, RangeScore, RecordingInfo, RecordingScore, Role, Score,
 };
 use crate::numerics::moments;
 use crate::physics::library::{CANDIDATES, Term};
 use crate::physics::scales::Scales;
-use crate::recording::Recording;
 
+use super::asked::Asked;
 use super::conclude::Conclusion;
 use super::conclude::WHITE;
 use super::detail::{Account, Detail, Shown};
@@ -44,21 +43,6 @@ const LEAST_SHOWN: usize = 100;
 const MOST_SHOWN: usize = 600;
 /// Cells of the restoring-force surface that the verdict lists.
 const CELLS_SHOWN: usize = 32;
-
-/// The recordings and the model that are to be diagnosed.
-#[derive(Debug, Clone, Copy)]
-pub struct Asked<'a> {
-    /// The first recording; its hash and columns stand in the verdict.
-    pub recording: &'a Recording,
-    /// Range and role of each recording in the data.
-    pub pieces: &'a [Piece],
-    /// Samples that the model file names as judging.
-    pub judging: &'a [[usize; 2]],
-    /// Columns of input, output and environment.
-    pub columns: &'a model::DrivenColumns,
-    /// Unit of the output, where the model file states it.
-    pub unit: Option<&'a str>,
-}
 
 /// The complete answer: verdict, ranking, repair and figure data.
 pub fn answer(
@@ -138,7 +122,7 @@ pub fn answer(
         named: !c.named.is_empty(),
         candidates: ranking.iter().map(|r| (r.id.to_owned(), r.gain, r.named)).collect(),
     };
-    let repair = Some(repair(data, c, data.input.as_ref().and(columns.input.as_deref())));
+    let repair = Some(repair(asked, data, c));
     Answer {
         kind: Kind::Driven,
         outcome: c.outcome,

@@ -6,6 +6,7 @@ use crate::diagnosis::driven::base::{GAIN, OMEGA, ZETA};
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::repair::{Repair, Vibration};
+use crate::diagnosis::warm_profile::{is_possible, profile};
 use crate::motion::temperature::Temperature;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::spectrum;
@@ -14,15 +15,19 @@ use crate::physics::dimension::Units;
 use crate::physics::law::Noise;
 use crate::physics::library::Term;
 use crate::physics::one_sided_stop::OneSidedStop;
+use crate::physics::warm_stiffness::WarmStiffness;
 use crate::sensor::{Accelerometer, ProofMass, Sensor};
 use crate::units::key::Sign;
 
+use super::asked::Asked;
 use super::conclude::Conclusion;
 
 /// Sensors with and without the terms of the final model. One unit of input is taken as 1 m/s²;
 /// without an input, one unit of output as 1 m. Readout noise with a memory is written as the white
 /// noise of the same density at low frequencies, from which drift comes.
-pub(super) fn repair(data: &Data, conclusion: &Conclusion, input: Option<&str>) -> Repair {
+pub(super) fn repair(asked: &Asked<'_>, data: &Data, conclusion: &Conclusion) -> Repair {
+    let input = data.input.as_ref().and(asked.columns.input.as_deref());
+    let warmth = warmth(asked, &conclusion.model.fit.structure.terms);
     let [before, after] = [&conclusion.base.fit, &conclusion.model.fit];
     let low_frequency = conclusion.noise.memory.map_or(1.0, |memory| memory.low_frequency);
     let mut not_expressible = Vec::new();
@@ -30,7 +35,7 @@ pub(super) fn repair(data: &Data, conclusion: &Conclusion, input: Option<&str>) 
         sensor.accelerometer.velocity_random_walk_m_s_rts *= low_frequency;
         sensor
     };
-    let repaired = with_noise(sensor(data, after, Some(&mut not_expressible)));
+    let repaired = with_noise(sensor(data, after, warmth.is_some(), Some(&mut not_expressible)));
     let vibration = match &data.input {
         Some(values) => {
             let u = &values.samples()[data.hull.clone()];
@@ -53,10 +58,10 @@ pub(super) fn repair(data: &Data, conclusion: &Conclusion, input: Option<&str>) 
         None => "one unit of the output is taken as 1 m of displacement".to_owned(),
     };
     Repair {
-        before: with_noise(sensor(data, before, None)),
+        before: with_noise(sensor(data, before, false, None)),
         after: repaired,
         by_axis: Vec::new(),
-        temperature: Temperature::default(),
+        temperature: warmth.unwrap_or_default(),
         relation,
         not_expressible,
         vibration,
@@ -64,7 +69,26 @@ pub(super) fn repair(data: &Data, conclusion: &Conclusion, input: Option<&str>) 
     }
 }
 
-fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>) -> Sensor {
+/// The temperature that the spring follows, as it was recorded, about its mean, at which ω₀ was fitted;
+/// `None` where it follows none, or a study cannot take it.
+fn warmth(asked: &Asked<'_>, terms: &[Term]) -> Option<Temperature> {
+    let followed = terms.iter().filter_map(|term| match term {
+        Term::StiffnessDrift(drift) => drift.environment,
+        _ => None,
+    });
+    let [place] = followed.collect::<Vec<_>>()[..] else { return None };
+    if asked.pieces.len() != 1 {
+        return None;
+    }
+    let logged = asked.columns.environment.iter().filter_map(|name| asked.recording.column(name));
+    // One that stays as it is was left out of the fit.
+    let values = logged.filter(|values| mean_sd(values).1 > 0.0).nth(place)?;
+    let points = profile(values, asked.recording.rate_hz, |deg_c| deg_c);
+    is_possible(&points).then(|| Temperature::new(points, mean_sd(values).0))
+}
+
+/// The fitted model; `warm`: with the temperature that its spring follows, if it follows one.
+fn sensor(data: &Data, fit: &Fit, warm: bool, mut not_expressible: Option<&mut Vec<String>>) -> Sensor {
     let gain = if data.input.is_some() { fit.point[GAIN] } else { 1.0 };
     let (omega, zeta) = (fit.point[OMEGA], fit.point[ZETA]);
     let mut mass = ProofMass { natural_frequency_rad_s: omega, damping_ratio: zeta, ..ProofMass::default() };
@@ -78,7 +102,7 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
     };
     for (i, term) in fit.structure.terms.iter().enumerate() {
         let p = fit.structure.of(i, &fit.point);
-        let (term, p) = &as_a_study_has_it(term, p);
+        let (term, p) = &as_a_study_has_it(term, p, warm);
         let law = laws().iter().find(|law| law.term == *term);
         if let Some(law) = law {
             if is_refused(law, p) {
@@ -111,20 +135,25 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
     Sensor { proof_mass: Some(mass), accelerometer, ..Sensor::default() }
 }
 
-/// The form in which a study has this term, with its values: a stop on one side stands at a place.
-fn as_a_study_has_it(term: &Term, p: &[f64]) -> (Term, Vec<f64>) {
-    let one_sided = match term {
-        Term::EndStop(stop) => OneSidedStop::values_of(*stop, p),
-        _ => None,
-    };
-    one_sided.map_or((*term, p.to_vec()), |values| (Term::OneSidedStop(OneSidedStop), values.to_vec()))
+/// The form in which a study has this term, with its values: a stop on one side stands at a place, and
+/// a spring beside a temperature follows it.
+fn as_a_study_has_it(term: &Term, p: &[f64], warm: bool) -> (Term, Vec<f64>) {
+    match term {
+        Term::EndStop(stop) => OneSidedStop::values_of(*stop, p)
+            .map_or((*term, p.to_vec()), |values| (Term::OneSidedStop(OneSidedStop), values.to_vec())),
+        Term::StiffnessDrift(drift) if warm && drift.environment.is_some() => {
+            (Term::WarmStiffness(WarmStiffness), p.to_vec())
+        }
+        _ => (*term, p.to_vec()),
+    }
 }
 
 /// Why no study runs a term that has none of its keys.
 fn why_not(term: &Term) -> &'static str {
     match term {
         Term::StiffnessDrift(_) => {
-            "a study's spring drifts with time alone: it has no key for one that follows [temperature] or another column"
+            "a study's spring follows time or one temperature in °C, recorded at once: sensor.stiffness_drift_per_s, \
+             sensor.stiffness_per_k"
         }
         Term::ReadoutSaturation(_) => "a study's range is the same on both sides of zero",
         Term::InputLag(_) => "it belongs to what recorded the input, not to the sensor",
