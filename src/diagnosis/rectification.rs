@@ -7,6 +7,8 @@
 //! every time, so that the rest of the minute is a sum in closed form: exact, and as fast for a
 //! resonance at 100 kHz as for one at 10 Hz. Motion that never repeats is integrated to the end.
 
+use std::cell::OnceCell;
+
 use super::repair::Vibration;
 use crate::control::{Control, Stopped};
 use crate::physics::coefficients::StudyLaw;
@@ -21,6 +23,8 @@ const STEPS_PER_RADIAN: f64 = 12.0;
 /// The motion repeats when neither position nor velocity changes by more than this share of its
 /// size in a period: what it still changes by is multiplied by the square of the periods left.
 const REPEATS: f64 = 1e-13;
+/// A period of more steps is not kept: 16 MB of forces.
+const MOST_KEPT: usize = 1_000_000;
 /// More steps than this no user waits for: then the last period stands for all others.
 const MOST_STEPS: usize = 30_000_000;
 
@@ -38,6 +42,8 @@ struct VibratedSensor<'a> {
     omega_rad_s: f64,
     period_s: f64,
     steps_per_period: usize,
+    /// The force at each half step of a period, the same in all of them, from the first whole one on.
+    period: OnceCell<Vec<f64>>,
 }
 
 /// Position error (m, with its sign) at the stated times, in ascending order. Infinite where the
@@ -71,8 +77,7 @@ pub(crate) fn position_error_m(
             // Velocity and position are counted from the period's own start, so that two periods
             // can be compared.
             let [x, v, velocity, position] = state;
-            let [next_x, next_v, gained, moved] =
-                motion.advance([x, v, 0.0, 0.0], 0.0, steps_per_period, &mut taken)?;
+            let [next_x, next_v, gained, moved] = motion.advance([x, v, 0.0, 0.0], &mut taken)?;
             let rest = whole - periods;
             let size = |a: f64, b: f64| (a - b).abs() <= REPEATS * (next_x.abs() + next_v.abs() / fastest);
             let repeats = size(next_x, x) && size(next_v / fastest, v / fastest);
@@ -113,38 +118,49 @@ impl<'a> VibratedSensor<'a> {
             omega_rad_s: std::f64::consts::TAU * vibration.frequency_hz,
             period_s: 1.0 / vibration.frequency_hz,
             steps_per_period,
+            period: OnceCell::new(),
         }
     }
 
     /// A whole period from phase zero.
-    fn advance(&self, state: State, from_s: f64, steps: usize, taken: &mut usize) -> Result<State, Stopped> {
-        self.integrate(state, from_s, self.period_s / self.steps_per_period as f64, steps, taken)
+    fn advance(&self, state: State, taken: &mut usize) -> Result<State, Stopped> {
+        let steps = self.steps_per_period;
+        if steps > MOST_KEPT {
+            return self.span(state, self.period_s, steps, taken);
+        }
+        let step_s = self.period_s / steps as f64;
+        let at = |half: usize| self.force_m_s2(0.5 * step_s * half as f64);
+        let period = self.period.get_or_init(|| (0..=2 * steps).map(at).collect());
+        self.integrate(state, step_s, steps, |half| period[half], taken)
     }
 
     /// Part of a period from phase zero.
     fn span(&self, state: State, length_s: f64, steps: usize, taken: &mut usize) -> Result<State, Stopped> {
-        self.integrate(state, 0.0, length_s / steps as f64, steps, taken)
+        let step_s = length_s / steps as f64;
+        self.integrate(state, step_s, steps, |half| self.force_m_s2(0.5 * step_s * half as f64), taken)
     }
 
+    fn force_m_s2(&self, time_s: f64) -> f64 {
+        self.vibration.amplitude_m_s2 * (self.omega_rad_s * time_s).sin()
+    }
+
+    /// Under a force given at each half step.
     fn integrate(
         &self,
         mut state: State,
-        from_s: f64,
         h: f64,
         steps: usize,
+        force_m_s2: impl Fn(usize) -> f64,
         taken: &mut usize,
     ) -> Result<State, Stopped> {
-        let slope = |t: f64, s: State| {
-            let f = self.vibration.amplitude_m_s2 * (self.omega_rad_s * t).sin();
-            [s[1], self.acceleration(s[0], s[1], f), self.stiffness * s[0] - f, s[2]]
-        };
+        let slope = |f: f64, s: State| [s[1], self.acceleration(s[0], s[1], f), self.stiffness * s[0] - f, s[2]];
         let add = |s: State, k: State, by: f64| std::array::from_fn(|i| s[i] + by * k[i]);
         for n in 0..steps {
-            let t = from_s + n as f64 * h;
-            let k1 = slope(t, state);
-            let k2 = slope(t + h / 2.0, add(state, k1, h / 2.0));
-            let k3 = slope(t + h / 2.0, add(state, k2, h / 2.0));
-            let k4 = slope(t + h, add(state, k3, h));
+            let [begin, middle, end] = [0, 1, 2].map(|half| force_m_s2(2 * n + half));
+            let k1 = slope(begin, state);
+            let k2 = slope(middle, add(state, k1, h / 2.0));
+            let k3 = slope(middle, add(state, k2, h / 2.0));
+            let k4 = slope(end, add(state, k3, h));
             state = std::array::from_fn(|i| state[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
             *taken += 1;
             if taken.is_multiple_of(100_000) {
