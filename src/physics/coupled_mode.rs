@@ -5,6 +5,8 @@
 //! side up to how their damping is shared out, and no input that both models hear alike tells them
 //! apart. It is therefore no candidate of its own in the search ([`Law::tried`]): beside a second
 //! mode it would only make undecidable what is decided. It can be simulated and fitted by name.
+//! Where the first mass is damped strongly the two are not alike, and a diagnosis leaves what it
+//! sees without a name.
 
 use std::f64::consts::TAU;
 

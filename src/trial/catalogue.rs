@@ -4,8 +4,8 @@
 //! A list is written once; its enum, its two tables and its public ids follow from it.
 
 /// Declares an enum whose variants are public ids (kebab case), with `LIBRARY` for what a candidate
-/// describes and `FOREIGN` for what none does. What is `alike` the library has a candidate for that
-/// no recording tells from another, which it searches for; both names are right.
+/// describes and `FOREIGN` for what none does. What is `alike` the library holds without
+/// searching for it, as it resembles what it does search for; both names are right.
 macro_rules! catalogue {
     (
         $(#[$doc:meta])*
@@ -29,7 +29,8 @@ macro_rules! catalogue {
             pub const LIBRARY: &[$name] = &[$($name::$known,)*];
             /// Physics that no candidate describes, unlike each other.
             pub const FOREIGN: &[$name] = &[$($name::$strange,)*];
-            /// What no recording tells from a candidate that is searched for.
+            /// What the library holds and does not search for, as it resembles a candidate that it
+            /// does.
             pub const ALIKE: &[$name] = &[$($($name::$twin,)*)?];
 
             /// The public id, or a name of the same form for foreign physics.
@@ -40,8 +41,8 @@ macro_rules! catalogue {
                 }
             }
 
-            /// The ids that are right for it: its own, and that of a candidate that no recording
-            /// tells from it.
+            /// The ids that are right for it: its own, and that of a candidate that is searched for in
+            /// its place.
             pub fn names(self) -> Vec<String> {
                 match self {
                     $($($name::$twin => vec![self.id(), $name::$searched.id()],)*)?

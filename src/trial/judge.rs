@@ -4,7 +4,7 @@
 //!   that something may be missing.
 //! - Physics of the library: the named set must be the planted set. `undecidable` also counts as
 //!   right when every planted effect stands in a tie of at most two and every tie holds a planted
-//!   effect. What no recording tells from an effect that is searched for may have the name of either.
+//!   effect. What is not searched for, as it resembles what is, may have the name of either.
 //! - Foreign physics: only `unexplained` is right.
 
 use serde::{Deserialize, Serialize};
@@ -79,7 +79,7 @@ pub fn judge(case: &Case, said: &Said) -> Mark {
         }
         Ending::Explained => {
             let (inside, outside): (Vec<_>, Vec<_>) = ids.iter().partition(|id| allows(id));
-            // Both names of what no recording tells apart are one too many.
+            // Both names of one effect are one too many.
             match (inside.len(), outside.len()) {
                 (named, 0) if named == truth.len() && hit == named && hit > 0 => Mark::Named,
                 (named, 0) if named > 0 && hit < truth.len() => Mark::Partial,

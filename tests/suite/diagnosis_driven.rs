@@ -11,6 +11,7 @@ use proofmass::control::Control;
 use proofmass::diagnosis::driven;
 use proofmass::diagnosis::model::{Driven, DrivenColumns, Split, Start};
 use proofmass::diagnosis::verdict::{Outcome, Verdict};
+use proofmass::physics::library::CANDIDATES;
 use proofmass::recording::{Column, Recording, Request, read};
 use proofmass::report::diagnosis::{Diagnosis, worded};
 
@@ -45,6 +46,7 @@ pub fn tests() -> Vec<Trial> {
         ),
         data_test("driven: Silverbox, quietest part: no confident wrong spring", silverbox_quietest),
     ];
+    all.push(test("driven: every law of the library is planted in a recording of the suite", every_law));
     let forms = Physics::LIBRARY.iter().chain(Physics::ALIKE).map(|&law| (law.id(), law, None));
     // Three times as much friction forwards as backwards.
     let leaning = ("coulomb-friction that differs by direction".into(), Physics::CoulombFriction, Some([0.5, 0.0]));
@@ -164,6 +166,17 @@ fn several() -> Result<(), Failed> {
         check(alone || tied, format!("planted {id}: {:?} {:?}", v.verdict, ids(v)))?;
     }
     Ok(())
+}
+
+/// The list of what is planted is held against the library's own.
+fn every_law() -> Result<(), Failed> {
+    let planted: Vec<String> = Physics::LIBRARY.iter().chain(Physics::ALIKE).map(|law| law.id()).collect();
+    // A measured input that comes late is planted by `near_laws`.
+    let has = |id: &str| id == "input-lag" || planted.iter().any(|p| p == id);
+    let without: Vec<&str> = CANDIDATES.iter().map(|c| c.id).filter(|id| !has(id)).collect();
+    check(CANDIDATES.len() > 20 && without.is_empty(), format!("no recording has {without:?}"))?;
+    // Negative control: foreign physics is no law of the library.
+    check(Physics::FOREIGN.iter().all(|f| !has(&f.id())), "foreign physics passes for the library's")
 }
 
 fn library(law: Physics, shape: Option<[f64; 2]>) -> Result<(), Failed> {
