@@ -6,7 +6,7 @@
 //! 2. If it draws random numbers: a variant of `rng::Stream`.
 //! 3. If it is more than a strength, a row for each number of its shape, next to it.
 //! 4. If its law is new: a variant of [`ErrorLaw`] and how it is added to a reading, in
-//!    `kernel::reading`.
+//!    `kernel::cpu::reading`.
 //!
 //! From the row follow the field and its default, reading, checking and drawing the keys, the
 //! kernels' columns, states and switches on both backends, the error budget, the closed form, the
