@@ -28,6 +28,7 @@ mod suite {
     pub mod dynamics;
     pub mod emit;
     pub mod export;
+    pub mod far_from_linear;
     pub mod flown;
     pub mod following;
     pub mod formats;
@@ -167,6 +168,8 @@ fn main() {
         suite::diagnose_cli::tests(),
         // driven_bad_input: damaged recordings of a proof mass are refused in a sentence or survived and mentioned.
         suite::driven_bad_input::tests(),
+        // far_from_linear: what follows no linear oscillator gets a verdict, what follows nothing an error.
+        suite::far_from_linear::tests(),
         // trajectory: what is concealed in the log of a flight is found, and nothing else.
         suite::diagnosis_trajectory::tests(),
         // tumble: planted physics of an IMU in still poses is named, and nothing else.

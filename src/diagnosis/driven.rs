@@ -24,10 +24,11 @@ use super::answer::Answer;
 use super::model;
 use super::recordings::Recordings;
 
+use identification::chaos::{self, Chaos};
 use identification::fit::{self, Fit};
 use identification::refined_scales::refined;
 use identification::settled_shift::settled;
-use identification::{chaos, start};
+use identification::start;
 use intake::data::Data;
 use intake::input::Interpolation;
 use intake::notes::Notes;
@@ -35,9 +36,10 @@ use intake::prepare::Prepared;
 use intake::several::{self, Taken};
 use intake::stretches::{self, Stretches};
 use intake::work::{Budget, Stage};
+use selection::base_model::{self, Base};
 use selection::folds::{self, Fold};
 use selection::judged::{self, Judged, Selection};
-use selection::{base_model, stepwise};
+use selection::stepwise;
 use simulation::run;
 use verdict::asked::Asked;
 use verdict::conclude::{self, Conclusion};
@@ -72,7 +74,8 @@ pub(crate) fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, co
     })?;
     let asked =
         Asked { recording, pieces: &pieces, judging: &judging, columns: &model.columns, unit: model.unit.as_deref() };
-    if free_body::is_free(&course.data, &base)
+    if course.follows
+        && free_body::is_free(&course.data, &base)
         && let Some(answer) = free_body::conclusion::answer(&asked, &course.data, course.own_test, course.notes.clone())
     {
         return Ok(answer);
@@ -93,6 +96,8 @@ struct Course {
     start: model::Start,
     /// Whether the model file named its own test samples.
     own_test: bool,
+    /// Whether the reading follows a linear oscillator at all.
+    follows: bool,
     /// Samples that were not recorded.
     filled: Stretches,
     notes: Notes,
@@ -112,7 +117,8 @@ impl Course {
             ));
         }
         let budget = narrow.work.budget(Stage::Search, narrow.hull.len());
-        Self { data, narrow, start, own_test, filled, notes, budget }
+        let follows = !notes.bent;
+        Self { data, narrow, start, own_test, follows, filled, notes, budget }
     }
 
     /// Whether terms are chosen on all of the recording.
@@ -124,16 +130,20 @@ impl Course {
     fn base(&mut self) -> Result<(Fit, Scales), String> {
         let mut notes = self.notes.clone();
         let mut free = base_model::base(&self.narrow, &self.start, &mut notes);
-        let left = free.as_ref().map_or(self.power(), |found| found.0.variance);
+        let left = free.as_ref().map_or(self.power(), |found| found.fit.variance);
         if self.settle_interpolation(left) {
             notes.clone_from(&self.notes);
             free = base_model::base(&self.narrow, &self.start, &mut notes);
         }
-        if let Some(found) = self.chaotic(free.as_ref().ok().map(|f| &f.0)) {
+        if let Some(found) = self.chaotic(free.as_ref().ok().map(|f| &f.fit)) {
             return Ok(found);
         }
-        let (base, scales) = free?;
+        let Base { fit: base, scales, poor } = free?;
         self.notes = notes;
+        if let Some(clause) = poor {
+            self.follows = false;
+            return Ok(self.begun_about_rest(clause).unwrap_or((base, scales)));
+        }
         base_model::bridge(&mut self.narrow, &base, &self.filled);
         if self.is_whole() {
             self.data.reading.clone_from(&self.narrow.reading);
@@ -175,10 +185,32 @@ impl Course {
     /// leaves much.
     fn chaotic(&mut self, free: Option<&Fit>) -> Option<(Fit, Scales)> {
         let follows = free.is_some_and(|fit| fit.variance < start::POOR * self.power());
-        if follows || self.notes.broken || !self.filled.is_empty() || !self.data.breaks.is_empty() {
+        if follows || !self.can_be_in_windows() {
             return None;
         }
         let chaos = chaos::chaos(&self.narrow)?;
+        let found = self.in_windows(&chaos)?;
+        let [clause, more] = findings::chaos(&chaos);
+        self.notes.doubt(clause, &more);
+        Some(found)
+    }
+
+    /// Where the reading follows no linear oscillator, in words: the base model in windows about the
+    /// place of rest of a force of third degree, if one describes the motion.
+    fn begun_about_rest(&mut self, clause: String) -> Option<(Fit, Scales)> {
+        let bent = if self.can_be_in_windows() { chaos::bent(&self.narrow) } else { None };
+        let found = bent.and_then(|bent| Some((self.in_windows(&bent)?, findings::bent(&bent))));
+        let more = found.as_ref().map_or_else(|| findings::POOR.to_owned(), |found| found.1.clone());
+        self.notes.doubt(clause, &more);
+        Some(found?.0)
+    }
+
+    fn can_be_in_windows(&self) -> bool {
+        !self.notes.broken && self.filled.is_empty() && self.data.breaks.is_empty()
+    }
+
+    /// The base model in windows, begun where a force of third degree puts it.
+    fn in_windows(&mut self, chaos: &Chaos) -> Option<(Fit, Scales)> {
         let mut narrow = self.narrow.clone();
         chaos.in_windows(&mut narrow, self.own_test);
         let (base, scales) = start::base_from(&narrow, &chaos.force.base)?;
@@ -189,8 +221,6 @@ impl Course {
         }
         self.narrow = narrow;
         let scales = refined(&self.narrow, &base, &scales);
-        let [clause, more] = findings::chaos(&chaos);
-        self.notes.doubt(clause, &more);
         Some((base, scales))
     }
 
@@ -204,6 +234,11 @@ impl Course {
         if let Some(base) = self.on_another_input(&selection, scales) {
             self.budget = self.budget.or(self.narrow.work.budget(Stage::SearchAgain, self.narrow.hull.len()));
             selection = stepwise::search(&self.narrow, base, scales, &candidates, self.budget, control)?;
+        }
+        if !self.follows {
+            // Cycles of a resonance that is none say nothing.
+            selection.base_follows = false;
+            selection.reach.few_cycles = None;
         }
         self.data.input.clone_from(&self.narrow.input);
         self.note_what_was_not_tried(&selection);

@@ -33,6 +33,8 @@ use super::verdict::Outcome;
 pub struct Evidence {
     /// Whether the recording determines the parameters of the base model.
     pub base_determined: bool,
+    /// Whether the recording follows the base model at all.
+    pub base_follows: bool,
     /// Whether any effect, of any size, would have been seen.
     pub has_power: bool,
     /// Number of effects that hold.
@@ -75,6 +77,7 @@ impl Default for Evidence {
     fn default() -> Self {
         Self {
             base_determined: true,
+            base_follows: true,
             has_power: true,
             named: 0,
             departs: false,
@@ -107,7 +110,7 @@ pub fn rule(evidence: &Evidence) -> Outcome {
 
 /// Where nothing has a name.
 fn silent(evidence: &Evidence) -> Outcome {
-    let base_suffices = !evidence.stand_ins && evidence.nameless < NAMELESS;
+    let base_suffices = evidence.base_follows && !evidence.stand_ins && evidence.nameless < NAMELESS;
     match evidence.remainder {
         Size::Negligible if base_suffices && evidence.has_power => Outcome::Adequate,
         Size::Negligible | Size::Faint if base_suffices => Outcome::Undecidable,
@@ -118,7 +121,8 @@ fn silent(evidence: &Evidence) -> Outcome {
 /// Whether the named effects bring the residual to the noise, or so close that the rest is a
 /// detail.
 fn accounts_for_all(evidence: &Evidence) -> bool {
-    let a_detail = evidence.search_complete && evidence.removed > NEARLY_ALL;
+    // Of the error of a base model that the recording does not follow, any law takes up most.
+    let a_detail = evidence.base_follows && evidence.search_complete && evidence.removed > NEARLY_ALL;
     let noise = evidence.remainder == Size::Negligible || a_detail;
     noise && !evidence.departs && !evidence.stand_ins && !evidence.predicts_worse && evidence.held_out_ratio <= WORSE
 }
@@ -137,6 +141,13 @@ mod tests {
         let rows: &[(&str, Evidence, Outcome)] = &[
             // Nothing named.
             ("adequate: nothing is missing that this recording could show", none, Adequate),
+            (
+                "nearly all of the error of a base model that is none is no measure",
+                Evidence { base_follows: false, removed: 0.999, remainder: Faint, ..one },
+                Unexplained,
+            ),
+            ("to the noise is a measure", Evidence { base_follows: false, removed: 0.999, ..one }, Explained),
+            ("no silence about what follows no base model", Evidence { base_follows: false, ..none }, Unexplained),
             ("silence without power says nothing", Evidence { has_power: false, ..none }, Undecidable),
             ("a faint remainder is too weak to be named", Evidence { remainder: Faint, ..none }, Undecidable),
             ("a real mismatch without a name", Evidence { remainder: Material, ..none }, Unexplained),
@@ -200,6 +211,7 @@ mod tests {
                         for (removed, nameless) in [(0.0, 0.0), (0.5, 0.2), (0.999, 0.0)] {
                             let evidence = Evidence {
                                 base_determined,
+                                base_follows: true,
                                 has_power,
                                 named,
                                 departs: false,

@@ -4,6 +4,7 @@
 pub mod alignment;
 pub mod data;
 mod defects;
+pub mod dependence;
 pub mod excerpt;
 pub mod input;
 pub mod lines;

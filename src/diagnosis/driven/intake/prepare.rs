@@ -15,6 +15,7 @@ use crate::recording::Recording;
 use super::alignment::{self, align};
 use super::data::Data;
 use super::defects;
+use super::dependence::depends;
 use super::input::{Input, Interpolation, REACH};
 use super::lines;
 use super::notes::Notes;
@@ -177,7 +178,7 @@ fn hints(recording: &Recording, start: &model::Start, findings: &mut Vec<String>
 /// moved.
 ///
 /// # Errors
-/// Where the two have nothing to do with each other; in words.
+/// Where the two have nothing to do with each other, by a linear law or any other; in words.
 fn together(
     model: &model::Driven,
     input: &mut [f64],
@@ -215,12 +216,17 @@ fn together(
         return Ok(None);
     }
     if forward.is_chance() && !notes.broken {
-        let cause = format!(
-            "no oscillator can be identified: the best one explains {} % of the power of {output} from {name}, no \
-             more than with the input shifted in time",
+        let explains = format!(
+            "explains {} % of the power of {output} from {name}, no more than with the input shifted in time",
             short(100.0 * (1.0 - forward.residual))
         );
-        return Err(cause);
+        if depends(input, reading, ends) {
+            let clause = format!("{output} depends on {name}, but by no linear law: the best oscillator {explains}");
+            notes.doubt(clause, ": a law is named only where it brings the error to the noise");
+            notes.bent = true;
+            return Ok(None);
+        }
+        return Err(format!("no oscillator can be identified: the best one {explains}"));
     }
     let lag = forward.lag;
     if !forward.is_misaligned() {

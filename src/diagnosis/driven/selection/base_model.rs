@@ -8,6 +8,7 @@ use crate::diagnosis::driven::base::{BASE, OMEGA};
 use crate::diagnosis::driven::identification::fit::{Fit, fit};
 use crate::diagnosis::driven::identification::start;
 use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::intake::dependence::depends;
 use crate::diagnosis::driven::intake::input::Interpolation;
 use crate::diagnosis::driven::intake::notes::Notes;
 use crate::diagnosis::driven::simulation::run::trace;
@@ -28,11 +29,23 @@ const LEAST_GAIN: f64 = 20.0;
 /// Factor by which a hint may be off before it is worth a word.
 const HINT: f64 = 4.0;
 
-/// The base fit; notes what a reader must know of it.
+/// The base model of a recording, as far as there is one.
+#[derive(Debug, Clone)]
+pub struct Base {
+    /// The linear oscillator that fits best.
+    pub fit: Fit,
+    /// Sizes that follow from it.
+    pub scales: Scales,
+    /// How the reading depends on its input without following this oscillator, where it does not.
+    pub poor: Option<String>,
+}
+
+/// The base fit; notes what a reader must know of it. A reading that depends on its input without
+/// following any linear oscillator has the best one too: candidates begin there.
 ///
 /// # Errors
-/// Where no oscillator explains the reading; in words.
-pub fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Result<(Fit, Scales), String> {
+/// Where no oscillator explains the reading, and nothing ties it to its input; in words.
+pub fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Result<Base, String> {
     let Some(best) = start::base(data, hints) else {
         return Err("no oscillator, at any resonance or damping, can be fitted to it".into());
     };
@@ -44,13 +57,18 @@ pub fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Result<(Fit
     let predicted =
         1.0 - held_out(data, fit, &best.1, &data.validation).free() / mean_sd(&unseen).1.powi(2).max(1e-300);
     if gain < LEAST_GAIN || (data.input.is_some() && (1.0 - residual).min(predicted) < LEAST_SHARE) {
-        let also: String = notes.doubts.iter().map(|d| format!("; {d}")).collect();
-        return Err(format!(
-            "no oscillator can be identified: the best one explains {} % of the output's power where it was fitted and {} % \
-             elsewhere{also}",
+        let explains = format!(
+            "the best one explains {} % of the output's power where it was fitted and {} % elsewhere",
             short(100.0 * (1.0 - residual).max(0.0)),
             short(100.0 * predicted.max(0.0))
-        ));
+        );
+        if data.input.as_ref().is_some_and(|input| depends(input.samples(), &data.reading, &data.hull)) {
+            let poor = Some(format!("the output depends on the input, but follows no linear oscillator: {explains}"));
+            let (fit, scales) = best;
+            return Ok(Base { fit, scales, poor });
+        }
+        let also: String = notes.doubts.iter().map(|d| format!("; {d}")).collect();
+        return Err(format!("no oscillator can be identified: {explains}{also}"));
     }
     let hz = fit.point[OMEGA] / TAU;
     if hz > 0.5 * data.rate_hz {
@@ -68,7 +86,8 @@ pub fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Result<(Fit
             ": a rate or a hint in the wrong unit?",
         );
     }
-    Ok(best)
+    let (fit, scales) = best;
+    Ok(Base { fit, scales, poor: None })
 }
 
 /// Puts the base model's readings where none were recorded: a straight line there would be taken

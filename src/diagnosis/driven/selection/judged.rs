@@ -71,6 +71,8 @@ pub struct Selection {
     pub base: Judged,
     /// The model chosen; the base where nothing was.
     pub chosen: Judged,
+    /// Whether the reading follows the base model at all.
+    pub base_follows: bool,
     /// Each candidate alone against the base, best first.
     pub alone: Vec<Trial>,
     /// Candidates that were tried.

@@ -84,6 +84,7 @@ pub(crate) fn search(
     let mut selection = Selection {
         base,
         chosen,
+        base_follows: true,
         alone,
         tried,
         rivals: Vec::new(),

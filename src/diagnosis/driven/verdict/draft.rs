@@ -139,6 +139,7 @@ impl<'a> Draft<'a> {
                 && self.named.iter().any(|n| !self.is_noise(n)),
             held_out_ratio: ratio_interval(&base.held_out, &model.held_out)[0],
             base_determined: self.is_base_determined(),
+            base_follows: self.selection.base_follows,
         }
     }
 }

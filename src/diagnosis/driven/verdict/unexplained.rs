@@ -18,11 +18,23 @@ impl Draft<'_> {
     /// that model each must still be what its name says.
     pub(super) fn settle_unexplained(&mut self, r_squared: f64, tolerated: f64) {
         self.drop_stand_ins(r_squared, tolerated);
+        self.drop_beside_no_base();
         self.keep_what_is_named();
         while let Some((index, reason)) = self.named.iter().find_map(|n| Some((n.index, self.stands_in(n)?))) {
             self.drop_term(index, reason);
             self.named.retain(|n| n.index != index);
             self.keep_what_is_named();
+        }
+    }
+
+    /// Over a base model that the recording does not follow, whatever bends takes up most of the
+    /// error: a law that leaves some has no name.
+    fn drop_beside_no_base(&mut self) {
+        if self.selection.base_follows {
+            return;
+        }
+        for named in std::mem::take(&mut self.named) {
+            self.drop_term(named.index, Dropped::StandIn);
         }
     }
 

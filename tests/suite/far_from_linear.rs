@@ -1,0 +1,80 @@
+//! Driven recordings that are sound and follow no linear oscillator: each gets a verdict, and what
+//! has nothing to do with its input is refused all the same.
+
+use libtest_mimic::{Failed, Trial};
+
+use super::bench::Bench;
+use super::world::{check, test};
+
+/// Tests of this module.
+pub fn tests() -> Vec<Trial> {
+    vec![
+        test("driven: a mass that jumps between two wells gets a verdict, under noise for a force an error", two_wells),
+        test("driven: a mass that the square of its input moves gets a verdict and no law of a spring", squared),
+    ]
+}
+
+const RATE_HZ: f64 = 4.0;
+const SAMPLES: usize = 1500;
+const MODEL: &str = "kind = \"driven\"\nrate_hz = 4.0\n[columns]\ninput = \"u\"\noutput = \"y\"\n";
+
+/// A dozen sines from 0.1 to 1.4 rad/s.
+fn force(t: f64) -> f64 {
+    (0..12).map(f64::from).map(|i| 0.22 * ((0.1 + 0.12 * i) * t + i * i).cos()).sum()
+}
+
+/// Rows of input and reading of x″ + 0.04x′ + pull(x) = push(u), by RK4 in ten steps a sample; 1 % of
+/// noise from a fixed recurrence.
+fn moved(pull: impl Fn(f64) -> f64, push: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
+    let slope = |t: f64, [x, v]: [f64; 2]| [v, push(force(t)) - 0.04 * v - pull(x)];
+    let (h, mut s, mut state) = (0.1 / RATE_HZ, [1.0, 0.0], 1u64);
+    let mut uniform = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    };
+    let mut rows = Vec::new();
+    for k in 0..10 * SAMPLES {
+        let t = k as f64 * h;
+        if k % 10 == 0 {
+            rows.push([force(t), s[0] + 0.01 * (0..12).map(|_| uniform()).sum::<f64>()]);
+        }
+        let ahead = |r: [f64; 2], h: f64| [s[0] + h * r[0], s[1] + h * r[1]];
+        let k1 = slope(t, s);
+        let k2 = slope(t + 0.5 * h, ahead(k1, 0.5 * h));
+        let k3 = slope(t + 0.5 * h, ahead(k2, 0.5 * h));
+        let k4 = slope(t + h, ahead(k3, h));
+        s = std::array::from_fn(|i| s[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+    }
+    rows
+}
+
+fn csv(rows: &[[f64; 2]]) -> String {
+    "u,y\n".to_owned() + &rows.iter().map(|[u, y]| format!("{u},{y}\n")).collect::<String>()
+}
+
+// (x³ − x)/2 pulls towards ±1 and away from 0 (Guckenheimer & Holmes 1983).
+fn two_wells() -> Result<(), Failed> {
+    let bench = Bench::new()?;
+    let rows = moved(|x| 0.5 * (x.powi(3) - x), |u| u);
+    let verdict = bench.verdict(&csv(&rows), MODEL)?;
+    let word = verdict["verdict"].as_str().unwrap_or_default();
+    check(matches!(word, "explained" | "unexplained"), format!("{verdict}"))?;
+    let names = verdict["effects"].as_array().cloned().unwrap_or_default();
+    let springs = ["cubic-stiffness", "quadratic-stiffness"];
+    check(names.iter().all(|e| springs.iter().any(|s| e["id"] == *s)), format!("{names:?}"))?;
+    // Negative control: numbers without order, which moved nothing.
+    let other = |(k, row): (usize, &[f64; 2])| [((k * k * 7919 + k * 104_729) % 10_007) as f64 / 5000.0 - 1.0, row[1]];
+    let stranger: Vec<[f64; 2]> = rows.iter().enumerate().map(other).collect();
+    bench.refused("noise for a force", &csv(&stranger), MODEL, "no oscillator can be identified")
+}
+
+fn squared() -> Result<(), Failed> {
+    let bench = Bench::new()?;
+    let verdict = bench.verdict(&csv(&moved(|x| x, |u| u * u)), MODEL)?;
+    let names = verdict["effects"].as_array().cloned().unwrap_or_default();
+    check(verdict["verdict"] != "adequate", format!("{verdict}"))?;
+    check(names.iter().all(|e| e["id"] == "drive-nonlinearity"), format!("{names:?}"))?;
+    // Negative control: the same spring under the input itself lacks nothing.
+    let linear = bench.verdict(&csv(&moved(|x| x, |u| u)), MODEL)?;
+    check(linear["verdict"] == "adequate", format!("{linear}"))
+}
