@@ -168,6 +168,10 @@ pub trait Law {
     fn has_corner(&self) -> bool {
         false
     }
+    /// The environment column that it follows in place of time, in this form.
+    fn environment(&self) -> Option<usize> {
+        None
+    }
     /// Whether it follows the temperature of a study, in K above its reference the first environment
     /// column.
     fn follows_temperature(&self) -> bool {

@@ -43,6 +43,9 @@ impl Law for StiffnessDrift {
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
         vec![Coordinate::Linear(0.1 / self.environment.map_or(s.duration_s, |e| s.environment[e].max(1e-300)))]
     }
+    fn environment(&self) -> Option<usize> {
+        self.environment
+    }
     fn starts(&self, _: &Scales) -> Vec<Vec<f64>> {
         vec![vec![0.0]]
     }

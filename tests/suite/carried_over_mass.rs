@@ -81,8 +81,8 @@ fn carried(case: &Case) -> Result<(), Failed> {
     let warm = |n: usize| planted.temperature.as_ref().map_or(20.0, |all| all[n]);
     let rows = planted.input.iter().zip(&planted.reading).enumerate();
     let rows = rows.map(|(n, (u, y))| format!("{u:.9e},{y:.9e},{:.9e}\n", warm(n)));
-    let log = format!("u,y,deg_c\n{}", rows.collect::<String>());
-    let environment = if planted.temperature.is_some() { "environment = [\"deg_c\"]\n" } else { "" };
+    let log = format!("u,y,temp_C\n{}", rows.collect::<String>());
+    let environment = if planted.temperature.is_some() { "environment = [\"temp_C\"]\n" } else { "" };
     let columns = format!("[columns]\ninput = \"u\"\noutput = \"y\"\n{environment}");
     let model = &format!("kind = \"driven\"\nrate_hz = 1000.0\n{columns}");
     let bench = Bench::new()?;
@@ -99,6 +99,11 @@ fn carried(case: &Case) -> Result<(), Failed> {
         check(study.tolerances[key].is_some(), format!("no {path}:\n{text}"))?;
         let got = study.tolerances.moments(key).0;
         let expected = si * planted.values.iter().find(|(name, _)| name == symbol).ok_or("it was not planted")?.1;
+        // Of a spring that follows a column, κ is per unit of it.
+        if planted.temperature.is_some() {
+            let unit = &verdict["effects"][0]["parameters"][0]["unit"];
+            check(unit == "1/C", format!("κ over temperature in {unit}"))?;
+        }
         let half = half_width(&verdict["effects"][0], symbol)? * si.abs();
         // The interval is one of 95 %: three half widths are missed once in 10⁸. The gain that makes
         // metres of it is known to a thousandth.

@@ -69,7 +69,14 @@ impl Models<'_> {
         let Asked { recording, pieces, columns, .. } = *asked;
         let output_unit = asked.unit.map_or_else(|| unit_of(&columns.output, "output unit"), str::to_owned);
         let input_unit = columns.input.as_deref().map_or_else(String::new, |i| unit_of(i, "input unit"));
-        let channels = Channels { output: columns.output.clone(), output_unit: output_unit.clone(), input_unit };
+        let environment = asked.environment().map(|(heading, _)| unit_of(heading, "environment unit"));
+        let environment_units = environment.collect();
+        let channels = Channels {
+            output: columns.output.clone(),
+            output_unit: output_unit.clone(),
+            input_unit,
+            environment_units,
+        };
         let [before, after] = [&self.base, &self.model].map(|m| windows::errors(self.data, pieces, self.motion, m));
         let [held_before, held_after] = [&self.base, &self.model].map(|m| m.held_out(self.motion, &self.data.test));
         let (r_squared, p_value) = self.predictable(fitted);

@@ -19,7 +19,7 @@ use crate::physics::library::Term;
 use crate::physics::scales::{Coordinate, Scales};
 use crate::physics::state::LANES;
 
-use super::effects::{Channels, unit};
+use super::effects::{Channels, parameter_unit};
 
 /// Share of the recordings in which such an effect would be named.
 const POWER: f64 = 0.9;
@@ -79,7 +79,7 @@ pub(super) fn limits(data: &Data, base: &Fit, scales: &Scales, candidates: &[Ter
             id: s.term.id().to_owned(),
             parameter: parameter.name.to_owned(),
             strength: Some(strength).filter(|v| v.is_finite()),
-            unit: unit(parameter.unit, channels),
+            unit: parameter_unit(&s.term, s.parameter, channels),
             effect_over_noise: Some(least * s.raw / s.residual).filter(|v| v.is_finite()),
             hidden_share: 1.0 - (s.residual / s.raw).powi(2).min(1.0),
         });

@@ -12,6 +12,7 @@ use crate::diagnosis::driven::verdict::dropped::Dropped;
 use crate::diagnosis::standing::{Gain, Note, Ranked};
 use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Form};
 use crate::physics::law::Noise;
+use crate::physics::library::Term;
 use crate::physics::readout_quantisation;
 use crate::physics::scales::{Coordinate, Scales};
 
@@ -29,6 +30,8 @@ pub struct Channels {
     pub output_unit: String,
     /// Unit of the input.
     pub input_unit: String,
+    /// Units of the environment columns that laws may follow.
+    pub environment_units: Vec<String>,
 }
 
 /// The unit that a heading ends in, "V2_V" → "V"; `otherwise` where it does not end in one.
@@ -36,6 +39,16 @@ pub(crate) fn unit_of(heading: &str, otherwise: &str) -> String {
     match heading.rsplit_once('_') {
         Some((_, unit)) if !unit.is_empty() && unit.len() <= 5 => unit.to_owned(),
         _ => otherwise.to_owned(),
+    }
+}
+
+/// Unit of a term's parameter: per unit of the environment column where the term follows one in place
+/// of time.
+pub(super) fn parameter_unit(term: &Term, parameter: usize, channels: &Channels) -> String {
+    let pattern = term.candidate().parameters[parameter].unit;
+    match term.environment().and_then(|column| channels.environment_units.get(column)) {
+        Some(own) => pattern.replace('s', own),
+        None => unit(pattern, channels),
     }
 }
 
@@ -127,7 +140,7 @@ pub(crate) fn estimates(
             let value = fit.point[place];
             let reach = fit.free.iter().position(|f| *f == place).map_or([0.0; 2], |f| c.spread.reach[f]);
             let ci95 = interval_about(value, coordinates[j], reach);
-            Estimate { name: parameter.name.to_owned(), value, unit: unit(parameter.unit, channels), ci95 }
+            Estimate { name: parameter.name.to_owned(), value, unit: parameter_unit(&term, j, channels), ci95 }
         })
         .collect();
     let forces: Vec<Estimate> = term

@@ -72,17 +72,11 @@ pub(super) fn repair(asked: &Asked<'_>, data: &Data, conclusion: &Conclusion) ->
 /// The temperature that the spring follows, as it was recorded, about its mean, at which ω₀ was fitted;
 /// `None` where it follows none, or a study cannot take it.
 fn warmth(asked: &Asked<'_>, terms: &[Term]) -> Option<Temperature> {
-    let followed = terms.iter().filter_map(|term| match term {
-        Term::StiffnessDrift(drift) => drift.environment,
-        _ => None,
-    });
-    let [place] = followed.collect::<Vec<_>>()[..] else { return None };
+    let [place] = terms.iter().filter_map(|term| term.environment()).collect::<Vec<_>>()[..] else { return None };
     if asked.pieces.len() != 1 {
         return None;
     }
-    let logged = asked.columns.environment.iter().filter_map(|name| asked.recording.column(name));
-    // One that stays as it is was left out of the fit.
-    let values = logged.filter(|values| mean_sd(values).1 > 0.0).nth(place)?;
+    let (_, values) = asked.environment().nth(place)?;
     let points = profile(values, asked.recording.rate_hz, |deg_c| deg_c);
     is_possible(&points).then(|| Temperature::new(points, mean_sd(values).0))
 }
@@ -141,7 +135,7 @@ fn as_a_study_has_it(term: &Term, p: &[f64], warm: bool) -> (Term, Vec<f64>) {
     match term {
         Term::EndStop(stop) => OneSidedStop::values_of(*stop, p)
             .map_or((*term, p.to_vec()), |values| (Term::OneSidedStop(OneSidedStop), values.to_vec())),
-        Term::StiffnessDrift(drift) if warm && drift.environment.is_some() => {
+        Term::StiffnessDrift(_) if warm && term.environment().is_some() => {
             (Term::WarmStiffness(WarmStiffness), p.to_vec())
         }
         _ => (*term, p.to_vec()),
