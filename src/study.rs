@@ -40,6 +40,7 @@ use crate::motion::temperature::Temperature;
 use crate::sensor::{ProofMass, SensorTerm};
 use crate::units::STANDARD_GRAVITY_M_S2;
 use alignment::Alignment;
+use draw::Drawer;
 use in_motion::InMotion;
 pub use overrides::{Assignment, Overrides};
 pub use preset::Preset;
@@ -254,13 +255,18 @@ impl Study {
 
     /// Member `index` as drawn.
     pub fn member(&self, index: u64) -> Member {
-        draw::member(&self.tolerances, self.excitation.variation, self.seed, index)
+        self.drawer().member(index)
+    }
+
+    fn drawer(&self) -> Drawer {
+        Drawer::new(&self.tolerances, self.excitation.variation, self.seed)
     }
 
     /// A proof mass as hard to step as any of the members': highest resonance, strongest further
     /// terms; of a thousand members, where mechanics are drawn. `None` without mechanics.
     pub fn stiffest(&self) -> Option<ProofMass> {
-        let masses = (0..self.members.min(1000)).filter_map(|m| self.member(m).sensor.proof_mass);
+        let drawer = self.drawer();
+        let masses = (0..self.members.min(1000)).filter_map(|m| drawer.member(m).sensor.proof_mass);
         masses.reduce(|a, b| a.stiffer(&b))
     }
 
@@ -331,12 +337,12 @@ impl Study {
         let still_samples = self.alignment.still_samples();
         report_samples.iter_mut().for_each(|sample| *sample += still_samples);
         let samples = self.clock.samples + still_samples;
-        let (tolerances, variation, seed) = (self.tolerances.clone(), self.excitation.variation, self.seed);
+        let drawer = self.drawer();
         Job {
-            seed,
+            seed: self.seed,
             members: self.members,
             clock: Clock { samples, report_samples, still_samples, ..self.clock.clone() },
-            draw: Arc::new(move |index| draw::member(&tolerances, variation, seed, index)),
+            draw: Arc::new(move |index| drawer.member(index)),
             waveform: self.excitation.waveform.clone(),
             integrator,
             temperature: self.temperature.clone(),

@@ -71,9 +71,12 @@ pub(crate) fn own_states() -> usize {
     laws().iter().map(|law| law.term.states()).sum()
 }
 
-/// The keys of all of them.
+/// The keys of all of them, in the order of their coefficients.
 pub(crate) fn keys() -> impl Iterator<Item = &'static Key> {
-    laws().iter().flat_map(|law| law.given()).map(|given| &given.key)
+    // Gathered once: each member of an ensemble is drawn by them.
+    static KEYS: LazyLock<Vec<&'static Key>> =
+        LazyLock::new(|| laws().iter().flat_map(|law| law.given()).map(|given| &given.key).collect());
+    KEYS.iter().copied()
 }
 
 /// Coefficients of the laws of one proof mass, SI; 0 where it does not follow a law.
@@ -81,6 +84,13 @@ pub(crate) fn keys() -> impl Iterator<Item = &'static Key> {
 pub struct Coefficients([f64; MOST]);
 
 impl Coefficients {
+    /// The coefficients that each key is given.
+    pub fn given(value: impl Fn(&Key) -> f64) -> Self {
+        let mut all = [0.0; MOST];
+        all.iter_mut().zip(keys()).for_each(|(coefficient, key)| *coefficient = value(key));
+        Self(all)
+    }
+
     /// The coefficient of a key; 0 for a key that is no law's.
     pub fn of(&self, key: &Key) -> f64 {
         place(key).map_or(0.0, |i| self.0[i])

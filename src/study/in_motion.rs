@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::aiding::{self, Aiding};
 use super::check;
-use super::draw;
+use super::draw::Drawer;
 use super::file::{AlignmentKind, File, VerticalKind};
 use super::flown::{self, Flown};
 use super::mass_check;
@@ -250,9 +250,8 @@ impl InMotion {
 
     /// A proof mass of one axis as hard to step as any of the members'.
     fn stiffest(&self, seed: u64, members: u64, axis: usize) -> Option<ProofMass> {
-        let masses = (0..members.min(ASKED)).filter_map(|m| {
-            draw::member(&self.tolerances[axis], Variation::None, axis_seed(seed, axis as u64), m).sensor.proof_mass
-        });
+        let drawer = Drawer::new(&self.tolerances[axis], Variation::None, axis_seed(seed, axis as u64));
+        let masses = (0..members.min(ASKED)).filter_map(|m| drawer.member(m).sensor.proof_mass);
         masses.reduce(|a, b| a.stiffer(&b))
     }
 
@@ -303,7 +302,8 @@ impl InMotion {
             let warmer_k = self.course.temperature().range_above_reference_k();
             let stiffest = self.stiffest(run.seed, run.members, axis);
             let stiffest = stiffest.map(|mass| mass.at_its_stiffest(clock.duration_s(), warmer_k));
-            let tolerances = self.tolerances[axis].clone();
+            let tolerances = &self.tolerances[axis];
+            let drawer = Drawer::new(tolerances, Variation::None, seed);
             let integrator = tolerances.integrator(stiffest.as_ref(), clock.step_s)?.integrator;
             let waveform = Arc::new(Along {
                 truth: self.course.truth.clone(),
@@ -324,7 +324,7 @@ impl InMotion {
                 seed,
                 members: run.members,
                 clock: clock.clone(),
-                draw: Arc::new(move |member| draw::member(&tolerances, Variation::None, seed, member)),
+                draw: Arc::new(move |member| drawer.member(member)),
                 waveform,
                 integrator,
                 // What follows it along a straight line is added where the axes are coupled.

@@ -159,7 +159,9 @@ impl<T: Real> Members<T> {
         let mut low_pass = [Lane::splat(T::of(0.0)); WEIGHTS];
         let mut last: Option<Column> = None;
         for l in 0..LANES {
-            last = columns.next().transpose()?.or(last);
+            if let Some(next) = columns.next() {
+                last = Some(next?);
+            }
             let Some(member) = &last else { break };
             (0..COLUMNS).for_each(|c| members.columns[c][l] = T::of(member.values[c]));
             (0..2).for_each(|i| members.turns[i][l] = member.turns[i]);
