@@ -24,7 +24,7 @@ use super::answer::Answer;
 use super::model;
 use super::recordings::Recordings;
 
-use identification::chaos::{self, Chaos};
+use identification::chaos;
 use identification::fit::{self, Fit};
 use identification::refined_scales::refined;
 use identification::settled_shift::settled;
@@ -36,7 +36,7 @@ use intake::prepare::Prepared;
 use intake::several::{self, Taken};
 use intake::stretches::{self, Stretches};
 use intake::work::{Budget, Stage};
-use selection::base_model::{self, Base};
+use selection::base_model;
 use selection::folds::{self, Fold};
 use selection::judged::{self, Judged, Selection};
 use selection::stepwise;
@@ -117,8 +117,7 @@ impl Course {
             ));
         }
         let budget = narrow.work.budget(Stage::Search, narrow.hull.len());
-        let follows = !notes.bent;
-        Self { data, narrow, start, own_test, follows, filled, notes, budget }
+        Self { data, narrow, start, own_test, follows: true, filled, notes, budget }
     }
 
     /// Whether terms are chosen on all of the recording.
@@ -130,26 +129,35 @@ impl Course {
     fn base(&mut self) -> Result<(Fit, Scales), String> {
         let mut notes = self.notes.clone();
         let mut free = base_model::base(&self.narrow, &self.start, &mut notes);
-        let left = free.as_ref().map_or(self.power(), |found| found.fit.variance);
+        let left = free.as_ref().map_or(self.power(), |found| found.0.variance);
         if self.settle_interpolation(left) {
             notes.clone_from(&self.notes);
             free = base_model::base(&self.narrow, &self.start, &mut notes);
         }
-        if let Some(found) = self.chaotic(free.as_ref().ok().map(|f| &f.fit)) {
+        self.settle_whether_it_follows(free.as_ref().ok().map(|f| &f.0), &mut notes);
+        if let Some(found) = self.chaotic(free.as_ref().ok().map(|f| &f.0)) {
             return Ok(found);
         }
-        let Base { fit: base, scales, poor } = free?;
+        let (base, scales) = free?;
         self.notes = notes;
-        if let Some(clause) = poor {
-            self.follows = false;
-            return Ok(self.begun_about_rest(clause).unwrap_or((base, scales)));
-        }
         base_model::bridge(&mut self.narrow, &base, &self.filled);
         if self.is_whole() {
             self.data.reading.clone_from(&self.narrow.reading);
         }
         let scales = refined(&self.narrow, &base, &scales);
         Ok((base, scales))
+    }
+
+    /// No linear law is to be seen where noise is loud, either: whether the reading follows the
+    /// linear oscillator all the same, so that what it leaves is noise.
+    fn settle_whether_it_follows(&mut self, free: Option<&Fit>, notes: &mut Notes) {
+        let Some(clause) = self.notes.bent.take() else { return };
+        self.follows = free.is_some_and(|fit| !base_model::leaves_more_than_noise(&self.narrow, fit));
+        if !self.follows {
+            for notes in [&mut self.notes, notes] {
+                notes.doubt(clause.clone(), "; a law is named only where it brings the error to the noise");
+            }
+        }
     }
 
     /// An input that is held between its samples, or goes along straight lines, turns the phase by
@@ -185,32 +193,10 @@ impl Course {
     /// leaves much.
     fn chaotic(&mut self, free: Option<&Fit>) -> Option<(Fit, Scales)> {
         let follows = free.is_some_and(|fit| fit.variance < start::POOR * self.power());
-        if follows || !self.can_be_in_windows() {
+        if follows || self.notes.broken || !self.filled.is_empty() || !self.data.breaks.is_empty() {
             return None;
         }
         let chaos = chaos::chaos(&self.narrow)?;
-        let found = self.in_windows(&chaos)?;
-        let [clause, more] = findings::chaos(&chaos);
-        self.notes.doubt(clause, &more);
-        Some(found)
-    }
-
-    /// Where the reading follows no linear oscillator, in words: the base model in windows about the
-    /// place of rest of a force of third degree, if one describes the motion.
-    fn begun_about_rest(&mut self, clause: String) -> Option<(Fit, Scales)> {
-        let bent = if self.can_be_in_windows() { chaos::bent(&self.narrow) } else { None };
-        let found = bent.and_then(|bent| Some((self.in_windows(&bent)?, findings::bent(&bent))));
-        let more = found.as_ref().map_or_else(|| findings::POOR.to_owned(), |found| found.1.clone());
-        self.notes.doubt(clause, &more);
-        Some(found?.0)
-    }
-
-    fn can_be_in_windows(&self) -> bool {
-        !self.notes.broken && self.filled.is_empty() && self.data.breaks.is_empty()
-    }
-
-    /// The base model in windows, begun where a force of third degree puts it.
-    fn in_windows(&mut self, chaos: &Chaos) -> Option<(Fit, Scales)> {
         let mut narrow = self.narrow.clone();
         chaos.in_windows(&mut narrow, self.own_test);
         let (base, scales) = start::base_from(&narrow, &chaos.force.base)?;
@@ -221,6 +207,8 @@ impl Course {
         }
         self.narrow = narrow;
         let scales = refined(&self.narrow, &base, &scales);
+        let [clause, more] = findings::chaos(&chaos);
+        self.notes.doubt(clause, &more);
         Some((base, scales))
     }
 
@@ -236,7 +224,7 @@ impl Course {
             selection = stepwise::search(&self.narrow, base, scales, &candidates, self.budget, control)?;
         }
         if !self.follows {
-            // Cycles of a resonance that is none say nothing.
+            // No resonance is known whose cycles could be counted.
             selection.base_follows = false;
             selection.reach.few_cycles = None;
         }

@@ -114,6 +114,10 @@ fn silent(evidence: &Evidence) -> Outcome {
     match evidence.remainder {
         Size::Negligible if base_suffices && evidence.has_power => Outcome::Adequate,
         Size::Negligible | Size::Faint if base_suffices => Outcome::Undecidable,
+        // Nothing is left that could be called a mismatch, whatever the base model follows.
+        Size::Negligible if !evidence.base_follows && !evidence.stand_ins && evidence.nameless < NAMELESS => {
+            Outcome::Undecidable
+        }
         _ => Outcome::Unexplained,
     }
 }
@@ -142,12 +146,21 @@ mod tests {
             // Nothing named.
             ("adequate: nothing is missing that this recording could show", none, Adequate),
             (
-                "nearly all of the error of a base model that is none is no measure",
+                "the error of a base model that the recording does not follow is no measure, though nearly all of it goes",
                 Evidence { base_follows: false, removed: 0.999, remainder: Faint, ..one },
                 Unexplained,
             ),
             ("to the noise is a measure", Evidence { base_follows: false, removed: 0.999, ..one }, Explained),
-            ("no silence about what follows no base model", Evidence { base_follows: false, ..none }, Unexplained),
+            (
+                "noise is no mismatch, whatever the base model follows",
+                Evidence { base_follows: false, ..none },
+                Undecidable,
+            ),
+            (
+                "what is left of a recording that follows no base model is one",
+                Evidence { base_follows: false, remainder: Faint, ..none },
+                Unexplained,
+            ),
             ("silence without power says nothing", Evidence { has_power: false, ..none }, Undecidable),
             ("a faint remainder is too weak to be named", Evidence { remainder: Faint, ..none }, Undecidable),
             ("a real mismatch without a name", Evidence { remainder: Material, ..none }, Unexplained),
@@ -204,14 +217,15 @@ mod tests {
     fn no_verdict_contradicts_its_evidence() {
         let bools = [false, true];
         let mut seen = 0;
-        for (base_determined, has_power) in bools.iter().flat_map(|a| bools.map(|b| (*a, b))) {
+        let triples = bools.iter().flat_map(|a| bools.iter().flat_map(move |b| bools.map(|c| (*a, *b, c))));
+        for (base_determined, base_follows, has_power) in triples {
             for (named, tied) in [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)] {
                 for remainder in [Negligible, Faint, Material] {
                     for (stand_ins, held_out_ratio) in bools.iter().flat_map(|a| [1.0, 2.0].map(|b| (*a, b))) {
                         for (removed, nameless) in [(0.0, 0.0), (0.5, 0.2), (0.999, 0.0)] {
                             let evidence = Evidence {
                                 base_determined,
-                                base_follows: true,
+                                base_follows,
                                 has_power,
                                 named,
                                 departs: false,
@@ -227,7 +241,7 @@ mod tests {
                             let (verdict, predicts_worse) = (rule(&evidence), held_out_ratio > 1.5);
                             seen += 1;
                             let consistent = match verdict {
-                                Adequate => named == 0 && remainder == Negligible && has_power,
+                                Adequate => base_follows && named == 0 && remainder == Negligible && has_power,
                                 Explained => named > 0 && tied == 0 && !predicts_worse && !stand_ins,
                                 Unexplained => {
                                     base_determined
@@ -236,7 +250,7 @@ mod tests {
                                 Undecidable => {
                                     !base_determined
                                         || (tied > 0 && !predicts_worse)
-                                        || (named == 0 && (remainder < Material || !has_power))
+                                        || (named == 0 && (remainder < Material || !has_power || !base_follows))
                                 }
                             };
                             assert!(consistent, "{verdict:?}: {evidence:?}");
@@ -245,6 +259,6 @@ mod tests {
                 }
             }
         }
-        assert_eq!(seen, 4 * 6 * 3 * 4 * 3);
+        assert_eq!(seen, 8 * 6 * 3 * 4 * 3);
     }
 }

@@ -10,6 +10,7 @@ use super::world::{check, test};
 pub fn tests() -> Vec<Trial> {
     vec![
         test("driven: a mass that jumps between two wells gets a verdict, under noise for a force an error", two_wells),
+        test("driven: a linear oscillator in noise ten times as loud is never a mismatch", in_loud_noise),
         test("driven: a mass that the square of its input moves gets a verdict and no law of a spring", squared),
     ]
 }
@@ -62,6 +63,11 @@ fn two_wells() -> Result<(), Failed> {
     let names = verdict["effects"].as_array().cloned().unwrap_or_default();
     let springs = ["cubic-stiffness", "quadratic-stiffness"];
     check(names.iter().all(|e| springs.iter().any(|s| e["id"] == *s)), format!("{names:?}"))?;
+    // The search was a restricted one: what is said must not speak for the whole library, and no
+    // model is offered that the recording does not follow.
+    let sentence = verdict["sentence"].as_str().unwrap_or_default();
+    check(names.len() == 2 || !sentence.contains("no candidate in the library"), sentence)?;
+    check(!names.is_empty() || sentence.contains("follows no linear oscillator"), sentence)?;
     // Negative control: numbers without order, which moved nothing.
     let other = |(k, row): (usize, &[f64; 2])| [((k * k * 7919 + k * 104_729) % 10_007) as f64 / 5000.0 - 1.0, row[1]];
     let stranger: Vec<[f64; 2]> = rows.iter().enumerate().map(other).collect();
@@ -77,4 +83,40 @@ fn squared() -> Result<(), Failed> {
     // Negative control: the same spring under the input itself lacks nothing.
     let linear = bench.verdict(&csv(&moved(|x| x, |u| u)), MODEL)?;
     check(linear["verdict"] == "adequate", format!("{linear}"))
+}
+
+// Discrete oscillator with poles at 0.927·exp(±0.627i): ω₀ = 0.63 rad a sample, ζ = 0.12. White noise
+// of unit size is nothing but noise: the linear law is the truth.
+fn in_loud_noise() -> Result<(), Failed> {
+    let bench = Bench::new()?;
+    let mut state = 7u64;
+    let mut normal = move || -> f64 {
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        (0..12).map(|_| uniform()).sum()
+    };
+    let (mut motion, mut rows) = ([0.0f64; 2], Vec::new());
+    for _ in 0..20_000 {
+        rows.push([normal(), motion[0]]);
+        let last = rows[rows.len() - 1][0];
+        motion = [1.50 * motion[0] - 0.859 * motion[1] + last, motion[0]];
+    }
+    let size = (rows.iter().map(|r| r[1] * r[1]).sum::<f64>() / rows.len() as f64).sqrt();
+    let noise: Vec<f64> = rows.iter().map(|_| normal()).collect();
+    let model = MODEL.replace("4.0", "1000.0");
+    let heard = |times: f64| -> Vec<[f64; 2]> {
+        rows.iter().zip(&noise).map(|([u, y], n)| [*u, y + times * size * n]).collect()
+    };
+    let answer = bench.diagnose(&csv(&heard(9.0)), &model, &["--json"])?;
+    if answer.code == Some(0) {
+        let verdict = answer.json()?;
+        check(verdict["verdict"] != "unexplained", format!("{verdict}"))?;
+    } else {
+        answer.refuses("loud noise", "no oscillator can be identified")?;
+    }
+    // Negative control: the same under noise of its own size is identified.
+    let verdict = bench.verdict(&csv(&heard(1.0)), &model)?;
+    check(verdict["base"][0]["name"] == "omega0" && verdict["verdict"] == "adequate", format!("{verdict}"))
 }

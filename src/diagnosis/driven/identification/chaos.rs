@@ -29,7 +29,6 @@ const FEWEST: usize = 40;
 /// Integration steps per sample of the variational equation.
 const STEPS: usize = 8;
 
-/// A motion under a force of third degree, and how a small difference grows along it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Chaos {
     /// Largest Lyapunov exponent, 1/s.
@@ -61,13 +60,6 @@ const REPEATED: f64 = 0.1;
 /// Whether the response is chaotic within this recording; `None` where it is not, or where no force
 /// of third degree describes it.
 pub(crate) fn chaos(data: &Data) -> Option<Chaos> {
-    let duration_s = data.hull.len() as f64 * data.interval_s();
-    let grows = |c: &Chaos| c.exponent_per_s * duration_s > GROWS && c.horizon_s < 0.5 * duration_s;
-    bent(data).filter(grows)
-}
-
-/// A force of third degree that describes a motion, whether or not differences grow along it.
-pub(crate) fn bent(data: &Data) -> Option<Chaos> {
     let y = &data.reading[data.hull.clone()];
     let (centre, size) = mean_sd(y);
     let cycle = cycle(y, centre)?;
@@ -80,10 +72,14 @@ pub(crate) fn bent(data: &Data) -> Option<Chaos> {
         return None;
     }
     let exponent = exponent(y, &force, data.interval_s());
+    let duration_s = y.len() as f64 * data.interval_s();
     let noise = reading_noise(&Sample::of(data))?.deviation.max(1e-12 * size);
     let horizon_s = (size / noise).max(std::f64::consts::E).ln() / exponent;
+    if !(exponent * duration_s > GROWS && horizon_s < 0.5 * duration_s) {
+        return None;
+    }
     let cycle_s = cycle * data.interval_s();
-    let window_s = (WITHIN / exponent.max(1e-300)).clamp(CYCLES[0] * cycle_s, CYCLES[1] * cycle_s);
+    let window_s = (WITHIN / exponent).clamp(CYCLES[0] * cycle_s, CYCLES[1] * cycle_s);
     let (bottom, wells) = force.bottom()?;
     let stiffness = force.stiffness(bottom);
     let omega = stiffness.sqrt();

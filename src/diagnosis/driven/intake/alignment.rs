@@ -85,6 +85,24 @@ pub(crate) fn align(cause: &[f64], effect: &[f64], among: &Range<usize>) -> Opti
     aligned(cause, effect, among)
 }
 
+/// Both columns within `among` as they are looked at: thinned, and no more than the stretch on which
+/// the effect is loudest.
+pub(super) fn looked_at(cause: &[f64], effect: &[f64], among: &Range<usize>) -> [Vec<f64>; 2] {
+    let stride = stride(&cause[among.clone()]);
+    let [mut cause, mut effect] = [cause, effect].map(|values| -> Vec<f64> {
+        values[among.clone()].chunks_exact(stride).map(|c| c.iter().sum::<f64>() / stride as f64).collect()
+    });
+    let length = effect.len().min(LOOKED_AT);
+    let windows = (0..=8).map(|i| (effect.len() - length) * i / 8);
+    let loudness = |a: usize| mean_sd(&effect[a..a + length]).1;
+    let from = windows.max_by(|a, b| loudness(*a).total_cmp(&loudness(*b))).unwrap_or(0);
+    for values in [&mut cause, &mut effect] {
+        values.truncate(from + length);
+        values.drain(..from);
+    }
+    [cause, effect]
+}
+
 /// Rows that are taken together so that those compared cover as many cycles of the cause as they
 /// can: an oversampled recording shows little of its band in the rows that are looked at.
 fn stride(cause: &[f64]) -> usize {

@@ -6,8 +6,8 @@
 //! readings themselves, without derivatives of noise (the weak form: Messenger & Bortz, J. Comput.
 //! Phys. 443, 2021). What the input adds there to a force of displacement and velocity is compared
 //! with what the same input adds when it is played faster or slower and from another moment on,
-//! when nothing that it did can be seen. Not for which law it is, and not for any number in the
-//! verdict.
+//! which shows how much it would add by chance. Not for which law it is, and not for any number in
+//! the verdict.
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ use crate::numerics::moments::mean_sd;
 use crate::numerics::order;
 use crate::parallel;
 
-use super::alignment::{Alignment, align};
+use super::alignment::{Alignment, align, looked_at};
 
 /// Half widths of the weights, in samples; each is twice the one before.
 const SHORTEST: usize = 4;
@@ -35,7 +35,7 @@ const INPUT: usize = 5;
 
 /// Whether the reading depends on the input.
 pub(crate) fn depends(input: &[f64], reading: &[f64], among: &Range<usize>) -> bool {
-    let (u, y) = (unit(&input[among.clone()]), unit(&reading[among.clone()]));
+    let [u, y] = looked_at(input, reading, among).map(|values| unit(&values));
     let squared: Vec<f64> = input.iter().map(|u| u * u).collect();
     let by_square = || align(&squared, reading, among).is_some_and(|a: Alignment| !a.is_chance());
     let mut sides = vec![SHORTEST];

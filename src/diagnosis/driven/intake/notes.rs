@@ -13,8 +13,9 @@ pub struct Notes {
     pub doubts: Vec<String>,
     /// Whether the columns do not belong together as they stand, so that no physics may be blamed.
     pub broken: bool,
-    /// Whether the reading depends on its input, but by no linear law.
-    pub bent: bool,
+    /// How the reading depends on its input without a linear law that can be seen, as a clause; a
+    /// doubt only where the base model bears it out.
+    pub bent: Option<String>,
     /// Where the reading jumps; only worth a word where the final model does not predict it.
     pub jumps: Vec<usize>,
 }

@@ -221,9 +221,8 @@ fn together(
             short(100.0 * (1.0 - forward.residual))
         );
         if depends(input, reading, ends) {
-            let clause = format!("{output} depends on {name}, but by no linear law: the best oscillator {explains}");
-            notes.doubt(clause, ": a law is named only where it brings the error to the noise");
-            notes.bent = true;
+            notes.bent =
+                Some(format!("{output} depends on {name}, but by no linear law: the best oscillator {explains}"));
             return Ok(None);
         }
         return Err(format!("no oscillator can be identified: the best one {explains}"));

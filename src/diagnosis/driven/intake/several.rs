@@ -212,7 +212,7 @@ impl Joined {
         self.notes.findings.extend(notes.findings.iter().map(named));
         self.notes.doubts.extend(notes.doubts.iter().map(named));
         self.notes.broken |= notes.broken;
-        self.notes.bent |= notes.bent;
+        self.notes.bent = self.notes.bent.take().or_else(|| notes.bent.clone());
         from..self.reading.len()
     }
 }

@@ -14,6 +14,7 @@ use crate::diagnosis::driven::intake::notes::Notes;
 use crate::diagnosis::driven::simulation::run::trace;
 use crate::diagnosis::driven::simulation::structure::ModelStructure;
 use crate::diagnosis::model;
+use crate::diagnosis::remainder::REAL;
 use crate::number::short;
 use crate::numerics::moments::mean_sd;
 use crate::physics::library::Term;
@@ -21,31 +22,22 @@ use crate::physics::scales::Scales;
 
 use super::held_out::held_out;
 use super::judged::Judged;
+use super::residual_structure::residual_structure_of_noise;
 
 /// Share of the reading's power that an oscillator must explain to be one.
 const LEAST_SHARE: f64 = 0.02;
 /// Log-likelihood that it must gain in a ring-down, whose later part may be nothing but noise.
 const LEAST_GAIN: f64 = 20.0;
+/// Share of what it leaves that may be predictable before that is more than noise.
+const STRUCTURED: f64 = 0.05;
 /// Factor by which a hint may be off before it is worth a word.
 const HINT: f64 = 4.0;
 
-/// The base model of a recording, as far as there is one.
-#[derive(Debug, Clone)]
-pub struct Base {
-    /// The linear oscillator that fits best.
-    pub fit: Fit,
-    /// Sizes that follow from it.
-    pub scales: Scales,
-    /// How the reading depends on its input without following this oscillator, where it does not.
-    pub poor: Option<String>,
-}
-
-/// The base fit; notes what a reader must know of it. A reading that depends on its input without
-/// following any linear oscillator has the best one too: candidates begin there.
+/// The base fit; notes what a reader must know of it.
 ///
 /// # Errors
-/// Where no oscillator explains the reading, and nothing ties it to its input; in words.
-pub fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Result<Base, String> {
+/// Where no oscillator explains the reading; in words.
+pub fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Result<(Fit, Scales), String> {
     let Some(best) = start::base(data, hints) else {
         return Err("no oscillator, at any resonance or damping, can be fitted to it".into());
     };
@@ -57,18 +49,13 @@ pub fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Result<Base
     let predicted =
         1.0 - held_out(data, fit, &best.1, &data.validation).free() / mean_sd(&unseen).1.powi(2).max(1e-300);
     if gain < LEAST_GAIN || (data.input.is_some() && (1.0 - residual).min(predicted) < LEAST_SHARE) {
-        let explains = format!(
-            "the best one explains {} % of the output's power where it was fitted and {} % elsewhere",
+        let also: String = notes.doubts.iter().map(|d| format!("; {d}")).collect();
+        return Err(format!(
+            "no oscillator can be identified: the best one explains {} % of the output's power where it was fitted and {} % \
+             elsewhere{also}",
             short(100.0 * (1.0 - residual).max(0.0)),
             short(100.0 * predicted.max(0.0))
-        );
-        if data.input.as_ref().is_some_and(|input| depends(input.samples(), &data.reading, &data.hull)) {
-            let poor = Some(format!("the output depends on the input, but follows no linear oscillator: {explains}"));
-            let (fit, scales) = best;
-            return Ok(Base { fit, scales, poor });
-        }
-        let also: String = notes.doubts.iter().map(|d| format!("; {d}")).collect();
-        return Err(format!("no oscillator can be identified: {explains}{also}"));
+        ));
     }
     let hz = fit.point[OMEGA] / TAU;
     if hz > 0.5 * data.rate_hz {
@@ -86,8 +73,19 @@ pub fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Result<Base
             ": a rate or a hint in the wrong unit?",
         );
     }
-    let (fit, scales) = best;
-    Ok(Base { fit, scales, poor: None })
+    Ok(best)
+}
+
+/// Whether what this linear oscillator leaves of the reading is more than noise: it has structure, or
+/// depends on the input still.
+pub(crate) fn leaves_more_than_noise(data: &Data, fit: &Fit) -> bool {
+    let left = residual_structure_of_noise(data, fit).structure;
+    if left.p_value < REAL && left.r_squared > STRUCTURED {
+        return true;
+    }
+    let (errors, _) = trace(data, &fit.structure, &fit.point, &fit.run(data, false));
+    let all = 0..errors.len();
+    data.input.as_ref().is_some_and(|input| depends(&input.samples()[data.hull.clone()], &errors, &all))
 }
 
 /// Puts the base model's readings where none were recorded: a straight line there would be taken

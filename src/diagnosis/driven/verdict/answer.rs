@@ -124,7 +124,7 @@ pub fn answer(
         named: !c.named.is_empty(),
         candidates: ranking.iter().map(|r| (r.id.to_owned(), r.gain, r.named)).collect(),
     };
-    let repair = Some(repair(asked, data, c));
+    let repair = (selection.base_follows || !c.named.is_empty()).then(|| repair(asked, data, c));
     Answer {
         kind: Kind::Driven,
         outcome: c.outcome,

@@ -102,22 +102,6 @@ pub(crate) fn chaos(chaos: &Chaos) -> [String; 2] {
     ]
 }
 
-/// What follows where the reading follows no linear oscillator and no force of third degree.
-pub(crate) const POOR: &str = ": the best one is where every candidate began, with its own parameters free beside it";
-
-/// What follows where a force of third degree describes the motion instead.
-pub(crate) fn bent(bent: &Chaos) -> String {
-    let wells = bent.wells.map_or(String::new(), |[a, b]| {
-        format!("; the mass has two wells, at readings of {} and {}", short(a), short(b))
-    });
-    format!(
-        ": candidates began from a restoring force of third degree that describes the readings, and models are compared in \
-         windows of {} s, each started from its best-fitting state; candidates with internal states and noise terms were not \
-         tried{wells}",
-        short(bent.window_s)
-    )
-}
-
 /// What was left undone, as a clause.
 pub(crate) fn left_out(what: LeftOut) -> &'static str {
     match what {

@@ -52,6 +52,10 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
                 listed(&also, "and")
             )
         }
+        // Without a base model that could be repaired, few laws were asked for, and about one place only.
+        Outcome::Unexplained if answer.repair.is_none() => "The mismatch is real: the recording follows no linear \
+             oscillator, and none of the candidates that were tried beside one brings the error to the noise."
+            .to_owned(),
         Outcome::Unexplained if named.is_empty() && account.series.is_none() && !account.is_structured => format!(
             "The mismatch is real, and no candidate in the library explains it{}.",
             answer.fit.noise.as_ref().filter(|n| before > 1.2 * n.value).map_or(String::new(), |n| format!(
