@@ -5,6 +5,7 @@
 //! (ω₀h)², C = 2ζω₀h, γ = β/ω₀⁶.
 
 use std::f64::consts::TAU;
+use std::sync::LazyLock;
 
 use super::flicker;
 use super::integrator::{Integrator, Reach};
@@ -79,6 +80,28 @@ pub struct Column {
 /// Numbers of the sinusoids of the readings: a phase and a step each.
 pub(crate) const WAVES: usize = 2 * alike(ErrorLaw::Sine, SensorTerm::COUNT);
 
+/// A number of a sinusoid of the readings, and where it stands among them.
+struct Wave {
+    shape: SensorTerm,
+    place: usize,
+    is_phase: bool,
+}
+
+/// All of them: of each sinusoid its phase, then its step.
+fn waves_of_readings() -> &'static [Wave] {
+    // Gathered once: each member of an ensemble goes through them.
+    static WAVES: LazyLock<Vec<Wave>> = LazyLock::new(|| {
+        let sines = SensorTerm::ALL.into_iter().filter(|term| term.law() == ErrorLaw::Sine);
+        let numbers = sines.flat_map(|term| term.shapes().map(move |shape| (term, shape)));
+        let wave = |(term, shape): (SensorTerm, SensorTerm)| {
+            let is_phase = shape.law() == ErrorLaw::Shape(Shape::Phase);
+            Wave { shape, place: 2 * term.rank() + usize::from(!is_phase), is_phase }
+        };
+        numbers.map(wave).collect()
+    });
+    &WAVES
+}
+
 impl Column {
     /// Derives the numbers of a member.
     pub fn of(member: &Member, clock: &Clock, integrator: Integrator) -> Self {
@@ -106,14 +129,9 @@ impl Column {
         // Turns wrap, as the kernels' arithmetic on them does.
         let fixed = |turn: f64| ((turn.rem_euclid(1.0)) * 4_294_967_296.0).round() as u64 as u32;
         let mut waves = [0; WAVES];
-        for term in SensorTerm::ALL.into_iter().filter(|term| term.law() == ErrorLaw::Sine) {
-            for shape in term.shapes() {
-                let turns = sensor.error(shape) / TAU;
-                match shape.law() {
-                    ErrorLaw::Shape(Shape::Phase) => waves[2 * term.rank()] = fixed(turns),
-                    _ => waves[2 * term.rank() + 1] = fixed(0.5 * sample_s * turns),
-                }
-            }
+        for Wave { shape, place, is_phase } in waves_of_readings() {
+            let turns = sensor.error(*shape) / TAU;
+            waves[*place] = fixed(if *is_phase { turns } else { 0.5 * sample_s * turns });
         }
         let mut turns = [0; 2];
         if let Some(sine) = &member.sine {
