@@ -54,8 +54,8 @@ impl ProofMass {
     pub fn at_its_stiffest(mut self, time_s: f64, warmer_k: [f64; 2]) -> Self {
         let of = |given: &[Given]| self.laws.of(&given[0].key);
         let [cold, warm] = warmer_k.map(|kelvins| of(warm_stiffness::GIVEN) * kelvins);
-        let growth = (of(stiffness_drift::GIVEN) * time_s).max(0.0) + cold.max(warm);
-        self.natural_frequency_rad_s *= (1.0 + growth).max(1.0).sqrt();
+        let growth = (of(stiffness_drift::GIVEN) * time_s).max(0.0) + cold.max(warm).max(0.0);
+        self.natural_frequency_rad_s *= (1.0 + growth).sqrt();
         self
     }
 

@@ -47,12 +47,6 @@ pub(crate) fn raise(signal: Signal) {
     let _ = STOP.compare_exchange(0, signal.exit_code(), Ordering::SeqCst, Ordering::SeqCst);
 }
 
-/// Takes it down again, where the process outlives what was stopped.
-#[cfg(feature = "python")]
-pub(crate) fn lower() {
-    STOP.store(0, Ordering::SeqCst);
-}
-
 /// The signal that asked the process to stop, if one has; the first, where several came.
 pub(crate) fn stopped_by() -> Option<Signal> {
     let code = STOP.load(Ordering::Relaxed);

@@ -42,6 +42,7 @@ use crate::units::STANDARD_GRAVITY_M_S2;
 use alignment::Alignment;
 use draw::Drawer;
 use in_motion::InMotion;
+use mass_check::Lasting;
 pub use overrides::{Assignment, Overrides};
 pub use preset::Preset;
 pub use source::{StudyText, read_default};
@@ -189,7 +190,15 @@ impl Study {
         excitation.drawn.iter().for_each(|(key, number)| tolerances[key] = Some(*number));
         check::signs(source, &tolerances)?;
         mass_check::delayed_force(source, &tolerances, excitation.variation)?;
-        mass_check::lasting_spring(source, &tolerances, clock.duration_s(), &temperature)?;
+        let still_s = alignment.still_samples() as f64 * clock.sample_s();
+        let duration_s = clock.duration_s();
+        match &in_motion {
+            Some(motion) => motion.lasting_springs(source, [still_s, duration_s])?,
+            None => {
+                let run = Lasting { still_s, duration_s, temperature: &temperature };
+                mass_check::lasting_spring(source, &tolerances, &run)?;
+            }
+        }
         let excitation = excitation.resolved(source, clock.step_s)?;
         let sweep = file.sweep.as_ref().map(sweep::Sweep::read).transpose().map_err(|cause| {
             let hint = "e.g. [sweep] with gyro.bias_deg_h = \"1:20:log8\"";
@@ -265,9 +274,10 @@ impl Study {
     /// A proof mass as hard to step as any of the members': highest resonance, strongest further
     /// terms; of a thousand members, where mechanics are drawn. `None` without mechanics.
     pub fn stiffest(&self) -> Option<ProofMass> {
-        let drawer = self.drawer();
+        let (drawer, run_s) = (self.drawer(), self.still_s() + self.duration_s());
+        let warmer_k = self.temperature.range_above_reference_k();
         let masses = (0..self.members.min(1000)).filter_map(|m| drawer.member(m).sensor.proof_mass);
-        masses.reduce(|a, b| a.stiffer(&b))
+        masses.map(|mass| mass.at_its_stiffest(run_s, warmer_k)).reduce(|a, b| a.stiffer(&b))
     }
 
     /// How its proof masses are stepped along one axis.
@@ -275,9 +285,7 @@ impl Study {
     /// # Errors
     /// A proof mass that no integrator can step.
     pub fn integrator(&self) -> Result<Choice> {
-        let run_s = self.still_s() + self.duration_s();
-        let warmer_k = self.temperature.range_above_reference_k();
-        let stiffest = self.stiffest().map(|mass| mass.at_its_stiffest(run_s, warmer_k));
+        let stiffest = self.stiffest();
         let choice = self.tolerances.integrator(stiffest.as_ref(), self.clock.step_s)?;
         let (mean, variance) = self.tolerances.moments(&excitation::SIZE);
         let largest = mean.abs() + 2.0 * variance.sqrt();

@@ -7,7 +7,7 @@
 //! is in proportion to an input, rounding and full scale. Laws with states of their own have no row:
 //! only a study integrates them.
 
-use super::rectification;
+use super::rectification::{self, repeats};
 use super::repair::{Cost, Repair, Row, Vibration};
 use crate::control::{Control, Stopped};
 use crate::navigation::closed_form::Process;
@@ -48,7 +48,7 @@ pub fn costs(repair: Option<&Repair>, control: &Control) -> Result<Vec<Cost>, St
 /// Laws of a sensor that `rectification` leaves out, by id.
 fn only_a_study_integrates(sensor: &Sensor) -> Vec<&'static str> {
     let mass = sensor.proof_mass.iter();
-    mass.flat_map(|mass| mass.laws.acting()).filter(|law| law.has_states()).map(|law| law.term.id()).collect()
+    mass.flat_map(|mass| mass.laws.acting()).filter(|law| !repeats(law)).map(|law| law.term.id()).collect()
 }
 
 fn row(row: Row, metres: [f64; 2], repair: &Repair) -> Cost {

@@ -46,6 +46,12 @@ struct VibratedSensor<'a> {
     period: OnceCell<Vec<f64>>,
 }
 
+/// Whether a law is the same in each period: none that changes with time or temperature, or has states
+/// of its own. The others are left out here.
+pub(crate) fn repeats(law: &StudyLaw) -> bool {
+    !matches!(law.term, Term::StiffnessDrift(_)) && !law.term.follows_temperature() && !law.has_states()
+}
+
 /// Position error (m, with its sign) at the stated times, in ascending order. Infinite where the
 /// mass runs away, as behind the hill of a softening spring; zero where nothing vibrates.
 ///
@@ -105,15 +111,12 @@ pub(crate) fn position_error_m(
 impl<'a> VibratedSensor<'a> {
     fn of(control: &'a Control, mass: &ProofMass, vibration: &'a Vibration, steps_per_period: usize) -> Self {
         let (omega, si) = (mass.natural_frequency_rad_s, Units { y: 1.0, u: 1.0, s: 1.0 });
-        // What changes with time or temperature has no period; a state of a law's own is left out here.
-        let steady = |law: &StudyLaw| !matches!(law.term, Term::StiffnessDrift(_)) && !law.term.follows_temperature();
-        let repeats = |law: &&StudyLaw| steady(law) && law.term.states() == 0;
         let values = |law: &StudyLaw| mass.laws.values(law, &si).map(|v| [v]);
         Self {
             control,
             stiffness: omega.powi(2),
             damping: 2.0 * mass.damping_ratio * omega,
-            laws: mass.laws.acting().filter(repeats).map(|law| (law.term, values(law))).collect(),
+            laws: mass.laws.acting().filter(|law| repeats(law)).map(|law| (law.term, values(law))).collect(),
             vibration,
             omega_rad_s: std::f64::consts::TAU * vibration.frequency_hz,
             period_s: 1.0 / vibration.frequency_hz,

@@ -11,6 +11,17 @@ pub(super) fn is_possible(points: &[[f64; 2]]) -> bool {
     points.iter().all(|[_, deg_c]| POSSIBLE_DEG_C.contains(deg_c))
 }
 
+/// Whether a heading is that of a temperature in °C: "temp_C", "T", "temperature [°C]", "deg_c".
+pub(super) fn is_in_celsius(heading: &str) -> bool {
+    let lower = heading.to_lowercase();
+    let words: Vec<&str> = lower.split(|c: char| !c.is_alphanumeric() && c != '°').filter(|w| !w.is_empty()).collect();
+    let other = ["k", "kelvin", "f", "°f", "degf", "fahrenheit"];
+    let celsius = ["c", "°c", "degc", "celsius"];
+    let of_temperature = |word: &&str| word.starts_with("temp") || *word == "t";
+    !words.iter().any(|word| other.contains(word))
+        && words.iter().any(|word| of_temperature(word) || celsius.contains(word))
+}
+
 /// Points at equal times from the first sample to the last, each the mean of half the way to its
 /// neighbours; the ends are where a straight line through the means of their two quarters ends.
 pub(super) fn profile(values: &[f64], rate_hz: f64, to: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
@@ -35,7 +46,17 @@ pub(super) fn profile(values: &[f64], rate_hz: f64, to: impl Fn(f64) -> f64) -> 
 
 #[cfg(test)]
 mod tests {
-    use super::profile;
+    use super::{is_in_celsius, profile};
+
+    #[test]
+    fn headings_of_other_quantities_are_no_temperature_in_celsius() {
+        for heading in ["temp_C", "T", "temperature [°C]", "deg_c", "imu_temp", "degC", "board temperature"] {
+            assert!(is_in_celsius(heading), "{heading}");
+        }
+        for heading in ["supply_V", "fixed_Pa", "hum_pct", "temp_K", "temperature (F)", "current_mA", "attempt"] {
+            assert!(!is_in_celsius(heading), "{heading}");
+        }
+    }
 
     #[test]
     fn a_profile_goes_through_a_straight_line_and_ends_where_the_recording_does() {

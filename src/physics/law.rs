@@ -168,12 +168,13 @@ pub trait Law {
     fn has_corner(&self) -> bool {
         false
     }
-    /// The environment column that it follows in place of time, in this form.
+    /// The environment column that it follows in place of time, in this form; its one parameter is then
+    /// a share per unit of the column.
     fn environment(&self) -> Option<usize> {
         None
     }
-    /// Whether it follows the temperature of a study, in K above its reference the first environment
-    /// column.
+    /// Whether it follows the temperature of a study, which stands in the place of the first environment
+    /// column, in K above its reference.
     fn follows_temperature(&self) -> bool {
         false
     }

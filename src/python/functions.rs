@@ -1,10 +1,12 @@
 //! The functions of the module: what the command does, with what Python holds in place of files.
 
 use std::ffi::OsString;
+use std::path::PathBuf;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use toml::Table;
 
 use super::answer::Answer;
 use super::arrays::{Given, Recorded};
@@ -22,7 +24,6 @@ use crate::drift;
 use crate::drift::document;
 use crate::ensemble::{self, Backends, Choice, Keeper, Options};
 use crate::error::{Error, Result};
-use crate::progress;
 use crate::recording::{self, Recording, Request};
 use crate::report;
 use crate::strapdown;
@@ -65,14 +66,28 @@ impl Changes<'_> {
     }
 }
 
-fn read_study(given: Option<Document<'_>>, changes: &Changes<'_>) -> Result<Study> {
-    let (overrides, control) = (changes.overrides()?, progress::terminal());
-    let study = match given {
-        None => studies::read_default(&overrides, &control),
-        Some(Document::Path(path)) => studies::read(&path, &overrides, &control),
-        Some(Document::Table(dictionary)) => {
-            studies::of_table("the study", value::table(&dictionary, "")?, &overrides, &control)
-        }
+/// A study as it was given, free of Python.
+enum Source {
+    Default,
+    Path(PathBuf),
+    Table(Table),
+}
+
+/// What is to be read, with its changes.
+fn source(given: Option<Document<'_>>, changes: &Changes<'_>) -> Result<(Source, Overrides)> {
+    let source = match given {
+        None => Source::Default,
+        Some(Document::Path(path)) => Source::Path(path),
+        Some(Document::Table(dictionary)) => Source::Table(value::table(&dictionary, "")?),
+    };
+    Ok((source, changes.overrides()?))
+}
+
+fn read_study((source, overrides): (Source, Overrides), control: &Control) -> Result<Study> {
+    let study = match source {
+        Source::Default => studies::read_default(&overrides, control),
+        Source::Path(path) => studies::read(&path, &overrides, control),
+        Source::Table(table) => studies::of_table("the study", table, &overrides, control),
     }?;
     match study.sweep {
         None => Ok(study),
@@ -99,9 +114,10 @@ pub(super) fn study(
     changes: Changes<'_>,
     backend: &str,
 ) -> PyResult<Answer> {
-    let prepared = read_study(given, &changes).and_then(|study| Ok((study, choice(backend)?)));
-    let (study, backend) = prepared.map_err(|error| raised(py, error))?;
+    let prepared = source(given, &changes).and_then(|source| Ok((source, choice(backend)?)));
+    let (source, backend) = prepared.map_err(|error| raised(py, error))?;
     detached(py, move |control| {
+        let study = read_study(source, control)?;
         if let Some(motion) = &study.in_motion {
             let answer = strapdown::answer::answer(&study, motion, backend, control)?;
             let findings = report::strapdown::findings(&answer);
@@ -237,8 +253,9 @@ pub(super) fn simulate<'py>(
     changes: Changes<'py>,
     members: u64,
 ) -> PyResult<Bound<'py, PyList>> {
-    let study = read_study(given, &changes).map_err(|error| raised(py, error))?;
+    let source = source(given, &changes).map_err(|error| raised(py, error))?;
     let columns = detached(py, move |control| {
+        let study = read_study(source, control)?;
         study.along_one_axis()?;
         let job = study.job(study.integrator()?.integrator, vec![study.clock.samples]);
         ensemble::samples(&job, members, control)

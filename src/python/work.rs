@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 
 use crate::control::{Control, Stage, Watcher};
 use crate::error::{Error, Kind, Result};
-use crate::signal::{self, Signal};
+use crate::signal::Signal;
 
 /// How often Python is asked whether a signal has come.
 const LOOK: Duration = Duration::from_millis(50);
@@ -68,10 +68,7 @@ pub(super) fn detached<T: Send>(py: Python<'_>, work: impl FnOnce(&Control) -> R
                 Ok(done) => return done.map_err(|error| raised(py, error)),
                 Err(RecvTimeoutError::Timeout) => py.check_signals().inspect_err(|_| {
                     watch.stop.store(true, Ordering::Relaxed);
-                    // What reads files looks there: one Ctrl-C stops whatever reads.
-                    signal::raise(Signal::Interrupt);
                     py.detach(|| while matches!(wait(LOOK), Err(RecvTimeoutError::Timeout)) {});
-                    signal::lower();
                 })?,
                 Err(RecvTimeoutError::Disconnected) => match worker.join() {
                     Err(panic) => std::panic::resume_unwind(panic),

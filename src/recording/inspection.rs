@@ -122,8 +122,10 @@ pub fn inspect(path: &Path, request: &Request) -> Result<Inspection> {
         Err(error) => {
             // Without a clock the numbers can still be looked at, row by row.
             let counted = Request { rate_hz: Some(1.0), time: None, ..request.clone() };
-            if let Ok((found, _)) = rows(path, &counted) {
-                seen.rows = Some(Rows { rate_hz: None, still: Vec::new(), ..found });
+            match rows(path, &counted) {
+                Ok((found, _)) => seen.rows = Some(Rows { rate_hz: None, still: Vec::new(), ..found }),
+                Err(error) if error.kind == Kind::Interrupted => return Err(error),
+                Err(_) => {}
             }
             seen.obstacle = Some(error);
         }

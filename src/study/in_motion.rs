@@ -10,7 +10,7 @@ use super::check;
 use super::draw::Drawer;
 use super::file::{AlignmentKind, File, VerticalKind};
 use super::flown::{self, Flown};
-use super::mass_check;
+use super::mass_check::{self, Lasting};
 use super::refusal::refuse;
 use super::temperature;
 use super::tolerances::Tolerances;
@@ -115,9 +115,6 @@ pub(super) fn read(name: &str, file: &File, clock: &Clock, seed: u64) -> Result<
     let aiding = aiding::read(name, file.aiding.as_ref(), clock, &truth, vertical)?;
     one_clock(name, &between)?;
     let temperature = temperature::read(name, file.temperature.as_ref(), &between)?;
-    for axis in &tolerances {
-        mass_check::lasting_spring(name, axis, clock.duration_s(), &temperature)?;
-    }
     let course = Arc::new(Course::new(truth, earth, rotation).with_temperature(temperature));
     let vibration = vibration(name, file, clock.duration_s(), seed)?;
     let mechanisation = file.navigator.as_ref().and_then(|n| n.integrator).unwrap_or_default();
@@ -249,10 +246,16 @@ impl InMotion {
     }
 
     /// A proof mass of one axis as hard to step as any of the members'.
-    fn stiffest(&self, seed: u64, members: u64, axis: usize) -> Option<ProofMass> {
-        let drawer = Drawer::new(&self.tolerances[axis], Variation::None, axis_seed(seed, axis as u64));
+    fn stiffest(&self, drawer: &Drawer, members: u64, run_s: f64) -> Option<ProofMass> {
+        let warmer_k = self.course.temperature().range_above_reference_k();
         let masses = (0..members.min(ASKED)).filter_map(|m| drawer.member(m).sensor.proof_mass);
-        masses.reduce(|a, b| a.stiffer(&b))
+        masses.map(|mass| mass.at_its_stiffest(run_s, warmer_k)).reduce(|a, b| a.stiffer(&b))
+    }
+
+    /// Refuses an axis with a spring of which nothing is left at some time of the run.
+    pub(super) fn lasting_springs(&self, name: &str, [still_s, duration_s]: [f64; 2]) -> Result<()> {
+        let run = Lasting { still_s, duration_s, temperature: self.course.temperature() };
+        self.tolerances.iter().try_for_each(|axis| mass_check::lasting_spring(name, axis, &run))
     }
 
     /// What one member's readings take from other axes and instruments.
@@ -299,11 +302,9 @@ impl InMotion {
             Clock { samples: run.clock.samples + still_samples, report_samples, still_samples, ..run.clock.clone() };
         let axis = |axis: usize| -> Result<Job> {
             let seed = axis_seed(run.seed, axis as u64);
-            let warmer_k = self.course.temperature().range_above_reference_k();
-            let stiffest = self.stiffest(run.seed, run.members, axis);
-            let stiffest = stiffest.map(|mass| mass.at_its_stiffest(clock.duration_s(), warmer_k));
             let tolerances = &self.tolerances[axis];
             let drawer = Drawer::new(tolerances, Variation::None, seed);
+            let stiffest = self.stiffest(&drawer, run.members, clock.duration_s());
             let integrator = tolerances.integrator(stiffest.as_ref(), clock.step_s)?.integrator;
             let waveform = Arc::new(Along {
                 truth: self.course.truth.clone(),

@@ -129,28 +129,54 @@ pub(super) fn followed_memory(name: &str, moved: &Moved<'_>) -> Result<()> {
     ))
 }
 
-/// Refuses a spring of which nothing is left before the study ends, or at one of its temperatures.
-pub(super) fn lasting_spring(name: &str, all: &Tolerances, duration_s: f64, temperature: &Temperature) -> Result<()> {
+/// Refuses a spring of which nothing is left at some time of a run of so long, its still start included,
+/// of which the temperature's times are not counted.
+pub(super) fn lasting_spring(name: &str, all: &Tolerances, run: &Lasting<'_>) -> Result<()> {
+    let Lasting { still_s, duration_s, temperature } = *run;
     let [drift, warm] = [stiffness_drift::GIVEN, warm_stiffness::GIVEN].map(|given| &given[0].key);
-    let (drift_per_s, _) = all.moments(drift);
-    if 1.0 + drift_per_s * duration_s <= 0.0 {
-        return Err(refuse(
-            name,
-            format!("`{}` = {} leaves no spring after {} s", drift.path, short(drift_per_s), short(-1.0 / drift_per_s)),
+    let [(drift_per_s, _), (per_k, _)] = [drift, warm].map(|key| all.moments(key));
+    let left = |time_s: f64| 1.0 + drift_per_s * (still_s + time_s) + per_k * temperature.above_reference_k(time_s);
+    // Between two points both go along straight lines, but for a lag.
+    let points = temperature.points.iter().map(|[time_s, _]| *time_s).filter(|time_s| *time_s < duration_s);
+    let Some(gone_s) = points.chain([duration_s]).find(|time_s| left(*time_s) <= 0.0) else { return Ok(()) };
+    let deg_c = temperature.reference_deg_c + temperature.above_reference_k(gone_s);
+    let by = |key: &Key, value: f64| format!("`{}` = {}", key.path, short(value));
+    let (cause, hint) = match (drift_per_s != 0.0, per_k != 0.0) {
+        (true, true) => (
+            format!(
+                "{} and {} leave no spring after {} s at {} °C",
+                by(drift, drift_per_s),
+                by(warm, per_k),
+                short(gone_s),
+                short(deg_c)
+            ),
+            "make one of them smaller, or the study shorter".to_owned(),
+        ),
+        (true, false) => (
+            format!("{} leaves no spring after {} s", by(drift, drift_per_s), short(-1.0 / drift_per_s)),
             format!(
                 "need more than {} per s for {} s, or a shorter study",
-                short(-1.0 / duration_s),
-                short(duration_s)
+                short(-1.0 / (still_s + duration_s)),
+                short(still_s + duration_s)
             ),
-        ));
-    }
-    let (per_k, _) = all.moments(warm);
-    let gone = |kelvins: &f64| 1.0 + per_k * kelvins <= 0.0;
-    let Some(warmer_k) = temperature.range_above_reference_k().into_iter().find(gone) else { return Ok(()) };
-    let deg_c = temperature.reference_deg_c + warmer_k;
-    Err(refuse(
-        name,
-        format!("`{}` = {} leaves no spring at {} °C", warm.path, short(per_k), short(deg_c)),
-        format!("need {} than {} per K", if warmer_k > 0.0 { "more" } else { "less" }, short(-1.0 / warmer_k)),
-    ))
+        ),
+        _ => {
+            let warmer_k = temperature.above_reference_k(gone_s);
+            let side = if warmer_k > 0.0 { "more" } else { "less" };
+            (
+                format!("{} leaves no spring at {} °C", by(warm, per_k), short(deg_c)),
+                format!("need {side} than {} per K", short(-1.0 / warmer_k)),
+            )
+        }
+    };
+    Err(refuse(name, cause, hint))
+}
+
+/// How long a spring must last, and how warm it is meanwhile.
+pub(super) struct Lasting<'a> {
+    /// Length of the still start, s.
+    pub still_s: f64,
+    /// And of what follows, s.
+    pub duration_s: f64,
+    pub temperature: &'a Temperature,
 }

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use crate::control::Control;
 
-/// What the relative paths of a study start from, and who watches while the recordings that it
-/// names are read.
+/// What the relative paths of a study start from, and who watches while the recording that it replays
+/// is read.
 #[derive(Debug, Clone, Default)]
 pub struct Surroundings {
     /// Folder of the study's file.

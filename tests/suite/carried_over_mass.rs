@@ -15,7 +15,7 @@ use serde_json::Value;
 
 use super::bench::Bench;
 use super::diagnosis_driven::plant::{Plan, plant_as};
-use super::world::{check, test};
+use super::world::{check, near, test};
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
@@ -80,9 +80,10 @@ fn carried(case: &Case) -> Result<(), Failed> {
     // Where nothing follows it, the temperature stays.
     let warm = |n: usize| planted.temperature.as_ref().map_or(20.0, |all| all[n]);
     let rows = planted.input.iter().zip(&planted.reading).enumerate();
-    let rows = rows.map(|(n, (u, y))| format!("{u:.9e},{y:.9e},{:.9e}\n", warm(n)));
-    let log = format!("u,y,temp_C\n{}", rows.collect::<String>());
-    let environment = if planted.temperature.is_some() { "environment = [\"temp_C\"]\n" } else { "" };
+    // A column that never changes stands before it, at a value whose mean is rounded.
+    let rows = rows.map(|(n, (u, y))| format!("{u:.9e},{y:.9e},101.3,{:.9e}\n", warm(n)));
+    let log = format!("u,y,air_kPa,temp_C\n{}", rows.collect::<String>());
+    let environment = if planted.temperature.is_some() { "environment = [\"air_kPa\", \"temp_C\"]\n" } else { "" };
     let columns = format!("[columns]\ninput = \"u\"\noutput = \"y\"\n{environment}");
     let model = &format!("kind = \"driven\"\nrate_hz = 1000.0\n{columns}");
     let bench = Bench::new()?;
@@ -94,6 +95,20 @@ fn carried(case: &Case) -> Result<(), Failed> {
     let text = std::fs::read_to_string(out.join("repaired.toml"))?;
     check(!text.contains("Not in this study"), format!("a study is said not to run it:\n{text}"))?;
     let study = study::parse("repaired.toml", &text, Path::new(""))?;
+    if let Some(planted) = &planted.temperature {
+        // The reference is the mean, about which κ was fitted.
+        let mean = planted.iter().sum::<f64>() / planted.len() as f64;
+        near("reference temperature", study.temperature.reference_deg_c, mean, 0.01)?;
+        // Controls: the same log with a heading of another quantity is run by no study.
+        let volts = (log.replace("temp_C", "supply_V"), model.replace("temp_C", "supply_V"));
+        let out = bench.path("volts");
+        bench.diagnose(&volts.0, &volts.1, &["--json", "--out", &out.display().to_string()])?;
+        let text = std::fs::read_to_string(out.join("repaired.toml"))?;
+        check(
+            !text.contains("\nstiffness_per_k") && text.contains("one temperature in °C"),
+            format!("volts as °C:\n{text}"),
+        )?;
+    }
     for (symbol, path, si) in &case.keys {
         let key = tolerances::keys().find(|key| key.path == *path).ok_or("no such key")?;
         check(study.tolerances[key].is_some(), format!("no {path}:\n{text}"))?;

@@ -19,6 +19,7 @@ use proofmass::diagnosis::driven::simulation::structure::ModelStructure;
 use proofmass::ensemble::{Options, run_on};
 use proofmass::kernel::integrator::Integrator;
 use proofmass::kernel::job::Job;
+use proofmass::motion::temperature::Temperature;
 use proofmass::numerics::elementary::Real;
 use proofmass::physics::coefficients::laws;
 use proofmass::physics::coulomb_friction::{CoulombFriction, Sides};
@@ -124,6 +125,7 @@ fn data(reading: Vec<f64>, input: Vec<f64>) -> Data {
         input: Some(Input::new(input, Interpolation::BandLimited)),
         environment: Vec::new(),
         environments: 0,
+        followed: Vec::new(),
         rate_hz: RATE_HZ,
         hull: 0..SAMPLES,
         breaks: Vec::new(),
@@ -289,6 +291,8 @@ fn study(mass: ProofMass) -> Job {
     let general = Integrator::RungeKutta4General { substeps: integrator.substeps() };
     let mut job = job(sensor, 64, &[0.5, 2.0], force, general);
     job.waveform = Arc::new(force);
+    // One kelvin above the reference: what follows the temperature is as strong as the others.
+    job.temperature = Arc::new(Temperature::new(vec![[0.0, 21.0]], 20.0));
     job
 }
 
@@ -325,7 +329,7 @@ fn in_displacement(number: usize) -> f64 {
     let states = law.term.states();
     let slope = |t: f64, [x, v, z, w]: [f64; 4]| {
         let mut sum = [force(t) - base.stiffness[0] * x - base.damping[0] * v];
-        let at = Instants { time: t, step: 1e-3, input: [force(t)], x: [x], v: [v], base: &base, environment: &[] };
+        let at = Instants { time: t, step: 1e-3, input: [force(t)], x: [x], v: [v], base: &base, environment: &[1.0] };
         let mut rates = [[0.0]; 2];
         law.term.force::<f64, 1, false>(&at, &p, &[[z], [w]], &mut rates[..states], &mut sum);
         [v, sum[0], rates[0][0], rates[1][0]]

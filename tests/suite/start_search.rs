@@ -53,6 +53,7 @@ fn data(interpolation: Interpolation) -> Data {
         input: Some(Input::new((0..samples).map(push).collect(), interpolation)),
         environment: Vec::new(),
         environments: 0,
+        followed: Vec::new(),
         rate_hz: RATE_HZ,
         hull: 24..samples - 24,
         breaks: Vec::new(),

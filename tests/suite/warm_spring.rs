@@ -120,6 +120,21 @@ fn refused() -> Result<(), Failed> {
     let in_motion = flown(&flight("stiffness_per_k = -0.2", 64)).err();
     let in_motion = in_motion.and_then(|e| e.message().map(str::to_owned)).unwrap_or_default();
     check(in_motion.contains("sensor.stiffness_per_k") && in_motion.contains("30.0 °C"), in_motion.clone())?;
+    // A drift of −0.4/s and a warming of 15 K/s: 1 − 0.4·2 − 0.015·30 < 0, and either alone leaves a spring.
+    let drift = "stiffness_drift_per_s = -0.4\n";
+    let both = said(&format!("{}{drift}", keys(ZETA, -0.015)), PROFILE);
+    check(both.contains("stiffness_per_k") && both.contains("stiffness_drift_per_s"), both.clone())?;
+    for good in [format!("{}{drift}", keys(ZETA, -0.001)), keys(ZETA, -0.015)] {
+        check(said(&good, PROFILE).is_empty(), said(&good, PROFILE))?;
+    }
+    // A still start of a second is a second more of drift.
+    let still = |length_s: f64| {
+        let text = format!("{PROFILE}[alignment]\nkind = \"still\"\nstill_s = {length_s:?}\n");
+        said(&format!("{}{drift}", keys(ZETA, 1e-6)), &text)
+    };
+    let long = still(1.0);
+    check(long.contains("stiffness_drift_per_s"), format!("{long:?}"))?;
+    check(still(0.1).is_empty(), still(0.1))?;
     // Controls: in warmth that one stiffens. ω = ω₀√(1 + 160 · 30) needs 70 · 75.4 · 1 ms/0.25 steps.
     for good in [keys(ZETA, PER_K), keys(ZETA, 0.04)] {
         check(said(&good, PROFILE).is_empty(), said(&good, PROFILE))?;

@@ -69,8 +69,8 @@ impl Models<'_> {
         let Asked { recording, pieces, columns, .. } = *asked;
         let output_unit = asked.unit.map_or_else(|| unit_of(&columns.output, "output unit"), str::to_owned);
         let input_unit = columns.input.as_deref().map_or_else(String::new, |i| unit_of(i, "input unit"));
-        let environment = asked.environment().map(|(heading, _)| unit_of(heading, "environment unit"));
-        let environment_units = environment.collect();
+        // No law of a free body follows one.
+        let environment_units = Vec::new();
         let channels = Channels {
             output: columns.output.clone(),
             output_unit: output_unit.clone(),

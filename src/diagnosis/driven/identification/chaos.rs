@@ -303,6 +303,7 @@ mod tests {
             input: Some(Input::new(u, Interpolation::BandLimited)),
             environment: Vec::new(),
             environments: 0,
+            followed: Vec::new(),
             rate_hz: PER_CYCLE as f64 * drive_rad_s / TAU,
             hull,
             breaks: Vec::new(),

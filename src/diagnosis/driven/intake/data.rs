@@ -4,9 +4,28 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::numerics::moments::mean_sd;
+
 use super::input::Input;
 use super::windows::Windows;
 use super::work::Work;
+
+/// An environment column that laws may follow: one that changes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Followed {
+    /// Its heading.
+    pub heading: String,
+    /// Its mean, from which laws count it, in its unit.
+    pub mean: f64,
+}
+
+impl Followed {
+    /// A column of these values; `None` where it does not change beyond rounding.
+    pub(super) fn of(heading: &str, values: &[f64]) -> Option<Self> {
+        let (mean, sd) = mean_sd(values);
+        (sd > 1e-12 * mean.abs()).then(|| Self { heading: heading.to_owned(), mean })
+    }
+}
 
 /// The recording, as fits see it.
 #[derive(Debug, Clone)]
@@ -19,6 +38,8 @@ pub struct Data {
     pub environment: Vec<f64>,
     /// Number of environment columns.
     pub environments: usize,
+    /// Which columns they are; empty where nobody asks.
+    pub followed: Vec<Followed>,
     /// Sampling rate, Hz.
     pub rate_hz: f64,
     /// From the first to the last sample that is fitted.

@@ -13,7 +13,7 @@ use crate::numerics::order;
 use crate::recording::Recording;
 
 use super::alignment::{self, align};
-use super::data::Data;
+use super::data::{Data, Followed};
 use super::defects;
 use super::dependence::depends;
 use super::input::{Input, Interpolation, REACH};
@@ -101,13 +101,14 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
         }
     }
     let mut environment = Vec::new();
-    let mut columns: Vec<Vec<f64>> = Vec::new();
+    let (mut columns, mut followed): (Vec<Vec<f64>>, Vec<Followed>) = (Vec::new(), Vec::new());
     for name in &model.columns.environment {
         let values = column(recording, name)?;
-        let mean = mean_sd(values).0;
-        columns.push(values.iter().map(|v| v - mean).collect());
+        if let Some(kept) = Followed::of(name, values) {
+            columns.push(values.iter().map(|v| v - kept.mean).collect());
+            followed.push(kept);
+        }
     }
-    columns.retain(|c| mean_sd(c).1 > 0.0);
     for k in 0..samples {
         environment.extend(columns.iter().map(|c| c[k]));
     }
@@ -130,6 +131,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
         input,
         environment,
         environments: columns.len(),
+        followed,
         rate_hz: recording.rate_hz,
         hull,
         breaks: Vec::new(),

@@ -11,10 +11,9 @@ use crate::diagnosis::recordings::Recordings;
 use crate::diagnosis::verdict::Role;
 use crate::error::{Error, Result};
 use crate::number::short;
-use crate::numerics::moments::mean_sd;
 use crate::recording::Recording;
 
-use super::data::Data;
+use super::data::{Data, Followed};
 use super::excerpt::{self, LONGEST};
 use super::input::{Input, Interpolation};
 use super::notes::Notes;
@@ -114,14 +113,15 @@ fn joined(recordings: Recordings<'_>, model: &model::Driven, settle: Settle) -> 
     if !own_test {
         all.test.clone_from(&all.validation);
     }
-    let (environment, environments) = environment(&parts, model);
+    let (environment, followed) = environment(&parts, model);
     let first = &parts[0].prepared.data;
     let data = Data {
         input: joined_input(&parts, model),
         hull: 0..pieces.iter().filter(|p| p.role == Role::Train).map(|p| p.range.end).max().unwrap_or(0),
         reading: all.reading,
         environment,
-        environments,
+        environments: followed.len(),
+        followed,
         rate_hz: first.rate_hz,
         breaks: pieces.iter().skip(1).filter(|p| p.role == Role::Train).map(|p| p.range.start).collect(),
         train: all.train,
@@ -230,20 +230,20 @@ fn joined_input(parts: &[Part<'_>], model: &model::Driven) -> Option<Input> {
     Some(Input::joined(parts.iter().map(piece).collect(), Interpolation::BandLimited))
 }
 
-/// Environment columns less their means over all fitted recordings, row by row, and their number.
-fn environment(parts: &[Part<'_>], model: &model::Driven) -> (Vec<f64>, usize) {
-    let mut columns: Vec<Vec<f64>> = Vec::new();
+/// Environment columns less their means over all fitted recordings, row by row, and which they are.
+fn environment(parts: &[Part<'_>], model: &model::Driven) -> (Vec<f64>, Vec<Followed>) {
+    let (mut columns, mut followed): (Vec<Vec<f64>>, Vec<Followed>) = (Vec::new(), Vec::new());
     for name in &model.columns.environment {
         let of = |part: &Part<'_>| -> Vec<f64> {
             let values = part.recording.column(name).unwrap_or_default();
             values[part.prepared.data.hull.clone()].to_vec()
         };
         let fitted: Vec<f64> = parts.iter().filter(|p| p.role == Role::Train).flat_map(of).collect();
-        let (mean, sd) = mean_sd(&fitted);
-        if sd > 0.0 {
-            columns.push(parts.iter().flat_map(of).map(|v| v - mean).collect());
+        if let Some(kept) = Followed::of(name, &fitted) {
+            columns.push(parts.iter().flat_map(of).map(|v| v - kept.mean).collect());
+            followed.push(kept);
         }
     }
     let rows = columns.first().map_or(0, Vec::len);
-    ((0..rows).flat_map(|k| columns.iter().map(move |c| c[k])).collect(), columns.len())
+    ((0..rows).flat_map(|k| columns.iter().map(move |c| c[k])).collect(), followed)
 }

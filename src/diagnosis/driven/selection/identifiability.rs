@@ -141,6 +141,7 @@ mod tests {
             input: Some(Input::new(u, Interpolation::BandLimited)),
             environment: Vec::new(),
             environments: 0,
+            followed: Vec::new(),
             rate_hz: RATE_HZ,
             hull: 20..n - 20,
             breaks: Vec::new(),

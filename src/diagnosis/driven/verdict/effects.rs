@@ -42,13 +42,11 @@ pub(crate) fn unit_of(heading: &str, otherwise: &str) -> String {
     }
 }
 
-/// Unit of a term's parameter: per unit of the environment column where the term follows one in place
-/// of time.
+/// Unit of a term's parameter: a share per unit of the environment column where the term follows one.
 pub(super) fn parameter_unit(term: &Term, parameter: usize, channels: &Channels) -> String {
-    let pattern = term.candidate().parameters[parameter].unit;
     match term.environment().and_then(|column| channels.environment_units.get(column)) {
-        Some(own) => pattern.replace('s', own),
-        None => unit(pattern, channels),
+        Some(own) => format!("1/{own}"),
+        None => unit(term.candidate().parameters[parameter].unit, channels),
     }
 }
 

@@ -4,9 +4,9 @@ use std::f64::consts::{SQRT_2, TAU};
 
 use crate::diagnosis::driven::base::{GAIN, OMEGA, ZETA};
 use crate::diagnosis::driven::identification::fit::Fit;
-use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::intake::data::{Data, Followed};
 use crate::diagnosis::repair::{Repair, Vibration};
-use crate::diagnosis::warm_profile::{is_possible, profile};
+use crate::diagnosis::warm_profile::{is_in_celsius, is_possible, profile};
 use crate::motion::temperature::Temperature;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::spectrum;
@@ -27,7 +27,7 @@ use super::conclude::Conclusion;
 /// noise of the same density at low frequencies, from which drift comes.
 pub(super) fn repair(asked: &Asked<'_>, data: &Data, conclusion: &Conclusion) -> Repair {
     let input = data.input.as_ref().and(asked.columns.input.as_deref());
-    let warmth = warmth(asked, &conclusion.model.fit.structure.terms);
+    let warmth = warmth(asked, data, &conclusion.model.fit.structure.terms);
     let [before, after] = [&conclusion.base.fit, &conclusion.model.fit];
     let low_frequency = conclusion.noise.memory.map_or(1.0, |memory| memory.low_frequency);
     let mut not_expressible = Vec::new();
@@ -61,24 +61,24 @@ pub(super) fn repair(asked: &Asked<'_>, data: &Data, conclusion: &Conclusion) ->
         before: with_noise(sensor(data, before, false, None)),
         after: repaired,
         by_axis: Vec::new(),
-        temperature: warmth.unwrap_or_default(),
-        relation,
+        relation: relation + &warmth.as_ref().map_or_else(String::new, |(name, _)| format!("; {name} is taken as °C")),
+        temperature: warmth.map(|(_, temperature)| temperature).unwrap_or_default(),
         not_expressible,
         vibration,
         own_cost: Vec::new(),
     }
 }
 
-/// The temperature that the spring follows, as it was recorded, about its mean, at which ω₀ was fitted;
-/// `None` where it follows none, or a study cannot take it.
-fn warmth(asked: &Asked<'_>, terms: &[Term]) -> Option<Temperature> {
+/// The temperature that the spring follows, as it was recorded, with the mean about which the model was
+/// fitted as reference, and its heading; `None` where it follows none, or a study cannot take it.
+fn warmth<'a>(asked: &Asked<'_>, data: &'a Data, terms: &[Term]) -> Option<(&'a str, Temperature)> {
     let [place] = terms.iter().filter_map(|term| term.environment()).collect::<Vec<_>>()[..] else { return None };
-    if asked.pieces.len() != 1 {
+    let Followed { heading, mean } = data.followed.get(place)?;
+    if asked.pieces.len() != 1 || !is_in_celsius(heading) {
         return None;
     }
-    let (_, values) = asked.environment().nth(place)?;
-    let points = profile(values, asked.recording.rate_hz, |deg_c| deg_c);
-    is_possible(&points).then(|| Temperature::new(points, mean_sd(values).0))
+    let points = profile(asked.recording.column(heading)?, asked.recording.rate_hz, |deg_c| deg_c);
+    is_possible(&points).then(|| (heading.as_str(), Temperature::new(points, *mean)))
 }
 
 /// The fitted model; `warm`: with the temperature that its spring follows, if it follows one.
@@ -146,8 +146,8 @@ fn as_a_study_has_it(term: &Term, p: &[f64], warm: bool) -> (Term, Vec<f64>) {
 fn why_not(term: &Term) -> &'static str {
     match term {
         Term::StiffnessDrift(_) => {
-            "a study's spring follows time or one temperature in °C, recorded at once: sensor.stiffness_drift_per_s, \
-             sensor.stiffness_per_k"
+            "a study's spring follows time (sensor.stiffness_drift_per_s) or one temperature in °C from a single \
+             recording (sensor.stiffness_per_k)"
         }
         Term::ReadoutSaturation(_) => "a study's range is the same on both sides of zero",
         Term::InputLag(_) => "it belongs to what recorded the input, not to the sensor",
