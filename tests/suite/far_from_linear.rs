@@ -1,5 +1,5 @@
-//! Driven recordings that are sound and follow no linear oscillator: each gets a verdict, and what
-//! has nothing to do with its input is refused all the same.
+//! Driven recordings that follow no linear oscillator, or drown it in noise: none of them is given a
+//! false name or a false mismatch, and what has nothing to do with its input is refused.
 
 use libtest_mimic::{Failed, Trial};
 
