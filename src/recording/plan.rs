@@ -128,7 +128,7 @@ struct Watched<'a> {
 }
 
 impl Watched<'_> {
-    /// Says how far it has come and asks whether to go on, every so many rows.
+    /// Reports progress and checks for a stop every [`LOOK`] rows.
     #[inline]
     fn look(&self, table: &Rows, row: usize) -> Result<()> {
         if row.is_multiple_of(LOOK) {

@@ -138,7 +138,11 @@ pub(super) fn lasting_spring(name: &str, all: &Tolerances, run: &Lasting<'_>) ->
     let left = |time_s: f64| 1.0 + drift_per_s * (still_s + time_s) + per_k * temperature.above_reference_k(time_s);
     // Between two points both go along straight lines, but for a lag.
     let points = temperature.points.iter().map(|[time_s, _]| *time_s).filter(|time_s| *time_s < duration_s);
-    let Some(gone_s) = points.chain([duration_s]).find(|time_s| left(*time_s) <= 0.0) else { return Ok(()) };
+    let Some(gone_s) =
+        [-still_s, 0.0].into_iter().chain(points).chain([duration_s]).find(|time_s| left(*time_s) <= 0.0)
+    else {
+        return Ok(());
+    };
     let deg_c = temperature.reference_deg_c + temperature.above_reference_k(gone_s);
     let by = |key: &Key, value: f64| format!("`{}` = {}", key.path, short(value));
     let (cause, hint) = match (drift_per_s != 0.0, per_k != 0.0) {

@@ -116,7 +116,7 @@ fn in_loud_noise() -> Result<(), Failed> {
     } else {
         answer.refuses("loud noise", "no oscillator can be identified")?;
     }
-    // Negative control: the same under noise of its own size is identified.
+    // Negative control: in noise as loud as its motion it is identified.
     let verdict = bench.verdict(&csv(&heard(1.0)), &model)?;
     check(verdict["base"][0]["name"] == "omega0" && verdict["verdict"] == "adequate", format!("{verdict}"))
 }

@@ -127,6 +127,12 @@ fn refused() -> Result<(), Failed> {
     for good in [format!("{}{drift}", keys(ZETA, -0.001)), keys(ZETA, -0.015)] {
         check(said(&good, PROFILE).is_empty(), said(&good, PROFILE))?;
     }
+    // Before the first point it is as cold: 1 − 0.04·30 < 0 at the beginning, and a drift of 0.3/s makes up
+    // for it by the first point, at 1 s.
+    let cold = PROFILE.replace("[[0.0, 20.0], [2.0, 50.0]]", "[[1.0, -10.0], [2.0, 20.0]]");
+    let drifts = |per_k: f64| said(&format!("{}stiffness_drift_per_s = 0.3\n", keys(ZETA, per_k)), &cold);
+    check(drifts(0.04).contains("stiffness_per_k"), format!("{:?}", drifts(0.04)))?;
+    check(drifts(0.02).is_empty(), drifts(0.02))?;
     // A still start of a second is a second more of drift.
     let still = |length_s: f64| {
         let text = format!("{PROFILE}[alignment]\nkind = \"still\"\nstill_s = {length_s:?}\n");
