@@ -268,8 +268,8 @@ impl FlightCpu {
 /// The 64 members from `first` on, below `end`.
 fn draw<T: Real>(flight: &Flight, first: u64, end: u64, flicker_terms: usize) -> Result<Imu<T>> {
     let axis = |job: &Job| {
-        let columns = (first..end.min(first + LANES as u64)).map(|i| column(job, i));
-        Members::new(job.seed, first, columns, flicker_terms)
+        let count = end.saturating_sub(first).min(LANES as u64) as usize;
+        Members::new(job.seed, first, count, flicker_terms, |i| column(job, i))
     };
     let [x, y, z] = &flight.axes;
     Ok(Imu::new(flight, first, [axis(x)?, axis(y)?, axis(z)?]))

@@ -14,7 +14,7 @@ use super::low_pass;
 use crate::physics::coefficients;
 use crate::physics::dimension::Units;
 use crate::physics::free_oscillator::transition;
-use crate::sensor::error_law::{ErrorLaw, Shape};
+use crate::sensor::error_law::{ErrorLaw, Shape, full_scale};
 use crate::sensor::terms::alike;
 use crate::sensor::{ProofMass, SensorTerm};
 
@@ -108,7 +108,7 @@ impl Column {
         let sample_s = clock.sample_s();
         let substep_s = clock.step_s / f64::from(integrator.substeps());
         let sensor = &member.sensor;
-        let mut values = [0.0; COLUMNS];
+        let mut values = NOTHING;
         let mut laws = [0.0; coefficients::MOST];
         if let Some(mass) = &sensor.proof_mass {
             values[..COEFFICIENTS].copy_from_slice(&coefficients(mass, integrator, substep_s));
@@ -120,8 +120,11 @@ impl Column {
             values[column::FORCE] = scale * mass.force_noise_m_s_rts / sample_s.sqrt();
         }
         values[column::GAIN] = sensor.excitation_gain;
-        for term in SensorTerm::ALL {
-            values[column::of(term)] = term.law().per_sample(sensor.error(term), sample_s);
+        let errors = SensorTerm::all_of(&sensor.accelerometer, &sensor.gyro);
+        for (i, coefficient) in errors.into_iter().enumerate() {
+            if coefficient != NEUTRAL[i] {
+                values[column::TERMS + i] = SensorTerm::ALL[i].law().per_sample(coefficient, sample_s);
+            }
         }
         let time_s = sensor.error(SensorTerm::ReadoutLowPass);
         let low_pass = low_pass::weights(sensor.proof_mass.as_ref(), integrator, substep_s, time_s);
@@ -152,9 +155,33 @@ impl Column {
     }
 }
 
+/// Coefficients of terms that a member does not have.
+const NEUTRAL: [f64; SensorTerm::COUNT] = {
+    let mut all = [0.0; SensorTerm::COUNT];
+    let mut i = 0;
+    while i < all.len() {
+        all[i] = SensorTerm::ALL[i].law().neutral();
+        i += 1;
+    }
+    all
+};
+
+/// The numbers of a member that has no errors and no mass. Most of any member's are these: written
+/// once, so that a term that is not there costs a comparison.
+const NOTHING: [f64; COLUMNS] = {
+    let mut all = [0.0; COLUMNS];
+    let mut i = 0;
+    while i < SensorTerm::COUNT {
+        all[column::TERMS + i] = absent(SensorTerm::ALL[i]);
+        i += 1;
+    }
+    all
+};
+
 /// The column of a term that a member does not have.
-pub(crate) fn absent(term: SensorTerm) -> f64 {
-    term.law().per_sample(term.law().neutral(), 1.0)
+pub(crate) const fn absent(term: SensorTerm) -> f64 {
+    let neutral = term.law().neutral();
+    if matches!(term.law(), ErrorLaw::FullScale) { full_scale(neutral) } else { neutral }
 }
 
 /// What a reading is multiplied by to count it in steps, 0 without steps. Divided here, once: a

@@ -18,6 +18,8 @@ pub struct StudyLaw {
     pub term: Term,
     /// Place of its first coefficient.
     pub first: usize,
+    /// Of its parameters, in their order.
+    dimensions: [Dimension; MOST_VALUES],
 }
 
 impl StudyLaw {
@@ -44,8 +46,15 @@ impl StudyLaw {
 
     /// Factor that converts its `parameter` to other units.
     pub fn factor(&self, parameter: usize, units: &Units) -> f64 {
-        self.term.candidate().parameters.get(parameter).map_or(1.0, |p| Dimension::of(p.unit).factor(units))
+        self.dimensions.get(parameter).map_or(1.0, |dimension| dimension.factor(units))
     }
+}
+
+/// Dimensions of a law's parameters: read once, as every member of an ensemble is brought to the units of its steps.
+fn dimensions(term: &Term) -> [Dimension; MOST_VALUES] {
+    let mut all = [Dimension::of("1"); MOST_VALUES];
+    all.iter_mut().zip(term.candidate().parameters).for_each(|(dimension, p)| *dimension = Dimension::of(p.unit));
+    all
 }
 
 /// All of them, in public order.
@@ -56,7 +65,7 @@ pub fn laws() -> &'static [StudyLaw] {
         runnable
             .chain(Term::of_studies())
             .map(|term| {
-                let law = StudyLaw { term, first };
+                let law = StudyLaw { term, first, dimensions: dimensions(&term) };
                 first += term.study().len();
                 law
             })

@@ -82,6 +82,11 @@ macro_rules! sensor_terms {
                 }
             }
 
+            /// The coefficients of all of them, in their order.
+            pub(crate) fn all_of($($section: &$instrument),+) -> [f64; ROWS.len()] {
+                [$($($section.$field,)+)+]
+            }
+
             /// Gives it a coefficient in SI units.
             pub fn set(self, $($section: &mut $instrument,)+ coefficient: f64) {
                 match self {

@@ -142,32 +142,34 @@ pub struct Snapshot {
 }
 
 impl<T: Real> Members<T> {
-    /// 64 members at rest, from `first_member` on (a multiple of 64). Lanes beyond `columns` repeat
-    /// the last one. In a place of their own and filled there: ten kilobytes and more, whose copies
-    /// from hand to hand cost a fifth of starting a run.
+    /// 64 members at rest, from `first_member` on (a multiple of 64), each with the numbers that `column` gives for it.
+    /// Lanes beyond the first `count` repeat the last one. In a place of their own and filled there: ten kilobytes and
+    /// more, whose copies from hand to hand cost a fifth of starting a run.
     ///
     /// # Errors
-    /// The first of `columns`.
+    /// The first of `column`.
     pub fn new<E>(
         seed: u64,
         first_member: u64,
-        mut columns: impl Iterator<Item = Result<Column, E>>,
+        count: usize,
         flicker_terms: usize,
+        mut column: impl FnMut(u64) -> Result<Column, E>,
     ) -> Result<Box<Self>, E> {
         let mut members = Box::new(Self::none(Drawer { seed, first_member }));
         let mut laws = [Lane::splat(T::of(0.0)); coefficients::MOST];
         let mut low_pass = [Lane::splat(T::of(0.0)); WEIGHTS];
-        let mut last: Option<Column> = None;
-        for l in 0..LANES {
-            if let Some(next) = columns.next() {
-                last = Some(next?);
+        let count = count.min(LANES);
+        for l in 0..count {
+            // By reference: a column is close to a kilobyte.
+            let made = column(first_member + l as u64);
+            let Ok(member) = &made else { return made.map(|_| members) };
+            for l in l..if l + 1 == count { LANES } else { l + 1 } {
+                (0..COLUMNS).for_each(|c| members.columns[c][l] = T::of(member.values[c]));
+                (0..2).for_each(|i| members.turns[i][l] = member.turns[i]);
+                (0..WAVES).for_each(|i| members.waves[i][l] = member.waves[i]);
+                (0..coefficients::MOST).for_each(|c| laws[c][l] = T::of(member.laws[c]));
+                (0..WEIGHTS).for_each(|c| low_pass[c][l] = T::of(member.low_pass[c]));
             }
-            let Some(member) = &last else { break };
-            (0..COLUMNS).for_each(|c| members.columns[c][l] = T::of(member.values[c]));
-            (0..2).for_each(|i| members.turns[i][l] = member.turns[i]);
-            (0..WAVES).for_each(|i| members.waves[i][l] = member.waves[i]);
-            (0..coefficients::MOST).for_each(|c| laws[c][l] = T::of(member.laws[c]));
-            (0..WEIGHTS).for_each(|c| low_pass[c][l] = T::of(member.low_pass[c]));
         }
         members.low_pass = LowPass::of(low_pass);
         members.laws = Acting::of(&laws);
