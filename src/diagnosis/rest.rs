@@ -40,7 +40,6 @@ mod search;
 mod selection;
 mod sensor;
 mod shape;
-mod shared_lag;
 mod slow;
 mod spectrum;
 mod standing;
@@ -65,8 +64,6 @@ use crate::recording::Recording;
 use crate::recording::finding::Finding;
 use crate::recording::health::Watch;
 use channel::{Channel, Curve};
-use selection::Surroundings;
-use shape::Following;
 
 /// Fewer samples cannot tell one law from another.
 const FEWEST: usize = 256;
@@ -150,13 +147,8 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
     let means: Vec<f64> = channels.iter().map(|c| c.mean).collect();
     findings.extend(plausible::gravity(&means, &model.unit));
     let stopped = |s: Stopped| s.during(format!("could not diagnose {}", recording.path.display()), "start it again");
-    let followed = shared_lag::find(&channels, &environment);
-    let select = |(channel, following): (&Channel, &Vec<Following>)| {
-        let surroundings = Surroundings { columns: &environment, following };
-        selection::select(channel, &surroundings, channels.len(), control)
-    };
-    let asked: Vec<_> = channels.iter().zip(&followed).collect();
-    let selected: Result<Vec<_>, Stopped> = parallel::map(&asked, |of| select(*of)).into_iter().collect();
+    let select = |c: &Channel| selection::select(c, &environment, channels.len(), control);
+    let selected: Result<Vec<_>, Stopped> = parallel::map(&channels, select).into_iter().collect();
     let mut selected = selected.map_err(stopped)?;
     agreement::agree(&channels, &mut selected, &environment, control).map_err(stopped)?;
     let common = if environment.is_empty() { common::find(&channels, &selected) } else { None };

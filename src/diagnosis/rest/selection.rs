@@ -7,15 +7,13 @@ use super::channel::{Addition, Channel, Curve, Environment, Fitted, Term};
 use super::jump;
 use super::laws::{self, Rivals};
 use super::round::{Tried, try_all};
-use super::shape::Following;
+use super::shape::{self, Following};
 use super::standing::{self, CLOSE, Standing, contains, others, prune, worth};
 use crate::control::{Control, Stopped};
 use crate::numerics::order;
 
 /// At most this many effects per channel.
 const MOST: usize = 6;
-/// Half width of a 95 % interval, in standard errors.
-const WITHIN_95: f64 = 1.96;
 /// At most this many steps of the bias are fitted.
 const MOST_STEPS: usize = 2;
 
@@ -55,25 +53,17 @@ pub(super) struct Named {
     pub(super) rivals: Vec<Cause>,
 }
 
-/// What stands beside a channel in the recording.
-pub(super) struct Surroundings<'a> {
-    /// Environment columns.
-    pub(super) columns: &'a Environment,
-    /// How the channel follows each.
-    pub(super) following: &'a [Following],
-}
-
 /// Selects; `channels` corrects for their number.
 ///
 /// # Errors
 /// Stopped.
 pub(super) fn select(
     channel: &Channel,
-    surroundings: &Surroundings<'_>,
+    environment: &Environment,
     channels: usize,
     control: &Control,
 ) -> Result<Selection, Stopped> {
-    let as_one = beside(channel, surroundings, channels, control, Vec::new())?;
+    let as_one = beside(channel, environment, channels, control, Vec::new())?;
     let mut steps: Vec<Term> = Vec::new();
     let mut selection = None;
     // A bias that jumps once or twice is fitted in pieces; one that goes on jumping hops, which
@@ -83,7 +73,7 @@ pub(super) fn select(
         let Some(step) = jump::missing(channel, chosen, (channels * MOST_STEPS) as f64) else { break };
         steps.push(step);
         if steps.len() <= MOST_STEPS {
-            selection = Some(beside(channel, surroundings, channels, control, steps.clone())?);
+            selection = Some(beside(channel, environment, channels, control, steps.clone())?);
         }
     }
     Ok(selection.filter(|_| steps.len() <= MOST_STEPS).unwrap_or(as_one))
@@ -99,12 +89,12 @@ struct Columns {
 
 /// The shapes in which a channel follows environment columns, beside other terms: before any noise
 /// is offered. And which columns may still be offered.
-fn followed(channel: &Channel, surroundings: &Surroundings<'_>, mut terms: Vec<Term>) -> (Fitted, Columns) {
+fn followed(channel: &Channel, environment: &Environment, mut terms: Vec<Term>, correction: f64) -> (Fitted, Columns) {
     let before = terms.clone();
     let (mut offered, mut set_aside) = (Vec::new(), Vec::new());
-    for ((name, column), following) in surroundings.columns.iter().zip(surroundings.following) {
-        match following {
-            Following::By(term) => terms.push(term.clone()),
+    for (name, column) in environment {
+        match shape::find(channel, name, column, correction) {
+            Following::By(term) => terms.push(term),
             Following::Not => {}
             Following::NoBetterThanTime => {
                 set_aside.push(name.clone());
@@ -113,33 +103,23 @@ fn followed(channel: &Channel, surroundings: &Surroundings<'_>, mut terms: Vec<T
         }
         offered.push((name.clone(), column.clone()));
     }
-    let columns = Columns { offered, set_aside };
-    let mut fitted = channel.fit(terms);
-    // Beside a step of the bias nothing may be left for a column to tell.
-    while let Some(nothing) = (before.len()..fitted.terms.len()).find(|index| !is_seen(&fitted, *index)) {
-        fitted = channel.fit(others(&fitted, nothing));
-    }
+    let fitted = channel.fit(terms);
     let serves = |index: usize| channel.held_out_share(&fitted, index) > 0.0;
     let serve = (before.len()..fitted.terms.len()).all(serves);
-    (if serve { fitted } else { channel.fit(before) }, columns)
-}
-
-/// Whether the 95 % interval of some amplitude of a term is without zero.
-fn is_seen(fitted: &Fitted, index: usize) -> bool {
-    fitted.amplitudes_of(index).iter().any(|(value, error)| value.abs() > WITHIN_95 * error)
+    (if serve { fitted } else { channel.fit(before) }, Columns { offered, set_aside })
 }
 
 /// Selects beside steps of the bias.
 fn beside(
     channel: &Channel,
-    surroundings: &Surroundings<'_>,
+    environment: &Environment,
     channels: usize,
     control: &Control,
     steps: Vec<Term>,
 ) -> Result<Selection, Stopped> {
     let correction = standing::correction(channels);
     let base = channel.fit(Vec::new());
-    let (mut current, Columns { offered, set_aside }) = followed(channel, surroundings, steps);
+    let (mut current, Columns { offered, set_aside }) = followed(channel, environment, steps, correction);
     let environment = &offered[..];
     let mut alone = match current.terms.is_empty() {
         true => Vec::new(),

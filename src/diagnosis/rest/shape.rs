@@ -21,22 +21,20 @@ use crate::numerics::special::chi_squared_survival;
 /// Values that shapes are searched on, at most.
 const MOST: usize = 4096;
 /// Twice the log-likelihood that a number of the shape must gain: Schwarz's for [`MOST`] values.
-pub(super) const PENALTY: f64 = 8.3;
+const PENALTY: f64 = 8.3;
 /// Lags that are tried, as parts of the recording; shorter than the first is none.
-pub(super) const LAGS: [f64; 2] = [0.002, 0.3];
+const LAGS: [f64; 2] = [0.002, 0.3];
 /// Half widths of play that are tried, as parts of the column's range.
 const PLAYS: [f64; 2] = [0.01, 0.4];
 /// Powers of the column that are tried together: a square or a cube only where it is needed.
-const POWERS: [&[i32]; 4] = [STRAIGHT, &[1, 2], &[1, 3], &[1, 2, 3]];
-/// The column itself.
-pub(super) const STRAIGHT: &[i32] = &[1];
+const POWERS: [&[i32]; 4] = [&[1], &[1, 2], &[1, 3], &[1, 2, 3]];
 /// Time constants of a settling that are tried, as parts of the recording.
 const SETTLING: [f64; 2] = [0.01, 2.0];
 /// Shapes that differ by more than chance, for the correction of a probability.
-pub(super) const SHAPES: f64 = 10.0;
+const SHAPES: f64 = 10.0;
 
 /// After a first-order lag of this many samples, settled at the beginning.
-pub(super) fn lagged(column: &[f64], samples: f64) -> Vec<f64> {
+fn lagged(column: &[f64], samples: f64) -> Vec<f64> {
     let keep = (-1.0 / samples).exp();
     let mut state = column.first().copied().unwrap_or(0.0);
     let step = |v: &f64| {
@@ -57,14 +55,13 @@ fn played(column: &[f64], half: f64) -> Vec<f64> {
 }
 
 /// Powers of values about their mean in units of `unit`.
-pub(super) fn powers(values: &[f64], unit: f64, of: &[i32]) -> Vec<Curve> {
+fn powers(values: &[f64], unit: f64, of: &[i32]) -> Vec<Curve> {
     let (mean, _) = mean_sd(values);
     let power = |p: &i32| Curve::new(values.iter().map(|v| ((v - mean) / unit).powi(*p)).collect());
     of.iter().map(power).collect()
 }
 
 /// How a channel follows a column.
-#[derive(Debug, Clone)]
 pub(super) enum Following {
     /// By this term.
     By(Term),
@@ -74,71 +71,38 @@ pub(super) enum Following {
     NoBetterThanTime,
 }
 
-/// A channel and a column on means of neighbours, beside a walk and flicker.
-pub(super) struct Search {
-    own: Channel,
-    noise: [Term; 2],
-    pub(super) environment: Vec<f64>,
-    /// Standard deviation of the column.
-    pub(super) unit: f64,
-    /// Samples in a mean.
-    pub(super) together: usize,
-}
-
-impl Search {
-    /// `None` for a column that is constant.
-    pub(super) fn of(channel: &Channel, column: &Curve) -> Option<Self> {
-        let together = channel.values.len().div_ceil(MOST);
-        let environment = blocks::means(&column.values, together);
-        let (_, unit) = mean_sd(&environment);
-        if unit.is_nan() || unit <= 0.0 {
-            return None;
-        }
-        let noise = [(Cause::RandomWalk, Law::Walk), (Cause::FlickerNoise, Law::Flicker)].map(|(cause, law)| Term {
-            cause,
-            addition: Addition::Law(law),
-            searched: 0.0,
-            column: None,
-        });
-        Some(Self { own: blocks::channel(channel, &channel.values, together), noise, environment, unit, together })
-    }
-
-    /// Log-likelihood of noise alone.
-    pub(super) fn alone(&self) -> f64 {
-        self.own.fit(self.noise.to_vec()).log_likelihood()
-    }
-
-    /// Log-likelihood of noise beside curves.
-    pub(super) fn following(&self, curves: Vec<Curve>) -> f64 {
-        let cause = Cause::TemperatureSensitivity;
-        let term = Term { cause, addition: Addition::Curves(curves), searched: 0.0, column: None };
-        self.own.fit(self.noise.iter().cloned().chain([term]).collect()).log_likelihood()
-    }
-
-    /// The column after a lag, in its own deviation.
-    pub(super) fn late(&self, samples: f64) -> Vec<Curve> {
-        powers(&lagged(&self.environment, samples), self.unit, STRAIGHT)
-    }
-}
-
 /// The term in which a channel follows a column, where it does beyond chance (`correction` for all
 /// that is tried).
 pub(super) fn find(channel: &Channel, name: &str, column: &Curve, correction: f64) -> Following {
-    let Some(search) = Search::of(channel, column) else { return Following::Not };
-    let Search { environment, unit, together, .. } = &search;
-    let unit = *unit;
+    let together = channel.values.len().div_ceil(MOST);
+    let own = blocks::channel(channel, &channel.values, together);
+    let environment = blocks::means(&column.values, together);
+    let (_, unit) = mean_sd(&environment);
+    if unit.is_nan() || unit <= 0.0 {
+        return Following::Not;
+    }
     let range = environment.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(*v), h.max(*v)]);
-    let following = |curves: Vec<Curve>| search.following(curves);
+    let noise = [(Cause::RandomWalk, Law::Walk), (Cause::FlickerNoise, Law::Flicker)].map(|(cause, law)| Term {
+        cause,
+        addition: Addition::Law(law),
+        searched: 0.0,
+        column: None,
+    });
+    let following = |curves: Vec<Curve>| {
+        let cause = Cause::TemperatureSensitivity;
+        let term = Term { cause, addition: Addition::Curves(curves), searched: 0.0, column: None };
+        own.fit(noise.iter().cloned().chain([term]).collect()).log_likelihood()
+    };
     let count = environment.len() as f64;
-    let late = |samples: f64| following(search.late(samples));
-    let loose = |half: f64| following(powers(&played(environment, half), unit, STRAIGHT));
+    let late = |samples: f64| following(powers(&lagged(&environment, samples), unit, POWERS[0]));
+    let loose = |half: f64| following(powers(&played(&environment, half), unit, POWERS[0]));
     let (lag, _) = profile(LAGS.map(|p| (p * count).ln()), 8, |l: f64| late(l.exp()));
     let (play, _) = profile(PLAYS.map(|p| (p * (range[1] - range[0])).ln()), 7, |p: f64| loose(p.exp()));
     let (lag, play) = (lag.map(f64::exp), play.map(f64::exp));
     let delayed = |delay: Delay| match delay {
         Delay::None => environment.clone(),
-        Delay::Lag(lag) => lagged(environment, lag.value),
-        Delay::Play(play) => played(environment, play.value),
+        Delay::Lag(lag) => lagged(&environment, lag.value),
+        Delay::Play(play) => played(&environment, play.value),
     };
     let mut best: Option<(f64, f64, Delay, &'static [i32], f64)> = None;
     for delay in [Delay::None, Delay::Lag(lag), Delay::Play(play)] {
@@ -153,7 +117,7 @@ pub(super) fn find(channel: &Channel, name: &str, column: &Curve, correction: f6
         }
     }
     let Some((merit, log_likelihood, delay, of, numbers)) = best else { return Following::Not };
-    let gain = 2.0 * (log_likelihood - search.alone());
+    let gain = 2.0 * (log_likelihood - own.fit(noise.to_vec()).log_likelihood());
     if SHAPES * chi_squared_survival(gain.max(0.0), numbers) * correction >= ALPHA {
         return Following::Not;
     }
@@ -166,7 +130,7 @@ pub(super) fn find(channel: &Channel, name: &str, column: &Curve, correction: f6
             return Following::NoBetterThanTime;
         }
     }
-    let samples = *together as f64;
+    let samples = together as f64;
     let delay = match delay {
         Delay::Lag(lag) => Delay::Lag(lag.map(|v| v * samples)),
         other => other,
@@ -185,11 +149,11 @@ pub(super) fn find(channel: &Channel, name: &str, column: &Curve, correction: f6
 }
 
 /// A course in time with its numbers.
-pub(super) type Course = (Vec<Curve>, f64);
+type Course = (Vec<Curve>, f64);
 
 /// The smooth course in time of most merit: a power of time, a settling, a kinked line, a
 /// polynomial of time or of its logarithm.
-pub(super) fn best_in_time(count: usize, following: &dyn Fn(Vec<Curve>) -> f64) -> (f64, Course) {
+fn best_in_time(count: usize, following: &dyn Fn(Vec<Curve>) -> f64) -> (f64, Course) {
     let power = |p: f64| vec![course(count, |u| u.powf(p.exp()))];
     let settling = |part: f64| vec![course(count, |u| (-u / part.exp()).exp())];
     let (p, _) = profile(EXPONENTS.map(f64::ln), 12, |p| following(power(p)));
