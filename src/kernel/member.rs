@@ -219,3 +219,32 @@ pub fn coefficients(mass: &ProofMass, integrator: Integrator, substep_s: f64) ->
         Integrator::RosenbrockEuler { .. } => [w, c, gamma, (-0.5 * c).exp(), 0.0, 0.0, 0.0, 0.0],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensor::Sensor;
+
+    fn values(sensor: Sensor, clock: &Clock) -> [f64; COLUMNS] {
+        Column::of(&Member { sensor, sine: None }, clock, Integrator::Ideal).values
+    }
+
+    #[test]
+    fn a_column_holds_what_the_law_of_each_term_makes_of_it_and_nothing_where_there_is_none() {
+        for step_s in [1e-3, 1.0, 60.0] {
+            let clock = Clock { step_s, steps_per_sample: 1, samples: 1, report_samples: Vec::new(), still_samples: 0 };
+            let none = values(Sensor::default(), &clock);
+            for (i, term) in SensorTerm::ALL.into_iter().enumerate() {
+                let law = term.law();
+                assert_eq!(law.per_sample(law.neutral(), step_s), absent(term), "{term:?} after {step_s} s");
+                assert_eq!(none[column::of(term)], absent(term), "{term:?}");
+                // Another number for each: an order that is not the table's would show.
+                let coefficient = 0.5 + i as f64;
+                let with = values(Sensor::default().with_error(term, coefficient), &clock);
+                assert_eq!(with[column::of(term)], law.per_sample(coefficient, step_s), "{term:?}");
+                let others = SensorTerm::ALL.into_iter().filter(|other| *other != term);
+                others.for_each(|other| assert_eq!(with[column::of(other)], none[column::of(other)], "{other:?}"));
+            }
+        }
+    }
+}

@@ -18,7 +18,7 @@ pub struct StudyLaw {
     pub term: Term,
     /// Place of its first coefficient.
     pub first: usize,
-    /// Of its parameters, in their order.
+    /// Dimensions of its parameters, in their order.
     dimensions: [Dimension; MOST_VALUES],
 }
 

@@ -162,8 +162,12 @@ impl<T: Real> Members<T> {
         for l in 0..count {
             // By reference: a column is close to a kilobyte.
             let made = column(first_member + l as u64);
-            let Ok(member) = &made else { return made.map(|_| members) };
-            for l in l..if l + 1 == count { LANES } else { l + 1 } {
+            let Ok(member) = &made else {
+                // The error, as one of another result.
+                return made.map(|_| members);
+            };
+            let end = if l + 1 == count { LANES } else { l + 1 };
+            for l in l..end {
                 (0..COLUMNS).for_each(|c| members.columns[c][l] = T::of(member.values[c]));
                 (0..2).for_each(|i| members.turns[i][l] = member.turns[i]);
                 (0..WAVES).for_each(|i| members.waves[i][l] = member.waves[i]);
