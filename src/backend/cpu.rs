@@ -95,8 +95,7 @@ type Group<T> = Box<Members<T>>;
 
 /// The 64 members from `first` on, below `end`, ready to integrate.
 fn draw<T: Real>(job: &Job, first: u64, end: u64, flicker_terms: usize) -> Result<Group<T>> {
-    let count = end.saturating_sub(first).min(LANES as u64) as usize;
-    let mut members = Members::new(job.seed, first, count, flicker_terms, |i| column(job, i))?;
+    let mut members = Members::new(job.seed, first..end, flicker_terms, |i| column(job, i))?;
     members.tilt(job.level_rad_per_m_s2());
     Ok(members)
 }

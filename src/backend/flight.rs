@@ -267,10 +267,7 @@ impl FlightCpu {
 
 /// The 64 members from `first` on, below `end`.
 fn draw<T: Real>(flight: &Flight, first: u64, end: u64, flicker_terms: usize) -> Result<Imu<T>> {
-    let axis = |job: &Job| {
-        let count = end.saturating_sub(first).min(LANES as u64) as usize;
-        Members::new(job.seed, first, count, flicker_terms, |i| column(job, i))
-    };
+    let axis = |job: &Job| Members::new(job.seed, first..end, flicker_terms, |i| column(job, i));
     let [x, y, z] = &flight.axes;
     Ok(Imu::new(flight, first, [axis(x)?, axis(y)?, axis(z)?]))
 }

@@ -101,6 +101,6 @@ pub(crate) fn ensembles(members: u64) -> Vec<(&'static str, Job)> {
     vec![
         (FULL, Job { clock: full(1).clock, ..full(members) }),
         ("linear: exact map, white noise, two integrations", job(plain, members, 4096, Integrator::ExactHold)),
-        ("every error on: exact map, seven noises, tilt", job(all, members, 4096, Integrator::ExactHold)),
+        ("every error on: exact map, nine noises, tilt", job(all, members, 4096, Integrator::ExactHold)),
     ]
 }

@@ -46,8 +46,8 @@ struct VibratedSensor<'a> {
     period: OnceCell<Vec<f64>>,
 }
 
-/// Whether a law acts the same in each period, as one that changes with time or temperature or has
-/// states of its own does not. The position error here is computed without those.
+/// Whether a law acts the same in every period. Laws that change with time or temperature, or that
+/// have states of their own, do not, and the position error here leaves them out.
 pub(crate) fn repeats(law: &StudyLaw) -> bool {
     !matches!(law.term, Term::StiffnessDrift(_)) && !law.term.follows_temperature() && !law.has_states()
 }

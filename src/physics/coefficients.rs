@@ -50,7 +50,7 @@ impl StudyLaw {
     }
 }
 
-/// Dimensions of a law's parameters: read once, as every member of an ensemble is brought to the units of its steps.
+/// Dimensions of a law's parameters. Parsed once: each member of an ensemble is converted by them.
 fn dimensions(term: &Term) -> [Dimension; MOST_VALUES] {
     let mut all = [Dimension::of("1"); MOST_VALUES];
     all.iter_mut().zip(term.candidate().parameters).for_each(|(dimension, p)| *dimension = Dimension::of(p.unit));

@@ -133,7 +133,7 @@ impl SensorTerm {
     }
 }
 
-/// Of each term: kernels ask at every stretch of samples.
+/// The rank of each term; a table, because kernels ask at every stretch of samples.
 const RANKS: [usize; SensorTerm::COUNT] = {
     let mut all = [0; SensorTerm::COUNT];
     let mut row = 0;

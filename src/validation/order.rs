@@ -69,7 +69,7 @@ fn integrate(mass: &ProofMass, integrator: Integrator, step_s: f64, steps: u64, 
     (job.clock.step_s, job.clock.steps_per_sample, job.clock.samples) = (step_s, 1, steps);
     let shared = Shared::<f64>::of(&job);
     let column = |i| Ok::<_, Infallible>(Column::of(&(job.draw)(i), &job.clock, integrator));
-    let Ok(mut members) = Members::new(job.seed, 0, 1, shared.flicker.len(), column);
+    let Ok(mut members) = Members::new(job.seed, 0..1, shared.flicker.len(), column);
     // At rest in the middle: the reading is zero, so its error is minus the force.
     members.place(-crate::kernel::job::Waveform::specific_force_m_s2(&waveform, 0.0), 0.0);
     let force = force::table::<f64>(&job, 0, steps);

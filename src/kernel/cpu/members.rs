@@ -3,6 +3,8 @@
 //!
 //! Not for stepping them: that is `simulate` and the phases it calls.
 
+use std::ops::Range;
+
 use super::acting::Acting;
 use super::flicker::Flicker;
 use super::lanes::{LANES, Lane};
@@ -142,28 +144,28 @@ pub struct Snapshot {
 }
 
 impl<T: Real> Members<T> {
-    /// 64 members at rest, from `first_member` on (a multiple of 64), each with the numbers that `column` gives for it.
-    /// Lanes beyond the first `count` repeat the last one. In a place of their own and filled there: ten kilobytes and
-    /// more, whose copies from hand to hand cost a fifth of starting a run.
+    /// 64 members at rest: the first `of` these, which begin at a multiple of 64, each with the
+    /// numbers that `column` gives for it. Lanes beyond the last member repeat it. In a place of
+    /// their own and filled there: ten kilobytes and more, whose copies from hand to hand cost a
+    /// fifth of starting a run.
     ///
     /// # Errors
     /// The first of `column`.
     pub fn new<E>(
         seed: u64,
-        first_member: u64,
-        count: usize,
+        of: Range<u64>,
         flicker_terms: usize,
         mut column: impl FnMut(u64) -> Result<Column, E>,
     ) -> Result<Box<Self>, E> {
-        let mut members = Box::new(Self::none(Drawer { seed, first_member }));
+        let mut members = Box::new(Self::none(Drawer { seed, first_member: of.start }));
         let mut laws = [Lane::splat(T::of(0.0)); coefficients::MOST];
         let mut low_pass = [Lane::splat(T::of(0.0)); WEIGHTS];
-        let count = count.min(LANES);
-        for l in 0..count {
+        let count = of.end.saturating_sub(of.start).min(LANES as u64) as usize;
+        for (l, member) in of.take(count).enumerate() {
             // By reference: a column is close to a kilobyte.
-            let made = column(first_member + l as u64);
+            let made = column(member);
             let Ok(member) = &made else {
-                // The error, as one of another result.
+                // What `map` would make of a column is never asked: this is the error.
                 return made.map(|_| members);
             };
             let end = if l + 1 == count { LANES } else { l + 1 };
