@@ -9,6 +9,7 @@
 //! (`strapdown`).
 
 pub mod account;
+mod along_gyro;
 mod attitude;
 mod blocks;
 pub mod candidate;
@@ -23,6 +24,7 @@ mod intake;
 mod integral;
 mod judgement;
 mod log;
+mod mistaken;
 mod orientation;
 mod parameters;
 mod permutation;
@@ -35,13 +37,14 @@ mod selection;
 mod sensor;
 mod slow;
 mod start;
+mod start_by_position;
 pub mod vibration;
 mod whitening;
 
 pub use candidate::CANDIDATES;
 pub use detail::Detail;
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::answer::Answer;
 use super::model;
@@ -51,11 +54,12 @@ use crate::motion::{Earth, Place};
 use crate::recording::Recording;
 use crate::units::DEGREE;
 use conclusion::{Examined, Found};
-use course::Case;
+use course::{Anchor, Case};
 use fit::Fit;
 use integral::Rule;
 use log::Log;
 use parameters::{EARTH_RATE, FORCE_BIAS, GYRO_BIAS, OFFSET, PARAMETERS};
+use permutation::Permutation;
 use selection::{Allowed, Selection};
 
 /// Whitened residual over that of the simpler rule, below which the finer one is clearly better.
@@ -70,7 +74,7 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     let stopped = |s: Stopped| s.during(format!("could not finish {}", recording.path.display()), "start it again");
     let mut findings = recording.sentences();
     let names = intake::names(recording, model)?;
-    let (mut log, began) = intake::log(recording, &names, &mut findings)?;
+    let (log, began) = intake::log(recording, &names, &mut findings)?;
     intake::units(recording, &log)?;
     let mut masked = vec![false; log.time_s.len()];
     let limits = [clipping::limits(&log.rate, &mut masked), clipping::limits(&log.force, &mut masked)];
@@ -81,16 +85,38 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     let motion = intake::motion(recording, reference, &log, began, &mut examined.findings)?;
     let gravity_m_s2 = gravity(model);
     let work = control.stage("aligning the clocks", 0);
-    let start = start::start(&log, &motion, gravity_m_s2);
-    intake::alike(recording, reference, (&log, &motion), &start, gravity_m_s2)?;
-    unswap(&mut log, &start);
+    let as_given = Case {
+        log: &log,
+        motion: &motion,
+        turned: UnitQuaternion::identity(),
+        gravity_m_s2,
+        masked: &masked,
+        rule: Rule::Straight,
+        anchor: Anchor::Reference,
+    };
+    let (start, anchor) = if motion.halves.attitude {
+        let start = start::start(&log, &motion, gravity_m_s2);
+        intake::alike(recording, reference, (&log, &motion), &start, gravity_m_s2)?;
+        (start, Anchor::Reference)
+    } else {
+        let found = start_by_position::start(&as_given, control).map_err(stopped)?;
+        if found.0.explained < start_by_position::ALIKE {
+            let mistake = mistaken::mistake(&as_given, control).map_err(stopped)?;
+            return Err(intake::not_alike(recording, reference, found.0.explained, mistake));
+        }
+        found
+    };
+    let log = unswapped(&log, &start);
     work.rename("searching the library");
-    let case =
-        Case { log: &log, motion: &motion, turned: start.turned, gravity_m_s2, masked: &masked, rule: Rule::Straight };
-    let library = candidate::terms(motion.has_position);
+    let case = Case { log: &log, turned: start.turned, anchor, ..as_given };
+    let library = candidate::terms(motion.halves);
     // The Earth's rate is too small to bend anything: its slope is judged, and it is never
     // followed.
-    let everything: Vec<usize> = selection::with(&selection::base(motion.has_position), library.iter().copied())
+    // Beside positions alone most of it is told so poorly that a fit of everything goes astray: of
+    // what is free at first, clock and lever arm are told.
+    let first = |t: &&&candidate::Term| motion.halves.attitude || t.sensor.is_none();
+    let first = library.iter().filter(first).copied();
+    let everything: Vec<usize> = selection::with(&selection::base(motion.halves), first)
         .into_iter()
         .filter(|p| !EARTH_RATE.contains(p))
         .collect();
@@ -103,7 +129,7 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     let straight = Fit::new(&case, &point, &everything, control).map_err(stopped)?;
     let smooth = Case { rule: Rule::Cubic, ..case };
     let cubic = Fit::new(&smooth, &point, &everything, control).map_err(stopped)?;
-    let clearly = cubic.innovation_rad_s() < CLEARLY * straight.innovation_rad_s();
+    let clearly = cubic.innovation() < CLEARLY * straight.innovation();
     let (case, fit) = if clearly { (smooth, cubic) } else { (case, straight) };
     if fit.linear.point.iter().any(|v| !v.is_finite()) {
         return Err(Error::new(
@@ -114,12 +140,15 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     }
     // Weighed for everything first, so that no effect counts as noise; then about what was named,
     // so that no noise of the reference counts as an effect.
+    // What the gyro's white noise makes of an attitude that is right in the middle.
+    let wander_rad = (0.25 * scatter::random_walks(&log, model.noise)[0] * log.duration_s()).sqrt();
     let select = |fit: &Fit| {
-        let allowed = Allowed { has_position: motion.has_position, tilt_rad: fit.tilt_rad() };
+        let tilt_rad = if motion.halves.attitude { fit.tilt_rad() } else { wander_rad };
+        let allowed = Allowed { halves: motion.halves, tilt_rad };
         selection::select(&fit.linear, &library, &allowed, control).map_err(stopped)
     };
     let about = |fit: &Fit, selection: &Selection| {
-        let active = selection.active(motion.has_position);
+        let active = selection.active(motion.halves);
         let solved = fit.linear.solve(&active, |_| true).point;
         Fit::new(&case, &solved, &active, control).map_err(stopped)
     };
@@ -140,10 +169,11 @@ fn gravity(model: &model::Trajectory) -> f64 {
     earth.gravity_m_s2(Place { latitude_rad: latitude_rad.unwrap_or_default(), height_m })
 }
 
-/// Puts every reading on the axis that it belongs to.
-fn unswap(log: &mut Log, start: &start::Start) {
-    for (values, swap) in [(&mut log.rate, start.gyro), (&mut log.force, start.accelerometer)] {
+/// Every reading on the axis that it belongs to.
+fn unswapped(log: &Log, start: &start::Start) -> Log {
+    let back = |values: &[Vector3<f64>], swap: Permutation| {
         let back = swap.matrix().transpose();
-        values.iter_mut().for_each(|v: &mut Vector3<f64>| *v = back * *v);
-    }
+        values.iter().map(|v| back * v).collect()
+    };
+    Log { rate: back(&log.rate, start.gyro), force: back(&log.force, start.accelerometer), ..log.clone() }
 }

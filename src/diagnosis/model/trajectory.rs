@@ -83,6 +83,8 @@ pub struct Reference {
 pub enum Half {
     /// How the body is turned.
     Attitude,
+    /// Where the body is.
+    Position,
 }
 
 impl Reference {

@@ -2,6 +2,7 @@
 //! `report::diagnosis`.
 
 use super::candidate::Term;
+use crate::diagnosis::model::Half;
 
 /// What the verdict's sentence and the next experiment rest on.
 #[derive(Debug, Clone, PartialEq)]
@@ -10,8 +11,8 @@ pub struct Account {
     pub named: Vec<NamedEffect>,
     /// What the motion cannot tell, and what it would take.
     pub hidden: Vec<Hidden>,
-    /// What only positions could tell, where the reference has none.
-    pub untold: Vec<&'static Term>,
+    /// What the reference cannot tell because it lacks one half of a pose.
+    pub untold: Option<Untold>,
     /// Whether one of them is a fitted term; noise, limits and exchanged columns of the readings
     /// are none.
     pub is_fitted: bool,
@@ -20,6 +21,15 @@ pub struct Account {
     /// Root mean square of the base model's whitened residual on held-out blocks, and that with the
     /// named effects.
     pub held_out: [f64; 2],
+}
+
+/// What a reference without one half of a pose says nothing about.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Untold {
+    /// The half that it lacks.
+    pub half: Half,
+    /// What only that half could show.
+    pub terms: Vec<&'static Term>,
 }
 
 /// An effect as a sentence names it.

@@ -13,7 +13,7 @@ use super::parameters::{
     COSINES, DRIFT, EARTH_RATE, G_SENSITIVITY, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL, GYRO_SCALE,
     GYRO_WANDER, MOUNTING, OFFSET, PARAMETERS, Point,
 };
-use super::rows::{Bins, Row, rows};
+use super::rows::{Bins, Orders, Row, rows};
 use crate::parallel;
 
 /// Rotation vector E at each pose, rad.
@@ -25,6 +25,9 @@ pub(super) fn error(case: &Case<'_>, course: &Course, point: &Point) -> Vec<Vect
     };
     (0..case.motion.time_s.len()).map(at).collect()
 }
+
+/// Dead reckoning does not know where it began.
+pub(super) const ATTITUDE: Orders = Orders([1; 3]);
 
 /// Rows of the attitude: changes of E from bin to bin, rad/s.
 pub(super) fn attitude_rows(case: &Case<'_>, course: &Course, point: &Point, bins: &Bins) -> Vec<Row> {
@@ -43,11 +46,11 @@ pub(super) fn attitude_rows(case: &Case<'_>, course: &Course, point: &Point, bin
         Some(places.iter().map(|at| between(&case.log.time_s, &all, &changes, *at)).collect())
     };
     let slopes = parallel::map_indices(PARAMETERS, of);
-    rows((case.log, case.masked), bins, 1, &residual, &slopes)
+    rows((case.log, case.masked), bins, ATTITUDE, &residual, &slopes)
 }
 
 /// What a parameter takes from the rate felt, in the IMU's axes: E grows by its integral.
-fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize) -> Option<Vector3<f64>> {
+pub(super) fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize) -> Option<Vector3<f64>> {
     let (w, f) = (course.rate[k], course.force[k]);
     let unit = |axis: usize, value: f64| course.gyro.column(axis) * value;
     if GYRO_BIAS.contains(&p) {

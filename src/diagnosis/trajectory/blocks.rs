@@ -1,10 +1,11 @@
 //! Normal equations of a linearised model, gathered in blocks of time: every question about a
 //! subset of the parameters, a held-out part or a jackknife is then a question about small
-//! matrices.
+//! matrices. Where an attitude turns by block, its turn is eliminated from the sums of each block
+//! (Schur's complement), and no sum knows it any more.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix3xX, Vector3};
 
-use super::parameters::{PARAMETERS, Point, widths};
+use super::parameters::{ANCHOR, PARAMETERS, Point, widths};
 use super::rows::Row;
 use super::whitening::Whitening;
 
@@ -44,6 +45,12 @@ impl Sums {
     }
 }
 
+/// Which of so many equal parts of a stretch of time an instant lies in; beyond its ends the nearest.
+pub(super) fn part(time_s: f64, [from_s, to_s]: [f64; 2], parts: usize) -> usize {
+    let fraction = (time_s - from_s) / (to_s - from_s);
+    ((fraction * parts as f64).max(0.0) as usize).min(parts - 1)
+}
+
 /// Pieces that each block is cut into where slow waves are laid over the recording.
 const PIECES: usize = 10;
 
@@ -54,17 +61,55 @@ pub(super) struct Blocks {
     pub all: Vec<Sums>,
     /// The same by pieces of a block.
     pieces: Vec<Sums>,
+    /// What was eliminated from each block; nothing where nothing turns by block.
+    turns: Vec<Turn>,
+    ends_s: [f64; 2],
+}
+
+/// The turn of one block, eliminated: by how much it turns follows from the other parameters.
+#[derive(Debug, Clone, PartialEq)]
+struct Turn {
+    /// Turn by the residual alone, rad.
+    alone: Vector3<f64>,
+    /// What a step in each parameter adds to it.
+    by_step: Matrix3xX<f64>,
+}
+
+impl Turn {
+    /// Eliminates it from the sums of a block and from those of its pieces.
+    fn eliminate(pieces: &mut [Sums]) -> Self {
+        let mut block = Sums::empty();
+        pieces.iter().for_each(|piece| block.add(piece, 1.0));
+        let (start, width) = (ANCHOR.start, widths()[ANCHOR.start]);
+        let own = block.matrix.fixed_view::<3, 3>(start, start) + Matrix3::identity() / (width * width);
+        let inverse = own.try_inverse().unwrap_or_else(Matrix3::zeros);
+        let by_step = -(inverse * block.matrix.rows(start, 3));
+        let alone = -(inverse * block.vector.fixed_rows::<3>(start));
+        for piece in pieces.iter_mut() {
+            let rows = piece.matrix.rows(start, 3).into_owned();
+            let sums = piece.vector.fixed_rows::<3>(start).into_owned();
+            // The square with the turn in it, at no step of the others.
+            let own = piece.matrix.fixed_view::<3, 3>(start, start).into_owned();
+            piece.square += 2.0 * alone.dot(&sums) + (own * alone).dot(&alone);
+            piece.vector += by_step.transpose() * &sums + (rows.transpose() + by_step.transpose() * own) * alone;
+            piece.matrix += by_step.transpose() * &rows + (rows.transpose() + by_step.transpose() * own) * &by_step;
+            for p in ANCHOR {
+                piece.vector[p] = 0.0;
+                piece.matrix.row_mut(p).fill(0.0);
+                piece.matrix.column_mut(p).fill(0.0);
+            }
+        }
+        Self { alone, by_step }
+    }
 }
 
 impl Blocks {
     /// Of rows, made white, between two times.
-    pub(super) fn of(rows: &[Row], whitening: &Whitening, [from_s, to_s]: [f64; 2]) -> Self {
+    pub(super) fn of(rows: &[Row], whitening: &Whitening, ends_s: [f64; 2], by_block: bool) -> Self {
         let mut pieces = vec![Sums::empty(); BLOCKS * PIECES];
         for k in 0..rows.len() {
             let Some((residual, slope)) = whitening.white(rows, k) else { continue };
-            let fraction = (rows[k].time_s - from_s) / (to_s - from_s);
-            let count = pieces.len();
-            let sums = &mut pieces[((fraction * count as f64).max(0.0) as usize).min(count - 1)];
+            let sums = &mut pieces[part(rows[k].time_s, ends_s, BLOCKS * PIECES)];
             let active: Vec<usize> = (0..PARAMETERS).filter(|p| slope[*p] != nalgebra::Vector3::zeros()).collect();
             for (n, p) in active.iter().enumerate() {
                 sums.vector[*p] += slope[*p].dot(&residual);
@@ -79,9 +124,28 @@ impl Blocks {
             sums.square += residual.norm_squared();
             sums.count += 3;
         }
+        let turns = pieces.chunks_mut(PIECES).filter(|_| by_block).map(Turn::eliminate).collect();
         let mut all = vec![Sums::empty(); BLOCKS];
         pieces.iter().enumerate().for_each(|(k, piece)| all[k / PIECES].add(piece, 1.0));
-        Self { all, pieces }
+        Self { all, pieces, turns, ends_s }
+    }
+
+    /// Whether an attitude turns by block.
+    pub(super) fn turn(&self) -> bool {
+        !self.turns.is_empty()
+    }
+
+    /// The point with the turn of the block that a time lies in, where blocks turn: `from` is where
+    /// the rows were linearised.
+    pub(super) fn at(&self, time_s: f64, from: &Point, to: &Point) -> Point {
+        let block = part(time_s, self.ends_s, BLOCKS);
+        let mut point = *to;
+        if let Some(turn) = self.turns.get(block) {
+            let step = DVector::from_fn(PARAMETERS, |p, _| if ANCHOR.contains(&p) { 0.0 } else { to[p] - from[p] });
+            let turned = turn.alone + &turn.by_step * step;
+            ANCHOR.zip(turned.iter()).for_each(|(p, turn)| point[p] = from[p] + turn);
+        }
+        point
     }
 }
 
@@ -104,6 +168,11 @@ pub(super) struct Solved {
 }
 
 impl Linear {
+    /// Whether an attitude turns by block.
+    pub(super) fn turns_by_block(&self) -> bool {
+        self.sensors.iter().any(Blocks::turn)
+    }
+
     /// The sums over blocks.
     fn total(&self, wanted: impl Fn(usize) -> bool) -> Sums {
         let mut total = Sums::empty();
@@ -181,5 +250,60 @@ impl Linear {
         let step = DVector::from_fn(PARAMETERS, |p, _| point[p] - self.point[p]);
         let sums = &self.sensors[sensor].all[block];
         (sums.squares(&step), sums.count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::trajectory::colour::Held;
+    use crate::rng::{Philox, Stream};
+
+    #[test]
+    fn a_turn_that_is_eliminated_is_the_one_that_leaves_least() {
+        let mut random = Philox::new(5, 0, Stream::Host);
+        let mut vector = || Vector3::from_fn(|_, _| random.normal());
+        let count = 4 * BLOCKS * PIECES;
+        let rows: Vec<Row> = (0..count)
+            .map(|k| Row {
+                time_s: k as f64 + 0.5,
+                residual: vector(),
+                slope: Box::new(std::array::from_fn(|p| {
+                    if p < 3 || ANCHOR.contains(&p) { vector() } else { Vector3::zeros() }
+                })),
+                holds: true,
+            })
+            .collect();
+        let residual: Vec<_> = rows.iter().map(|row| row.residual).collect();
+        // No row looks back.
+        let held = Held { holds: vec![true; count], part: vec![0; count] };
+        let whitening = Whitening::of(&residual, &held, 0, &[vec![0, 1, 2]]);
+        let ends_s = [0.0, count as f64];
+        let blocks = Blocks::of(&rows, &whitening, ends_s, true);
+        let step = DVector::from_fn(PARAMETERS, |p, _| if p < 3 { 0.3 * (p as f64 + 1.0) } else { 0.0 });
+        let block = 7;
+        let own = block * 4 * PIECES..(block + 1) * 4 * PIECES;
+        let white: Vec<_> = own.filter_map(|k| whitening.white(&rows, k)).collect();
+        let (mut normal, mut side) = (Matrix3::identity() / widths()[ANCHOR.start].powi(2), Vector3::zeros());
+        let turns = |slope: &[Vector3<f64>; PARAMETERS]| {
+            Matrix3::from_columns(&[slope[ANCHOR.start], slope[ANCHOR.start + 1], slope[ANCHOR.start + 2]])
+        };
+        let stepped = |residual: &Vector3<f64>, slope: &[Vector3<f64>; PARAMETERS]| {
+            (0..3).fold(*residual, |sum, p| sum + slope[p] * step[p])
+        };
+        for (residual, slope) in &white {
+            normal += turns(slope).transpose() * turns(slope);
+            side -= turns(slope).transpose() * stepped(residual, slope);
+        }
+        let turn = normal.try_inverse().unwrap() * side;
+        let left = |turn: Vector3<f64>| -> f64 {
+            white.iter().map(|(r, slope)| (stepped(r, slope) + turns(slope) * turn).norm_squared()).sum()
+        };
+        let squares = blocks.all[block].squares(&step);
+        assert!((squares / left(turn) - 1.0).abs() < 1e-9, "{squares}, {}", left(turn));
+        assert!((squares / left(Vector3::zeros()) - 1.0).abs() > 1e-3, "no turn would leave as much");
+        let to: Point = std::array::from_fn(|p| step[p]);
+        let point = blocks.at(rows[block * 4 * PIECES + 3].time_s, &[0.0; PARAMETERS], &to);
+        assert!(ANCHOR.zip(turn.iter()).all(|(p, turn)| (point[p] - turn).abs() < 1e-9));
     }
 }

@@ -1,5 +1,6 @@
 //! What a model of an IMU in motion may leave out, each with the parameters it frees.
 
+use super::log::Halves;
 use crate::diagnosis::candidate::Candidate;
 
 mod clock;
@@ -33,17 +34,17 @@ pub const CANDIDATES: &[Candidate] = &[
     REFERENCE_NOISE,
 ];
 
-/// What a reference of attitude alone cannot show.
-pub fn by_position() -> Vec<&'static Term> {
-    terms(true).into_iter().filter(|t| !t.by_attitude).collect()
+/// Everything that is fitted and judged by held-out blocks.
+fn fitted() -> impl Iterator<Item = &'static Term> {
+    [clock::TERMS, frame::TERMS, sensor::TERMS].into_iter().flatten()
 }
 
-/// Everything that is fitted and judged by held-out blocks, with or without positions in the
-/// reference.
-pub fn terms(has_position: bool) -> Vec<&'static Term> {
-    [clock::TERMS, frame::TERMS, sensor::TERMS]
-        .into_iter()
-        .flatten()
-        .filter(|t| has_position || t.by_attitude)
-        .collect()
+/// What a reference with these halves of a pose can show.
+pub(super) fn terms(halves: Halves) -> Vec<&'static Term> {
+    fitted().filter(|t| t.needs.is_none_or(|half| halves.has(half))).collect()
+}
+
+/// What it cannot show.
+pub(super) fn untold(halves: Halves) -> Vec<&'static Term> {
+    fitted().filter(|t| t.needs.is_some_and(|half| !halves.has(half))).collect()
 }

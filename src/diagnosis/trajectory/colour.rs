@@ -10,6 +10,23 @@ const FOLDS: usize = 5;
 /// order only nearly.
 const RIDGE: f64 = 1e-6;
 
+/// Which rows can be used together.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Held {
+    /// Whether each row has all that it needs.
+    pub holds: Vec<bool>,
+    /// The part of the recording that each row is of, in order: residuals of two parts do not go on
+    /// into each other.
+    pub part: Vec<usize>,
+}
+
+impl Held {
+    /// Whether a row and this many before it can be used together.
+    pub(super) fn back(&self, k: usize, order: usize) -> bool {
+        k >= order && self.part[k - order] == self.part[k] && self.holds[k - order..=k].iter().all(|h| *h)
+    }
+}
+
 /// Products of a residual with itself at every two lags, by stretch of time and by axis.
 pub(super) struct Lags {
     products: Vec<[DMatrix<f64>; 3]>,
@@ -18,13 +35,13 @@ pub(super) struct Lags {
 
 impl Lags {
     /// Of a residual, at lags up to `most`; rows that do not hold are not used, nor those whose
-    /// lags reach one.
-    pub(super) fn of(residual: &[Vector3<f64>], holds: &[bool], most: usize) -> Self {
+    /// lags reach one, or another part.
+    pub(super) fn of(residual: &[Vector3<f64>], held: &Held, most: usize) -> Self {
         let most = most.min(residual.len() / 20);
         let empty = || std::array::from_fn(|_| DMatrix::zeros(most + 1, most + 1));
         let (mut products, mut count): (Vec<[DMatrix<f64>; 3]>, _) =
             ((0..STRETCHES).map(|_| empty()).collect(), vec![0.0; STRETCHES]);
-        for k in (most..residual.len()).filter(|k| holds[k - most..=*k].iter().all(|h| *h)) {
+        for k in (most..residual.len()).filter(|k| held.back(*k, most)) {
             let stretch = k * STRETCHES / residual.len();
             count[stretch] += 1.0;
             for (axis, products) in products[stretch].iter_mut().enumerate() {
@@ -52,41 +69,42 @@ impl Lags {
         sum
     }
 
-    /// Coefficients, nearest row first, and variance of what they do not predict.
+    /// Coefficients that some axes have in common, nearest row first, and variance of what they do
+    /// not predict.
     ///
     /// The order is the one that makes held-out stretches most likely.
-    pub(super) fn fitted(&self) -> (Vec<f64>, Vector3<f64>) {
+    pub(super) fn fitted(&self, axes: &[usize]) -> (Vec<f64>, Vector3<f64>) {
         let most = self.products[0][0].nrows() - 1;
-        let scores: Vec<Vec<f64>> = (0..=most).map(|order| self.held_out(order)).collect();
+        let scores: Vec<Vec<f64>> = (0..=most).map(|order| self.held_out(order, axes)).collect();
         let total = |order: &usize| scores[*order].iter().sum::<f64>();
         let order = (0..=most).max_by(|a, b| total(a).total_cmp(&total(b))).unwrap_or(0);
         let (products, count) = self.sum(|_| true);
-        regression(&products, count, order)
+        regression(&products, count, order, axes)
     }
 
     /// Logarithm of the likelihood of each stretch, by an autoregression fitted on other ones.
-    fn held_out(&self, order: usize) -> Vec<f64> {
+    fn held_out(&self, order: usize, axes: &[usize]) -> Vec<f64> {
         let mut scores = Vec::with_capacity(STRETCHES);
         for fold in 0..FOLDS {
             let (products, count) = self.sum(|s| s % FOLDS != fold);
-            let (coefficients, variance) = regression(&products, count, order);
+            let (coefficients, variance) = regression(&products, count, order, axes);
             for stretch in (0..STRETCHES).filter(|s| s % FOLDS == fold && self.count[*s] > 0.0) {
                 let axis = |axis: usize| {
                     let square = unpredicted(&self.products[stretch][axis], &coefficients);
                     -0.5 * (self.count[stretch] * variance[axis].ln() + square / variance[axis])
                 };
-                scores.push((0..3).map(axis).sum());
+                scores.push(axes.iter().copied().map(axis).sum());
             }
         }
         scores
     }
 }
 
-/// Least squares out of products, all axes with the same coefficients.
-fn regression(products: &[DMatrix<f64>; 3], count: f64, order: usize) -> (Vec<f64>, Vector3<f64>) {
+/// Least squares out of products, these axes with the same coefficients.
+fn regression(products: &[DMatrix<f64>; 3], count: f64, order: usize, axes: &[usize]) -> (Vec<f64>, Vector3<f64>) {
     // Each axis by its own size, so that a loud one does not outweigh the others.
     let scale = Vector3::from_fn(|axis, _| products[axis][(0, 0)].max(f64::MIN_POSITIVE).recip());
-    let sum = |i: usize, j: usize| (0..3).map(|axis| products[axis][(i, j)] * scale[axis]).sum::<f64>();
+    let sum = |i: usize, j: usize| axes.iter().map(|axis| products[*axis][(i, j)] * scale[*axis]).sum::<f64>();
     let ridge = |i: usize, j: usize| if i == j { 1.0 + RIDGE } else { 1.0 };
     let matrix = DMatrix::from_fn(order, order, |i, j| sum(i + 1, j + 1) * ridge(i, j));
     let vector = DVector::from_fn(order, |i, _| sum(i + 1, 0));
@@ -117,12 +135,12 @@ mod tests {
             white.push(Vector3::from_fn(|i, _| [1.0, 5.0, 0.2][i] * random.normal()));
             coloured.push(coloured[k - 1] * 0.9 - coloured[k - 2] * 0.4 + white[k - 2]);
         }
-        let holds = vec![true; 4000];
-        let (coefficients, variance) = Lags::of(&coloured, &holds, 10).fitted();
+        let held = |count: usize| Held { holds: vec![true; count], part: vec![0; count] };
+        let (coefficients, variance) = Lags::of(&coloured, &held(4000), 10).fitted(&[0, 1, 2]);
         assert!((2..=4).contains(&coefficients.len()));
         // A coefficient's standard error is 1/√(3 · 4000) at most: four of them.
         assert!((coefficients[0] - 0.9).abs() < 0.036 && (coefficients[1] + 0.4).abs() < 0.036, "{coefficients:?}");
         assert!((variance[1] / 25.0 - 1.0).abs() < 0.1);
-        assert!(Lags::of(&white, &holds[2..], 10).fitted().0.iter().all(|c| c.abs() < 0.036));
+        assert!(Lags::of(&white, &held(3998), 10).fitted(&[0, 1, 2]).0.iter().all(|c| c.abs() < 0.036));
     }
 }

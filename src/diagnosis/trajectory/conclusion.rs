@@ -3,19 +3,20 @@
 
 use nalgebra::Vector3;
 
-use super::account::{Account, Hidden, Manoeuvre, NamedEffect};
-use super::candidate::{Term, by_position};
+use super::account::{Account, Hidden, Manoeuvre, NamedEffect, Untold};
+use super::candidate::{Term, untold};
 use super::clipping::Limit;
 use super::course::Case;
 use super::detail::{Detail, Series};
 use super::effects;
-use super::fit::{Fit, Residuals};
+use super::fit::Fit;
 use super::intake::Names;
 use super::judgement::{HeldOut, Standing};
 use super::log::Log;
 use super::parameters::Point;
 use super::permutation::Permutation;
 use super::published::{self, Fitted};
+use super::rows::Row;
 use super::scatter;
 use super::selection::{Selection, base};
 use super::sensor::Diagnosed;
@@ -23,7 +24,7 @@ use super::start::Start;
 use super::vibration::{self, Vibration};
 use crate::diagnosis::answer::{self, Answer, Places};
 use crate::diagnosis::candidate::Kind;
-use crate::diagnosis::model::{InertialNoise, Noise, Reference, Trajectory};
+use crate::diagnosis::model::{Half, InertialNoise, Noise, Reference, Trajectory};
 use crate::diagnosis::remainder::{Remainder, Size, Test};
 use crate::diagnosis::ruling::{self, rule};
 use crate::diagnosis::standing::{Gain, Note, Ranked};
@@ -113,14 +114,15 @@ impl Examined<'_> {
              recording determines them"
                 .into(),
         );
-        let (fit, selection, has_position) = (found.fit, found.selection, found.case.motion.has_position);
-        let small = base(has_position);
-        let active = selection.active(has_position);
+        let (fit, selection, halves) = (found.fit, found.selection, found.case.motion.halves);
+        let small = base(halves);
+        let active = selection.active(halves);
         let chosen = Fitted::of(&fit.linear, &active);
-        let wide = Fitted::of(&fit.linear, &published::usual(&active, has_position));
+        let wide = Fitted::of(&fit.linear, &published::usual(&active, halves));
         let before = fit.linear.solve(&small, |_| true).point;
         let held = HeldOut::of(&fit.linear, &small, &active);
-        let clipped = fit.residuals.first().map_or(0.0, |r| lies_in_clipped(r, &fit.linear.point, &chosen.point));
+        let first = halves.lacks().map_or(Half::Attitude, other);
+        let clipped = fit.residuals_at(first, &chosen.point).map_or(0.0, |all| lies_in_clipped(&all));
         let swap = [found.start.gyro, found.start.accelerometer];
         let mut effects: Vec<Effect> =
             selection.named.iter().map(|n| effects::fitted(n, &chosen, self.channels(n.standing.term))).collect();
@@ -128,17 +130,16 @@ impl Examined<'_> {
         let exchanged =
             Evidence { held_out_gain: found.start.explained.max(0.0), p_value: found.start.chance_exchanged };
         effects.splice(0..0, self.of_readings([clipped; 2], swap, exchanged));
-        let seated = Fitted::of(&fit.linear, &published::seated(&active));
-        let residuals: Vec<Vec<(Vector3<f64>, bool)>> =
-            fit.residuals.iter().map(|r| residuals_at(fit, r, &seated.point)).collect();
-        let rate_hz = 1.0 / found.log.interval_s;
-        // N² is half the one-sided density: the one stated, else the floor of the readings.
-        let walk = |stated: Option<Noise>, readings: &[Vector3<f64>]| {
-            0.5 * stated.map_or_else(|| scatter::floor(readings, rate_hz), |noise| noise.density * noise.density)
+        let seated = Fitted::of(&fit.linear, &published::seated(&active, halves));
+        let own = scatter::random_walks(found.log, self.stated);
+        let residuals = |half: Half| {
+            // Without attitudes only what points down is differenced as often as noise is judged by.
+            let only = |v: Vector3<f64>| if halves.attitude { v } else { Vector3::repeat(v.z) };
+            let at = fit.residuals_at(half, &seated.point)?.into_iter().map(|(v, holds)| (only(v), holds));
+            Some((at.collect::<Vec<_>>(), fit.of(half)?.0.width_s))
         };
-        let own = [walk(self.stated.gyro, &found.log.rate), walk(self.stated.accelerometer, &found.log.force)];
-        let attitude = scatter::excess(&residuals[0], fit.residuals[0].width_s, own[0]);
-        let position = residuals.get(1).and_then(|l| scatter::position(l, fit.residuals[1].width_s, own[1]));
+        let attitude = residuals(Half::Attitude).and_then(|(l, width_s)| scatter::excess(&l, width_s, own[0]));
+        let position = residuals(Half::Position).and_then(|(l, width_s)| scatter::position(&l, width_s, own[1]));
         let erring = effects::reference(attitude, position);
         let errs = erring.is_some();
         effects.extend(erring);
@@ -152,9 +153,7 @@ impl Examined<'_> {
             ..ruling::Evidence::default()
         });
         let mut account = self.account(&effects, Some(selection), held.rms());
-        if !has_position {
-            account.untold = by_position();
-        }
+        account.untold = halves.lacks().map(|half| Untold { half, terms: untold(halves) });
         let mut detail = self.detail(found.log, Some((found, &before, &chosen.point)), account);
         detail.published = published::calibration(&wide, swap);
         let diagnosed = Diagnosed {
@@ -222,7 +221,7 @@ impl Examined<'_> {
             .collect();
         let hidden = selection.map_or(Vec::new(), |s| s.others.iter().filter_map(hidden).collect());
         let is_fitted = selection.is_some_and(|s| !s.named.is_empty());
-        Account { named, is_fitted, hidden, untold: Vec::new(), with_reference: selection.is_some(), held_out }
+        Account { named, is_fitted, hidden, untold: None, with_reference: selection.is_some(), held_out }
     }
 
     fn detail(&self, log: &Log, found: Option<(&Found<'_>, &Point, &Point)>, account: Account) -> Detail {
@@ -230,10 +229,13 @@ impl Examined<'_> {
         let root = |readings: &[Vector3<f64>]| -> Vec<(f64, f64)> {
             vibration::spectrum(readings, rate_hz).0.into_iter().map(|(hz, v)| (hz, v.sqrt())).collect()
         };
-        let series = |sensor: usize| -> Series {
+        let series = |half: Half| -> Series {
             let Some((found, before, after)) = found else { return Series::default() };
-            let Some(residuals) = found.fit.residuals.get(sensor) else { return Series::default() };
-            let of = |point: &Point| lengths(found.fit, residuals, point);
+            let Some((residuals, _)) = found.fit.of(half) else { return Series::default() };
+            let of = |point: &Point| {
+                let at = found.fit.residuals_at(half, point).unwrap_or_default();
+                lengths(&residuals.rows, &at)
+            };
             Series { before: of(before), after: of(after) }
         };
         let drift = found.map_or(Vec::new(), |(found, ..)| {
@@ -242,8 +244,8 @@ impl Examined<'_> {
             times.iter().zip(&found.fit.error).step_by(every).map(|(t, e)| (*t, e.norm())).collect()
         });
         Detail {
-            attitude: series(0),
-            position: series(1),
+            attitude: series(Half::Attitude),
+            position: series(Half::Position),
             drift,
             spectra: [root(&log.rate), root(&log.force)],
             stated: [self.stated.gyro, self.stated.accelerometer].map(|noise| noise.map(|n| n.density)),
@@ -279,21 +281,24 @@ impl Examined<'_> {
     }
 }
 
-/// Residuals of rows at a point, and whether they hold.
-fn residuals_at(fit: &Fit, residuals: &Residuals, point: &Point) -> Vec<(Vector3<f64>, bool)> {
-    residuals.rows.iter().map(|row| (row.at(&fit.linear.point, point), row.holds)).collect()
+fn lengths(rows: &[Row], at: &[(Vector3<f64>, bool)]) -> Vec<(f64, f64)> {
+    let every = rows.len().div_ceil(DRAWN).max(1);
+    let drawn = rows.iter().zip(at).filter(|(_, (_, holds))| *holds).step_by(every);
+    drawn.map(|(row, (value, _))| (row.time_s, value.norm())).collect()
 }
 
-fn lengths(fit: &Fit, residuals: &Residuals, point: &Point) -> Vec<(f64, f64)> {
-    let every = residuals.rows.len().div_ceil(DRAWN).max(1);
-    let drawn = residuals.rows.iter().filter(|r| r.holds).step_by(every);
-    drawn.map(|row| (row.time_s, row.at(&fit.linear.point, point).norm())).collect()
+/// The other half of a pose.
+fn other(half: Half) -> Half {
+    match half {
+        Half::Attitude => Half::Position,
+        Half::Position => Half::Attitude,
+    }
 }
 
 /// Fraction of the error of all rows that lies in those which do not hold.
-fn lies_in_clipped(residuals: &Residuals, from: &Point, to: &Point) -> f64 {
+fn lies_in_clipped(at: &[(Vector3<f64>, bool)]) -> f64 {
     let mean = |wanted: &dyn Fn(bool) -> bool| {
-        let squares = residuals.rows.iter().filter(|r| wanted(r.holds)).map(|r| r.at(from, to).norm_squared());
+        let squares = at.iter().filter(|(_, holds)| wanted(*holds)).map(|(value, _)| value.norm_squared());
         let (sum, n) = squares.fold((0.0, 0.0), |s, v| (s.0 + v, s.1 + 1.0));
         sum / f64::max(n, 1.0)
     };
@@ -308,11 +313,12 @@ fn remainder(fit: &Fit, chosen: &Point, held_out_rms: f64) -> Remainder {
         p_value: if square > TOLERATED[0] { 0.0 } else { 1.0 },
         size: Size::of(square, TOLERATED[0], TOLERATED[1]),
     }];
-    for residuals in &fit.residuals {
-        let step: Vec<f64> = chosen.iter().zip(&fit.linear.point).map(|(a, b)| a - b).collect();
+    for (residuals, sums) in fit.residuals.iter().zip(&fit.linear.sensors) {
+        let from = &fit.linear.point;
         let white = |k: usize| {
             let (residual, slope) = residuals.whitening.white(&residuals.rows, k)?;
-            Some(slope.iter().zip(&step).fold(residual, |r, (s, d)| r + s * *d))
+            let to = sums.at(residuals.rows[k].time_s, from, chosen);
+            Some(slope.iter().zip(to.iter().zip(from)).fold(residual, |r, (s, (to, from))| r + s * (to - from)))
         };
         let all: Vec<Option<Vector3<f64>>> = (0..residuals.rows.len()).map(white).collect();
         let pairs: Vec<(Vector3<f64>, Vector3<f64>)> = all.windows(2).filter_map(|p| Some((p[0]?, p[1]?))).collect();

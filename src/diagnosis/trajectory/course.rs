@@ -6,8 +6,8 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use super::integral::{Rule, cumulative, place};
 use super::log::{Log, Motion};
 use super::parameters::{
-    COSINES, DRIFT, FORCE_BIAS, FORCE_WANDER, G_SENSITIVITY, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL,
-    GYRO_SCALE, GYRO_WANDER, MOUNTING, OFFSET, Point,
+    ANCHOR, COSINES, DRIFT, FORCE_BIAS, FORCE_MATRIX, FORCE_PLACES, FORCE_WANDER, G_SENSITIVITY, GYRO_BIAS,
+    GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL, GYRO_SCALE, GYRO_WANDER, MOUNTING, OFFSET, Point,
 };
 
 /// What is fitted: readings, reference, and the rotation that the search starts from.
@@ -25,6 +25,59 @@ pub(super) struct Case<'a> {
     pub masked: &'a [bool],
     /// What is taken to happen between readings.
     pub rule: Rule,
+    /// The attitude that dead reckoning goes through.
+    pub anchor: Anchor,
+}
+
+/// An attitude that dead reckoning goes through.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Anchor {
+    /// The reference's, in its middle.
+    Reference,
+    /// One that is itself to be found.
+    Found {
+        /// The sample at which it holds.
+        sample: usize,
+        /// From the IMU's axes to north-east-down.
+        attitude: UnitQuaternion<f64>,
+        /// What turns it.
+        turns: Turns,
+    },
+}
+
+/// What turns an attitude that was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Turns {
+    /// Parameters of the whole recording.
+    AsAWhole,
+    /// Each block of time by itself: noise of the gyro turns the attitude further and further, and
+    /// what a block says of it holds within that block alone.
+    ByBlock,
+}
+
+impl Anchor {
+    /// Whether each block of time has its own.
+    pub(super) fn is_by_block(self) -> bool {
+        matches!(self, Self::Found { turns: Turns::ByBlock, .. })
+    }
+
+    /// The same with another thing to turn it.
+    pub(super) fn turning(self, turns: Turns) -> Self {
+        match self {
+            Self::Reference => self,
+            Self::Found { sample, attitude, .. } => Self::Found { sample, attitude, turns },
+        }
+    }
+
+    /// Turned about north, east and down, where it is itself to be found.
+    pub(super) fn turned(self, by_rad: Vector3<f64>) -> Self {
+        match self {
+            Self::Reference => self,
+            Self::Found { sample, attitude, turns } => {
+                Self::Found { sample, attitude: UnitQuaternion::from_scaled_axis(by_rad) * attitude, turns }
+            }
+        }
+    }
 }
 
 impl Case<'_> {
@@ -60,6 +113,13 @@ pub(super) fn gyro_matrix(point: &Point) -> Matrix3<f64> {
     matrix
 }
 
+/// I + S of the accelerometer.
+fn accelerometer_matrix(point: &Point) -> Matrix3<f64> {
+    let mut matrix = Matrix3::identity();
+    FORCE_PLACES.into_iter().zip(FORCE_MATRIX).for_each(|(at, p)| matrix[at] += point[p]);
+    matrix
+}
+
 /// Sensitivity K of the gyro to specific force, (rad/s)/(m/s²).
 pub(super) fn g_sensitivity(point: &Point) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| point[G_SENSITIVITY.start + 3 * i + j])
@@ -72,7 +132,7 @@ pub(super) struct Course {
     pub rate: Vec<Vector3<f64>>,
     /// Specific force in the IMU's axes, m/s².
     pub force: Vec<Vector3<f64>>,
-    /// From the IMU's axes to north-east-down, from the reference's attitude at the middle pose on.
+    /// From the IMU's axes to north-east-down, from the anchor on.
     pub attitude: Vec<UnitQuaternion<f64>>,
     /// (I + S)⁻¹ of the gyro.
     pub gyro: Matrix3<f64>,
@@ -82,6 +142,7 @@ impl Course {
     /// Reckoned with the parameters of a point.
     pub(super) fn of(case: &Case<'_>, point: &Point) -> Self {
         let gyro = gyro_matrix(point).try_inverse().unwrap_or_else(Matrix3::identity);
+        let accelerometer = accelerometer_matrix(point).try_inverse().unwrap_or_else(Matrix3::identity);
         let k = g_sensitivity(point);
         let wander = |start: usize, time_s: f64| {
             let cosines = case.cosines(time_s);
@@ -90,17 +151,26 @@ impl Course {
         let log = case.log;
         let (mut rate, mut force) = (Vec::with_capacity(log.rate.len()), Vec::with_capacity(log.rate.len()));
         for n in 0..log.rate.len() {
-            let f = log.force[n] - vector(point, FORCE_BIAS.start) - wander(FORCE_WANDER.start, log.time_s[n]);
+            let f = accelerometer
+                * (log.force[n] - vector(point, FORCE_BIAS.start) - wander(FORCE_WANDER.start, log.time_s[n]));
             let w = gyro
                 * (log.rate[n] - vector(point, GYRO_BIAS.start) - wander(GYRO_WANDER.start, log.time_s[n]) - k * f);
             rate.push(w);
             force.push(f);
         }
         let mut course = Self { attitude: reckoned(log, &rate, case.rule), rate, force, gyro };
-        // Anchored in the middle, so that errors that grow are smallest.
-        let middle = case.motion.time_s.len() / 2;
-        let imu = course.attitude_at(log, case.stamp_s(point, middle));
-        let anchor = case.motion.attitude[middle] * case.mounting(point) * imu.inverse();
+        let anchor = match case.anchor {
+            // In the middle, so that errors that grow are smallest.
+            Anchor::Reference => {
+                let middle = case.motion.time_s.len() / 2;
+                let imu = course.attitude_at(log, case.stamp_s(point, middle));
+                case.motion.attitude[middle] * case.mounting(point) * imu.inverse()
+            }
+            Anchor::Found { sample, attitude, .. } => {
+                let off = UnitQuaternion::from_scaled_axis(vector(point, ANCHOR.start));
+                off * attitude * course.attitude[sample].inverse()
+            }
+        };
         course.attitude.iter_mut().for_each(|q| *q = anchor * *q);
         course
     }
@@ -116,7 +186,7 @@ impl Course {
 }
 
 /// Attitudes from rates, the first one being none: coning made good by the one before.
-fn reckoned(log: &Log, rate: &[Vector3<f64>], rule: Rule) -> Vec<UnitQuaternion<f64>> {
+pub(super) fn reckoned(log: &Log, rate: &[Vector3<f64>], rule: Rule) -> Vec<UnitQuaternion<f64>> {
     let angles = cumulative(&log.time_s, rate, rule);
     let mut attitude = UnitQuaternion::identity();
     let mut before = Vector3::zeros();

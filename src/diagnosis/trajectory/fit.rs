@@ -2,29 +2,69 @@
 
 use nalgebra::Vector3;
 
-use super::attitude::{attitude_rows, error};
-use super::blocks::{Blocks, Linear};
+use super::along_gyro::{ALONG_GYRO, along_gyro_rows};
+use super::attitude::{ATTITUDE, attitude_rows, error};
+use super::blocks::{BLOCKS, Blocks, Linear, part};
+use super::colour::Held;
 use super::course::{Case, Course};
+use super::log::{Halves, Motion};
 use super::parameters::{PARAMETERS, Point};
-use super::position::{Steady, position_rows};
-use super::rows::{Bins, Row};
+use super::position::{POSITION, Steady, position_rows};
+use super::rows::{Bins, Orders, Row};
 use super::whitening::Whitening;
 use crate::control::{Control, Stopped};
+use crate::diagnosis::model::Half;
 use crate::numerics::order;
 
 /// Rounds at most, and the fraction of a standard error below which none is needed any more.
 const ROUNDS: usize = 5;
 const SETTLED: f64 = 0.1;
-/// Width of a bin of attitude and of position, s, and in poses at least.
-const WIDTH: [(f64, f64); 2] = [(0.05, 3.0), (0.1, 3.0)];
-/// Rows that the noise of attitude and of position looks back at most. More of attitude would trust
-/// the slow part of the residual, in which references that were smoothed err most; the second
-/// differences of position take more to be made white.
-const MOST: [usize; 2] = [3, 10];
+/// Fewest poses in a bin.
+const POSES: f64 = 3.0;
+
+/// How rows of one half of a pose are made.
+#[derive(Debug, Clone, Copy)]
+struct Recipe {
+    /// Width of a bin, s.
+    width_s: f64,
+    /// How often rows are differenced, by axis.
+    orders: Orders,
+    /// Rows that its noise looks back at most.
+    most: usize,
+}
+
+impl Recipe {
+    fn of(half: Half, halves: Halves) -> Self {
+        match (half, halves.attitude) {
+            // More would trust the slow part of the residual, in which references that were smoothed
+            // err most.
+            (Half::Attitude, _) => Self { width_s: 0.05, orders: ATTITUDE, most: 3 },
+            // Second differences of position take more to be made white.
+            (Half::Position, true) => Self { width_s: 0.1, orders: POSITION, most: 10 },
+            // The more so where they are differenced once more.
+            (Half::Position, false) => Self { width_s: 0.1, orders: ALONG_GYRO, most: 20 },
+        }
+    }
+
+    fn whitening(self, rows: &[Row], residual: &[Vector3<f64>], cut: &Cut) -> Whitening {
+        let part = rows.iter().map(|row| cut.part(row.time_s)).collect();
+        let held = Held { holds: rows.iter().map(|row| row.holds).collect(), part };
+        // Half of what a block has, so that half of it can be predicted.
+        let most = if cut.by_block { self.most.min(rows.len() / (2 * BLOCKS)) } else { self.most };
+        Whitening::of(residual, &held, most, &self.orders.groups())
+    }
+
+    fn bins(self, motion: &Motion) -> Bins {
+        Bins::over(&motion.time_s, self.width_s.max(POSES * motion.interval_s))
+    }
+}
 
 /// Rows at the last point, with what makes them white.
 #[derive(Debug, Clone)]
 pub(super) struct Residuals {
+    /// The half of a pose that they are of.
+    pub half: Half,
+    recipe: Recipe,
     /// In order of time.
     pub rows: Vec<Row>,
     /// From one to the next, s.
@@ -38,9 +78,9 @@ pub(super) struct Residuals {
 pub(super) struct Fit {
     /// The linearised model about the last point.
     pub linear: Linear,
-    /// Rows of attitude, and of position where the reference has it.
+    /// Rows of attitude and of position, where the reference has them.
     pub residuals: Vec<Residuals>,
-    /// E at the poses, rad.
+    /// E at the poses, rad; empty where the reference has no attitudes.
     pub error: Vec<Vector3<f64>>,
 }
 
@@ -52,26 +92,36 @@ impl Fit {
     pub(super) fn new(case: &Case<'_>, start: &Point, active: &[usize], control: &Control) -> Result<Self, Stopped> {
         let mut point = *start;
         let motion = case.motion;
-        let bins = WIDTH.map(|(width_s, poses)| Bins::over(&motion.time_s, width_s.max(poses * motion.interval_s)));
+        let ends_s = [motion.time_s[0], motion.time_s[motion.time_s.len() - 1]];
+        let cut = Cut { ends_s, by_block: case.anchor.is_by_block() };
         let mut round = 0;
         loop {
             control.go_on()?;
             let course = Course::of(case, &point);
-            let error = error(case, &course, &point);
-            let mut all = vec![(attitude_rows(case, &course, &point, &bins[0]), bins[0].width_s)];
-            if motion.has_position {
-                let stamps: Vec<f64> = (0..motion.time_s.len()).map(|pose| case.stamp_s(&point, pose)).collect();
-                let steady = Steady::of(&stamps, &error);
-                all.push((position_rows(case, &course, &point, &bins[1], &steady), bins[1].width_s));
-            }
-            let ends = [motion.time_s[0], motion.time_s[motion.time_s.len() - 1]];
-            let (linear, mut residuals) = whitened(&point, all, active, ends);
+            let error = if motion.halves.attitude { error(case, &course, &point) } else { Vec::new() };
+            let plain = |half: Half| {
+                let recipe = Recipe::of(half, motion.halves);
+                let bins = recipe.bins(motion);
+                let rows = match (half, motion.halves.attitude) {
+                    (Half::Attitude, _) => attitude_rows(case, &course, &point, &bins),
+                    (Half::Position, true) => {
+                        let stamps: Vec<f64> =
+                            (0..motion.time_s.len()).map(|pose| case.stamp_s(&point, pose)).collect();
+                        position_rows(case, &course, &point, &bins, &Steady::of(&stamps, &error))
+                    }
+                    (Half::Position, false) => along_gyro_rows(case, &course, &point, &bins),
+                };
+                Residuals::new(half, rows, bins.width_s, recipe, &cut)
+            };
+            let there = [Half::Attitude, Half::Position].into_iter().filter(|half| motion.halves.has(*half));
+            let all = there.map(plain).collect();
+            let (linear, mut residuals) = coloured(&point, all, active, &cut);
             round += 1;
             if round > ROUNDS {
                 // A reference that jumps says nothing of the sensor.
                 let solved = linear.solve(active, |_| true).point;
-                residuals.iter_mut().for_each(|r| leave_out(&mut r.rows, &point, &solved));
-                let (linear, residuals) = coloured(&point, residuals, active, ends);
+                residuals.iter_mut().zip(&linear.sensors).for_each(|(r, sums)| leave_out(r, sums, &point, &solved));
+                let (linear, residuals) = coloured(&point, residuals, active, &cut);
                 return Ok(Self { linear, residuals, error });
             }
             let solved = linear.solve(active, |_| true);
@@ -85,13 +135,26 @@ impl Fit {
         }
     }
 
-    /// Root mean square of the whitened residual of the attitude's rows, rad/s.
-    pub(super) fn innovation_rad_s(&self) -> f64 {
+    /// Root mean square of the whitened residual of the attitude's rows, rad/s, of position's,
+    /// m/s², where the reference has no attitudes.
+    pub(super) fn innovation(&self) -> f64 {
         self.residuals.first().map_or(f64::INFINITY, |r| r.whitening.deviation.norm())
     }
 
+    /// Rows of one half of a pose, with their sums.
+    pub(super) fn of(&self, half: Half) -> Option<(&Residuals, &Blocks)> {
+        self.residuals.iter().zip(&self.linear.sensors).find(|(r, _)| r.half == half)
+    }
+
+    /// Residuals of the rows of one half of a pose at a point, and whether they hold.
+    pub(super) fn residuals_at(&self, half: Half, point: &Point) -> Option<Vec<(Vector3<f64>, bool)>> {
+        let (residuals, sums) = self.of(half)?;
+        let at = residuals.at(sums, &self.linear.point, point);
+        Some(at.into_iter().zip(&residuals.rows).map(|(value, row)| (value, row.holds)).collect())
+    }
+
     /// By how much the reference's attitude and the gyro's differ, root mean square of an axis
-    /// about the mean, rad.
+    /// about the mean, rad; zero where the reference has no attitudes.
     pub(super) fn tilt_rad(&self) -> f64 {
         let count = self.error.len().max(1) as f64;
         let mean = self.error.iter().sum::<Vector3<f64>>() / count;
@@ -102,40 +165,63 @@ impl Fit {
 /// Rows whose residual is larger than this, in medians of all, are outliers and not fitted.
 const APART: f64 = 8.0;
 
-fn leave_out(rows: &mut [Row], from: &Point, to: &Point) {
-    let sizes: Vec<f64> = rows.iter().map(|r| r.at(from, to).norm()).collect();
-    let held = rows.iter().zip(&sizes).filter(|(r, _)| r.holds).map(|(_, s)| *s).collect();
-    let usual = order::median(held).unwrap_or_default();
-    rows.iter_mut().zip(&sizes).for_each(|(row, size)| row.holds &= *size <= APART * usual);
+fn leave_out(residuals: &mut Residuals, sums: &Blocks, from: &Point, to: &Point) {
+    let sizes: Vec<f64> = residuals.at(sums, from, to).iter().map(Vector3::norm).collect();
+    // Where an attitude turns by block, so does what is usual: a body that vibrates in flight and
+    // stands still before it has no one size.
+    let count = residuals.rows.len();
+    let part = if sums.turn() { count.div_ceil(BLOCKS) } else { count };
+    for (rows, sizes) in residuals.rows.chunks_mut(part.max(1)).zip(sizes.chunks(part.max(1))) {
+        let held = rows.iter().zip(sizes).filter(|(r, _)| r.holds).map(|(_, s)| *s).collect();
+        let usual = order::median(held).unwrap_or_default();
+        rows.iter_mut().zip(sizes).for_each(|(row, size)| row.holds &= *size <= APART * usual);
+    }
 }
 
-/// The colour of the residual that the active parameters leave, and the sums of what it makes
-/// white.
-fn whitened(point: &Point, all: Vec<(Vec<Row>, f64)>, active: &[usize], ends: [f64; 2]) -> (Linear, Vec<Residuals>) {
-    let plain = |(sensor, (rows, width_s)): (usize, (Vec<Row>, f64))| {
+/// How often the colour is taken anew: of rows of the whole recording, and of such whose blocks turn
+/// by themselves, each time by what the colour before weighs most.
+const COLOURED: (usize, usize) = (2, 8);
+
+/// How rows are cut into blocks.
+struct Cut {
+    ends_s: [f64; 2],
+    /// Whether an attitude turns by block.
+    by_block: bool,
+}
+
+impl Cut {
+    /// The part of the recording whose residuals go on into each other.
+    fn part(&self, time_s: f64) -> usize {
+        if self.by_block { part(time_s, self.ends_s, BLOCKS) } else { 0 }
+    }
+}
+
+impl Residuals {
+    /// At another point than the one that they were taken at.
+    pub(super) fn at(&self, sums: &Blocks, from: &Point, to: &Point) -> Vec<Vector3<f64>> {
+        self.rows.iter().map(|row| row.at(from, &sums.at(row.time_s, from, to))).collect()
+    }
+
+    /// With the colour of the rows as they are.
+    fn new(half: Half, rows: Vec<Row>, width_s: f64, recipe: Recipe, cut: &Cut) -> Self {
         let residual: Vec<_> = rows.iter().map(|r| r.residual).collect();
-        Residuals { whitening: Whitening::of(&rows, &residual, MOST[sensor]), rows, width_s }
-    };
-    let residuals: Vec<Residuals> = all.into_iter().enumerate().map(plain).collect();
-    coloured(point, residuals, active, ends)
+        Self { half, recipe, whitening: recipe.whitening(&rows, &residual, cut), rows, width_s }
+    }
 }
 
-/// The same from a colour that is nearly right, twice with that of the residual.
-fn coloured(
-    point: &Point,
-    mut residuals: Vec<Residuals>,
-    active: &[usize],
-    ends: [f64; 2],
-) -> (Linear, Vec<Residuals>) {
+/// The sums of what the colour of the residual makes white that the active parameters leave: from
+/// a colour that is nearly right, a few times with that of the residual.
+fn coloured(point: &Point, mut residuals: Vec<Residuals>, active: &[usize], cut: &Cut) -> (Linear, Vec<Residuals>) {
     let linear = |residuals: &[Residuals]| Linear {
         point: *point,
-        sensors: residuals.iter().map(|r| Blocks::of(&r.rows, &r.whitening, ends)).collect(),
+        sensors: residuals.iter().map(|r| Blocks::of(&r.rows, &r.whitening, cut.ends_s, cut.by_block)).collect(),
     };
-    for _ in 0..2 {
-        let solved = linear(&residuals).solve(active, |_| true).point;
-        for (sensor, r) in residuals.iter_mut().enumerate() {
-            let residual: Vec<_> = r.rows.iter().map(|row| row.at(point, &solved)).collect();
-            r.whitening = Whitening::of(&r.rows, &residual, MOST[sensor]);
+    for _ in 0..if cut.by_block { COLOURED.1 } else { COLOURED.0 } {
+        let linear = linear(&residuals);
+        let solved = linear.solve(active, |_| true).point;
+        for (r, sums) in residuals.iter_mut().zip(&linear.sensors) {
+            let residual = r.at(sums, point, &solved);
+            r.whitening = r.recipe.whitening(&r.rows, &residual, cut);
         }
     }
     (linear(&residuals), residuals)

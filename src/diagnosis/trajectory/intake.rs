@@ -3,7 +3,8 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::log::{Log, Motion};
+use super::log::{Halves, Log, Motion};
+use super::mistaken::Mistake;
 use super::orientation;
 use super::permutation::Permutation;
 use super::start::Start;
@@ -113,15 +114,15 @@ pub(super) fn motion(
         times: reference.times.as_deref(),
         up: reference.up,
         quaternion: reference.quaternion,
-        wanted: reference.only.map_or(Wanted::Any, |Half::Attitude| Wanted::Only(Part::Attitude)),
+        wanted: match reference.only {
+            None => Wanted::Any,
+            Some(Half::Attitude) => Wanted::Only(Part::Attitude),
+            Some(Half::Position) => Wanted::Only(Part::Position),
+        },
         span: Span::Log { start, ends_s: [first, last] },
     };
     let Poses { poses, has_position, has_attitude, quaternion, turn, start: began, findings: found } =
         file::read(&request)?;
-    if !has_attitude {
-        let cause = format!("{} has positions and no attitudes: need attitudes", reference.file.display());
-        return Err(fail(recording, cause, "give a reference with attitudes (qw, qx, qy, qz, or roll, pitch, yaw)"));
-    }
     findings.extend(found.iter().map(ToString::to_string));
     let shift_s = match (start, began) {
         (Some(start), Some(began)) => began.since(&start),
@@ -161,7 +162,35 @@ pub(super) fn motion(
     let interval_s = order::median(time_s.windows(2).map(|t| t[1] - t[0]).collect()).unwrap_or_default();
     let position: Vec<Vector3<f64>> = poses.iter().map(|p| p.position_m).collect();
     let attitude: Vec<UnitQuaternion<f64>> = poses.iter().map(|p| p.attitude).collect();
-    Ok(Motion { time_s, position, attitude, interval_s, has_position, zero_s: -shift_s, quaternion, turn })
+    let halves = Halves { attitude: has_attitude, position: has_position };
+    Ok(Motion { time_s, position, attitude, interval_s, halves, zero_s: -shift_s, quaternion, turn })
+}
+
+/// That readings do not go along with positions, and what is mistaken where that is known.
+pub(super) fn not_alike(
+    recording: &Recording,
+    reference: &Reference,
+    explained: f64,
+    mistake: Option<Mistake>,
+) -> Error {
+    let (cause, hint) = mistake.map_or_else(
+        || {
+            let cause = format!(
+                "reference and IMU do not move alike: gyro and accelerometer explain {} % of the accelerations that \
+                 its positions show",
+                rounded(100.0 * explained.max(0.0), 2)
+            );
+            (
+                cause,
+                "are they of one run, and does the body accelerate? attitudes beside the positions would do without",
+            )
+        },
+        |mistake| {
+            let (cause, hint) = mistake.words();
+            (cause.to_owned(), hint)
+        },
+    );
+    fail(recording, format!("{}: {cause}", reference.file.display()), hint)
 }
 
 /// Whether both move alike, in the same units and with the same hand.

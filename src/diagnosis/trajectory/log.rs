@@ -2,6 +2,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use crate::diagnosis::model::Half;
 use crate::motion::file::format::Order;
 
 /// Readings in order of time.
@@ -29,19 +30,47 @@ impl Log {
     }
 }
 
+/// Which halves of a pose the reference has: one of them at least.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Halves {
+    /// Attitudes.
+    pub attitude: bool,
+    /// Positions.
+    pub position: bool,
+}
+
+impl Halves {
+    /// Both.
+    #[cfg(test)]
+    pub(super) const BOTH: Self = Self { attitude: true, position: true };
+
+    /// Whether one of them is there.
+    pub(super) fn has(self, half: Half) -> bool {
+        match half {
+            Half::Attitude => self.attitude,
+            Half::Position => self.position,
+        }
+    }
+
+    /// The one that is not there.
+    pub(super) fn lacks(self) -> Option<Half> {
+        [Half::Attitude, Half::Position].into_iter().find(|half| !self.has(*half))
+    }
+}
+
 /// Reference poses, north-east-down, in order of time.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Motion {
     /// On the clock of the IMU as both are stamped, s.
     pub time_s: Vec<f64>,
-    /// Of the point that the reference follows, m.
+    /// Of the point that the reference follows, m; zero where it has none.
     pub position: Vec<Vector3<f64>>,
-    /// From body axes to north-east-down.
+    /// From body axes to north-east-down; level where the reference has none.
     pub attitude: Vec<UnitQuaternion<f64>>,
     /// From one pose to the next, as a rule, s.
     pub interval_s: f64,
-    /// Whether positions are in it.
-    pub has_position: bool,
+    /// What of each pose is in it.
+    pub halves: Halves,
     /// From the file's first pose to the zero of the IMU's times, s.
     pub zero_s: f64,
     /// Where the scalar of its quaternions stands, as they were read; none: it has none.
@@ -51,6 +80,25 @@ pub(super) struct Motion {
 }
 
 impl Motion {
+    /// On a clock that stamps so much later.
+    pub(super) fn shifted(&self, shift_s: f64) -> Self {
+        Self {
+            time_s: self.time_s.iter().map(|t| t + shift_s).collect(),
+            zero_s: self.zero_s - shift_s,
+            ..self.clone()
+        }
+    }
+
+    /// The poses from one to another, the latter left out.
+    pub(super) fn part(&self, from: usize, to: usize) -> Self {
+        Self {
+            time_s: self.time_s[from..to].to_vec(),
+            position: self.position[from..to].to_vec(),
+            attitude: self.attitude[from..to].to_vec(),
+            ..*self
+        }
+    }
+
     /// The middle of the time that it covers, s.
     pub(super) fn middle_s(&self) -> f64 {
         0.5 * (self.time_s.first().copied().unwrap_or_default() + self.time_s.last().copied().unwrap_or_default())

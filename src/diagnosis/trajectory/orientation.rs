@@ -83,7 +83,7 @@ pub(super) fn fault(log: &Log, motion: &Motion, said: &Start, gravity_m_s2: f64)
         others(motion).iter().map(|(fault, motion)| (*fault, start(log, motion, gravity_m_s2))).collect();
     let by_gyro = |s: &Start| s.explained > EXPLAINS && 1.0 - s.explained < FAR_BETTER * (1.0 - said.explained);
     let by_force = |s: &Start| {
-        motion.has_position
+        motion.halves.position
             && s.explained > EXPLAINS.max(said.explained - AS_WELL)
             && s.force_square < FAR_BETTER * said.force_square
     };

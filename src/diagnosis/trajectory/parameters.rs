@@ -3,14 +3,15 @@
 //!
 //! Gyro: y = (I + S) ω + K f + b; accelerometer: y = f + b. ω and f stand in the IMU's axes, which
 //! are the accelerometer's and which C = C₀ exp(c) turns to the body axes of the reference. The
-//! accelerometer's own scale and axes are not free: most bodies press along one axis alone, and
-//! along the others their slopes would be made of the noise that they are judged by. An IMU's stamp
-//! is late by τ + d (t − t_middle). Zero is "absent", everywhere.
+//! accelerometer's own scale and axes are not judged: most bodies press along one axis alone, and
+//! along the others their slopes would be made of the noise that they are judged by. Beside
+//! positions alone they are free within what a sensor has, for what they do to gravity as the body
+//! turns would else be taken for errors of the gyro. An IMU's stamp is late by τ + d (t − t_middle). Zero is "absent", everywhere.
 
 use std::ops::Range;
 
 /// Number of parameters, fitted or not.
-pub(super) const PARAMETERS: usize = 49;
+pub(super) const PARAMETERS: usize = 58;
 /// A point in the space of all parameters, SI units.
 pub(super) type Point = [f64; PARAMETERS];
 
@@ -40,9 +41,16 @@ pub(super) const GYRO_WANDER: Range<usize> = 34..40;
 pub(super) const FORCE_WANDER: Range<usize> = 40..46;
 /// Rate of the reference's north-east-down against inertial space, rad/s.
 pub(super) const EARTH_RATE: Range<usize> = 46..49;
+/// By how much the attitude that dead reckoning goes through is off, about north, east and down,
+/// rad: free where the reference has no attitudes.
+pub(super) const ANCHOR: Range<usize> = 49..52;
+/// The accelerometer's S on and below its diagonal: xx, yy, zz, yx, zx, zy.
+pub(super) const FORCE_MATRIX: Range<usize> = 52..58;
 
 /// Places of the gyro's off-diagonal numbers.
 pub(super) const GYRO_OFF_DIAGONAL: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
+/// Places of the accelerometer's numbers: its axes are the body's.
+pub(super) const FORCE_PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 0), (2, 0), (2, 1)];
 /// Cosines that a slow wander is made of.
 pub(super) const COSINES: usize = 2;
 
@@ -50,7 +58,7 @@ pub(super) const COSINES: usize = 2;
 /// what nothing shows.
 pub(super) fn widths() -> Point {
     let mut widths = [0.0; PARAMETERS];
-    let rows: [(Range<usize>, f64); 13] = [
+    let rows: [(Range<usize>, f64); 15] = [
         (GYRO_BIAS, 1.0),
         (FORCE_BIAS, 5.0),
         (TILT, 3.0),
@@ -64,6 +72,9 @@ pub(super) fn widths() -> Point {
         (GYRO_WANDER, 0.2),
         (FORCE_WANDER, 2.0),
         (EARTH_RATE, 1e-3),
+        (ANCHOR, 0.3),
+        // A sensor as it is delivered: half a per cent to one.
+        (FORCE_MATRIX, 1e-2),
     ];
     for (range, width) in rows {
         widths[range].fill(width);

@@ -8,24 +8,19 @@ use super::integral::{between, cumulative, place};
 use super::parameters::{
     COSINES, DRIFT, FORCE_BIAS, FORCE_WANDER, LEVER_ARM, MOUNTING, OFFSET, PARAMETERS, Point, TILT,
 };
-use super::rows::{Bins, Row, rows};
+use super::rows::{Bins, Orders, Row, rows};
 use crate::parallel;
+
+/// Nor how fast.
+pub(super) const POSITION: Orders = Orders([2; 3]);
 
 /// Rows of the position: changes of velocity from bin to bin, m/s².
 pub(super) fn position_rows(case: &Case<'_>, course: &Course, point: &Point, bins: &Bins, error: &Steady) -> Vec<Row> {
     let log = case.log;
     let attitude: Vec<UnitQuaternion<f64>> =
         (0..log.time_s.len()).map(|k| error.at(log.time_s[k]) * course.attitude[k]).collect();
-    let places: Vec<(usize, f64)> =
-        (0..case.motion.time_s.len()).map(|pose| place(&log.time_s, case.stamp_s(point, pose))).collect();
-    let twice = |changes: &[Vector3<f64>]| {
-        let velocity = cumulative(&log.time_s, changes, case.rule);
-        let way = cumulative(&log.time_s, &velocity, case.rule);
-        let at_poses = |of: &[Vector3<f64>], slope: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
-            places.iter().map(|at| between(&log.time_s, of, slope, *at)).collect()
-        };
-        (at_poses(&way, &velocity), at_poses(&velocity, changes))
-    };
+    let places = places(case, point);
+    let twice = |changes: &[Vector3<f64>]| twice(case, &places, changes);
     let gravity = Vector3::new(point[TILT.start], point[TILT.start + 1], case.gravity_m_s2);
     let felt: Vec<Vector3<f64>> =
         attitude.iter().zip(&course.force).map(|(attitude, force)| attitude * force + gravity).collect();
@@ -58,20 +53,46 @@ pub(super) fn position_rows(case: &Case<'_>, course: &Course, point: &Point, bin
         Some(all)
     };
     let slopes = parallel::map_indices(PARAMETERS, of);
-    rows((log, case.masked), bins, 2, &residual, &slopes)
+    rows((log, case.masked), bins, POSITION, &residual, &slopes)
+}
+
+/// Where the IMU's stamp of each pose lies among its samples.
+pub(super) fn places(case: &Case<'_>, point: &Point) -> Vec<(usize, f64)> {
+    (0..case.motion.time_s.len()).map(|pose| place(&case.log.time_s, case.stamp_s(point, pose))).collect()
+}
+
+/// The double integral at the poses of what is given at the samples, and the single one.
+pub(super) fn twice(
+    case: &Case<'_>,
+    places: &[(usize, f64)],
+    changes: &[Vector3<f64>],
+) -> (Vec<Vector3<f64>>, Vec<Vector3<f64>>) {
+    let time_s = &case.log.time_s;
+    let velocity = cumulative(time_s, changes, case.rule);
+    let way = cumulative(time_s, &velocity, case.rule);
+    let at_poses = |of: &[Vector3<f64>], slope: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
+        places.iter().map(|at| between(time_s, of, slope, *at)).collect()
+    };
+    (at_poses(&way, &velocity), at_poses(&velocity, changes))
+}
+
+/// What a bias of the accelerometer takes from the specific force, in the IMU's axes.
+pub(super) fn bias(case: &Case<'_>, time_s: f64, p: usize) -> Option<Vector3<f64>> {
+    if FORCE_BIAS.contains(&p) {
+        return Some(Vector3::ith(p - FORCE_BIAS.start, 1.0));
+    }
+    FORCE_WANDER.contains(&p).then(|| {
+        let n = p - FORCE_WANDER.start;
+        Vector3::ith(n / COSINES, case.cosines(time_s)[n % COSINES])
+    })
 }
 
 /// What a parameter takes from the specific force, in the IMU's axes: the residual grows by its
 /// double integral.
 fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize, middle_s: f64) -> Option<Vector3<f64>> {
     let (w, f, time_s) = (course.rate[k], course.force[k], case.log.time_s[k]);
-    let unit = |axis: usize, value: f64| Vector3::ith(axis, value);
-    if FORCE_BIAS.contains(&p) {
-        return Some(unit(p - FORCE_BIAS.start, 1.0));
-    }
-    if FORCE_WANDER.contains(&p) {
-        let n = p - FORCE_WANDER.start;
-        return Some(unit(n / COSINES, case.cosines(time_s)[n % COSINES]));
+    if let Some(bias) = bias(case, time_s, p) {
+        return Some(bias);
     }
     if MOUNTING.contains(&p) {
         return Some(-Vector3::ith(p - MOUNTING.start, 1.0).cross(&f));

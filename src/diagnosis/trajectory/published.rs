@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::blocks::Linear;
 use super::course::{gyro_matrix, vector};
+use super::log::Halves;
 use super::parameters::{
     DRIFT, FORCE_BIAS, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_SCALE, LEVER_ARM, MOUNTING, OFFSET, Point, TILT,
 };
@@ -63,9 +64,9 @@ impl Fitted {
 }
 
 /// What nearly every unit has, beside a model.
-pub(super) fn usual(active: &[usize], has_position: bool) -> Vec<usize> {
+pub(super) fn usual(active: &[usize], halves: Halves) -> Vec<usize> {
     let gyro = [OFFSET..OFFSET + 1, DRIFT..DRIFT + 1, GYRO_SCALE, GYRO_MISALIGNMENT];
-    let more = gyro.into_iter().chain([LEVER_ARM].into_iter().filter(|_| has_position)).flatten();
+    let more = gyro.into_iter().chain([LEVER_ARM].into_iter().filter(|_| halves.position)).flatten();
     let mut all = active.to_vec();
     more.for_each(|p| {
         if !all.contains(&p) {
@@ -77,9 +78,9 @@ pub(super) fn usual(active: &[usize], has_position: bool) -> Vec<usize> {
 
 /// A model with clock and mounting free, which biases ought not to depend on; where the gyro's axes
 /// are free, so is its mounting.
-pub(super) fn seated(active: &[usize]) -> Vec<usize> {
+pub(super) fn seated(active: &[usize], halves: Halves) -> Vec<usize> {
     let misaligned = active.iter().any(|p| GYRO_MISALIGNMENT.contains(p));
-    let mounting = MOUNTING.filter(|_| !misaligned);
+    let mounting = MOUNTING.filter(|_| halves.attitude && !misaligned);
     let more = [OFFSET, DRIFT].into_iter().chain(mounting).filter(|p| !active.contains(p));
     active.iter().copied().chain(more).collect()
 }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf, absolute};
 use nalgebra::UnitQuaternion;
 
 use crate::diagnosis::by_axis::{Drawn, drawn, line, number, over, three};
-use crate::diagnosis::model::Reference;
+use crate::diagnosis::model::{Half, Reference};
 use crate::diagnosis::repair::{name, preamble, round_rate};
 use crate::diagnosis::verdict::Verdict;
 use crate::document::toml_string;
@@ -34,8 +34,8 @@ const LATEST_S: f64 = 0.02;
 pub struct Along {
     /// The file, and how it is read.
     pub reference: Reference,
-    /// Whether it has both halves of a pose; the study stands still where it has not.
-    pub whole: bool,
+    /// The half of a pose that it has not; the study stands still where it lacks one.
+    pub lacks: Option<Half>,
     /// First and last pose that was used, s after the file's first.
     pub ends_s: [f64; 2],
     /// Latitude, °, and height, m, where the model states them.
@@ -88,7 +88,7 @@ impl Repaired {
                 .push(format!("time-offset beyond {LATEST_S} s: a study moves its readings by the first order of it"));
         }
         let mut text = preamble(verdict, self.along.relation(), &lacking);
-        let duration_s = if self.along.whole { (to_s - from_s).floor().min(LONGEST_S) } else { LONGEST_S };
+        let duration_s = if self.along.lacks.is_none() { (to_s - from_s).floor().min(LONGEST_S) } else { LONGEST_S };
         let _ = write!(
             text,
             "\nname = {}\nseed = 1\nmembers = 4096\nduration_s = {duration_s:?}\n",
@@ -150,17 +150,24 @@ impl Repaired {
 
 impl Along {
     fn relation(&self) -> &'static str {
-        if self.whole {
-            "The study goes along the reference of the recording. Numbers that were fitted are drawn about their values \
-             with their standard errors."
-        } else {
-            "The reference has no positions, so the study stands still. Numbers that were fitted are drawn about their \
-             values with their standard errors."
+        match self.lacks {
+            None => {
+                "The study goes along the reference of the recording. Numbers that were fitted are drawn about their \
+                 values with their standard errors."
+            }
+            Some(Half::Position) => {
+                "The reference has no positions, so the study stands still. Numbers that were fitted are drawn about \
+                 their values with their standard errors."
+            }
+            Some(Half::Attitude) => {
+                "The reference has no attitudes, so the study stands still. Numbers that were fitted are drawn about \
+                 their values with their standard errors."
+            }
         }
     }
 
     fn section(&self, from_s: f64) -> String {
-        if !self.whole {
+        if self.lacks.is_some() {
             return "\n[trajectory]\nkind = \"rest\"\n".into();
         }
         // From wherever the study is run.

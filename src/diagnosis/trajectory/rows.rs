@@ -2,8 +2,9 @@
 //! spaced rows.
 //!
 //! Means over bins of some poses, differenced until what dead reckoning cannot know (where it
-//! began, how fast) is gone: attitude once, position twice. Not for what stands in them:
-//! `attitude`, `position`.
+//! began, how fast) is gone: attitude once, position twice, and to the sides three times where
+//! attitude wanders and gravity with it. Not for what stands in them: `attitude`, `position`,
+//! `along_gyro`.
 
 use nalgebra::Vector3;
 
@@ -78,11 +79,39 @@ impl Bins {
     }
 }
 
-/// Differences of bin means, `order` times, over the width of a bin to that power.
-pub(super) fn differenced(means: &[Vector3<f64>], order: usize, width_s: f64) -> Vec<Vector3<f64>> {
+/// How often the bin means of each axis are differenced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Orders(pub [usize; 3]);
+
+impl Orders {
+    fn least(self) -> usize {
+        self.0.into_iter().min().unwrap_or_default()
+    }
+
+    fn most(self) -> usize {
+        self.0.into_iter().max().unwrap_or_default()
+    }
+
+    /// Groups of axes whose noise has one colour.
+    pub(super) fn groups(self) -> Vec<Vec<usize>> {
+        let mut orders = self.0.to_vec();
+        orders.sort_unstable();
+        orders.dedup();
+        orders.into_iter().map(|order| (0..3).filter(|axis| self.0[*axis] == order).collect()).collect()
+    }
+}
+
+/// Differences of bin means, over the width of a bin to the power of the least order.
+pub(super) fn differenced(means: &[Vector3<f64>], orders: Orders, width_s: f64) -> Vec<Vector3<f64>> {
     let mut values = means.to_vec();
-    for _ in 0..order {
+    for _ in 0..orders.least() {
         values = values.windows(2).map(|v| (v[1] - v[0]) / width_s).collect();
+    }
+    for order in orders.least()..orders.most() {
+        let more = |v: &[Vector3<f64>]| {
+            Vector3::from_fn(|axis, _| if orders.0[axis] > order { v[1][axis] - v[0][axis] } else { v[0][axis] })
+        };
+        values = values.windows(2).map(more).collect();
     }
     values
 }
@@ -91,14 +120,15 @@ pub(super) fn differenced(means: &[Vector3<f64>], order: usize, width_s: f64) ->
 pub(super) fn rows(
     (log, masked): (&Log, &[bool]),
     bins: &Bins,
-    order: usize,
+    orders: Orders,
     residual: &[Vector3<f64>],
     slopes: &[Option<Vec<Vector3<f64>>>],
 ) -> Vec<Row> {
-    let of = |values: &[Vector3<f64>]| differenced(&bins.means(values), order, bins.width_s);
+    let of = |values: &[Vector3<f64>]| differenced(&bins.means(values), orders, bins.width_s);
     let residual = of(residual);
     let slopes: Vec<Option<Vec<Vector3<f64>>>> = slopes.iter().map(|s| s.as_deref().map(of)).collect();
     let whole = bins.whole(log, masked);
+    let order = orders.most();
     let row = |(k, residual): (usize, &Vector3<f64>)| Row {
         time_s: bins.start_s + (k as f64 + 0.5 * (order + 1) as f64) * bins.width_s,
         residual: *residual,

@@ -10,6 +10,8 @@ use nalgebra::Vector3;
 
 use super::blocks::BLOCKS;
 use super::judgement::FALSE_NAME;
+use super::log::Log;
+use crate::diagnosis::model::{InertialNoise, Noise};
 use crate::numerics::order;
 use crate::numerics::special::{f_survival, t_quantile};
 use crate::numerics::spectrum::welch;
@@ -56,6 +58,15 @@ pub(super) fn floor(readings: &[Vector3<f64>], rate_hz: f64) -> f64 {
         if inside.is_empty() { 0.0 } else { order::quantile(&inside, FLOOR.1) }
     };
     (axis(0) + axis(1) + axis(2)) / 3.0
+}
+
+/// N² of gyro and accelerometer: half the one-sided density that is stated, else that of the floor
+/// of the readings.
+pub(super) fn random_walks(log: &Log, stated: InertialNoise) -> [f64; 2] {
+    let walk = |stated: Option<Noise>, readings: &[Vector3<f64>]| {
+        0.5 * stated.map_or_else(|| floor(readings, 1.0 / log.interval_s), |noise| noise.density * noise.density)
+    };
+    [walk(stated.gyro, &log.rate), walk(stated.accelerometer, &log.force)]
 }
 
 /// What errors, given as changes per second from bin to bin, show beyond the sensor's white noise;

@@ -4,7 +4,8 @@
 use super::blocks::Linear;
 use super::candidate::{MISALIGNMENT, MOUNTING, Term};
 use super::judgement::{Question, Standing, judge};
-use super::parameters::{FORCE_BIAS, GYRO_BIAS, TILT};
+use super::log::Halves;
+use super::parameters::{FORCE_BIAS, FORCE_MATRIX, GYRO_BIAS, TILT};
 use crate::control::{Control, Stopped};
 use crate::numerics::order;
 
@@ -37,14 +38,15 @@ pub(super) struct Named {
 
 impl Selection {
     /// The chosen model's parameters.
-    pub(super) fn active(&self, has_position: bool) -> Vec<usize> {
-        with(&base(has_position), self.named.iter().map(|n| n.standing.term))
+    pub(super) fn active(&self, halves: Halves) -> Vec<usize> {
+        with(&base(halves), self.named.iter().map(|n| n.standing.term))
     }
 }
 
 /// Parameters of the base model.
-pub(super) fn base(has_position: bool) -> Vec<usize> {
-    if has_position { GYRO_BIAS.chain(FORCE_BIAS).chain(TILT).collect() } else { GYRO_BIAS.collect() }
+pub(super) fn base(halves: Halves) -> Vec<usize> {
+    let by_position = FORCE_BIAS.chain(TILT.filter(|_| halves.attitude)).filter(|_| halves.position);
+    GYRO_BIAS.chain(by_position).chain(FORCE_MATRIX.filter(|_| !halves.attitude)).collect()
 }
 
 /// A model and more terms.
@@ -55,10 +57,10 @@ pub(super) fn with(active: &[usize], terms: impl IntoIterator<Item = &'static Te
 /// What the reference allows to be told.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Allowed {
-    /// Whether it has positions.
-    pub has_position: bool,
-    /// By how much its attitude and the gyro's differ, root mean square: what is smaller in the
-    /// accelerometer may be gravity along an attitude that errs.
+    /// What of each pose it has.
+    pub halves: Halves,
+    /// By how much attitudes may err, root mean square: what is smaller in the accelerometer may be
+    /// gravity along an attitude that errs.
     pub tilt_rad: f64,
 }
 
@@ -72,7 +74,7 @@ pub(super) fn select(
     allowed: &Allowed,
     control: &Control,
 ) -> Result<Selection, Stopped> {
-    let base = base(allowed.has_position);
+    let base = base(allowed.halves);
     let search = Search { linear, library, base: &base, tilt_rad: allowed.tilt_rad };
     let mut named: Vec<&'static Term> = Vec::new();
     let mut seen: Vec<Vec<usize>> = Vec::new();

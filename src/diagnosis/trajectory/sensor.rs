@@ -50,7 +50,7 @@ impl Diagnosed<'_> {
         Repaired {
             along: Along {
                 reference: self.reference.clone(),
-                whole: motion.has_position,
+                lacks: motion.halves.lacks(),
                 ends_s: ends.map(|t| t.copied().unwrap_or_default() + motion.zero_s),
                 place: self.place,
                 earth_turns: EARTH_RATE.clone().any(|p| chosen.has(p)),

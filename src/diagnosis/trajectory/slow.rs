@@ -7,7 +7,7 @@
 //! leaves it in: intervals from either are several times too wide. The slowest waves see the noise
 //! where it matters, at the frequency of the recording itself (Phillips, Econometric Theory 21,
 //! 2005; Lazarus, Lewis, Stock & Watson, JBES 36, 2018: Student's t with as many degrees of freedom
-//! as there are waves).
+//! as there are waves). Blocks that are left out serve where nothing passes their ends.
 
 use nalgebra::DVector;
 
@@ -21,6 +21,9 @@ const WAVES: usize = 8;
 /// The solution moved by what each wave of the scores does to it: the sum of the squares of the
 /// moves is its variance.
 pub(super) fn apart(linear: &Linear, active: &[usize], solved: &Solved) -> Vec<Point> {
+    if linear.turns_by_block() {
+        return left_out(linear, active, solved);
+    }
     let pieces = linear.scores(active, &solved.point);
     let count = pieces.len() as f64;
     let wave = |n: usize| {
@@ -36,6 +39,18 @@ pub(super) fn apart(linear: &Linear, active: &[usize], solved: &Solved) -> Vec<P
     let wanders = active.iter().any(|p| GYRO_WANDER.contains(p) || FORCE_WANDER.contains(p));
     let first = 1 + if wanders { COSINES } else { 0 };
     (first..first + WAVES).map(wave).collect()
+}
+
+/// The solution moved by what each block does to it that is left out. Where an attitude turns by
+/// block, no noise goes on from one to the next, and there are too few rows in each to see it go on
+/// within.
+fn left_out(linear: &Linear, active: &[usize], solved: &Solved) -> Vec<Point> {
+    let without = linear.replicates(active);
+    let n = without.len() as f64;
+    let mean: Point = std::array::from_fn(|p| without.iter().map(|point| point[p]).sum::<f64>() / n);
+    let spread = ((n - 1.0) / n).sqrt();
+    let moved = |point: &Point| std::array::from_fn(|p| solved.point[p] + spread * (point[p] - mean[p]));
+    without.iter().map(moved).collect()
 }
 
 /// Standard error of a number that is made of parameters.

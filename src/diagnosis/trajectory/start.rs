@@ -17,7 +17,7 @@ use crate::numerics::order;
 
 /// Window over which rates are compared, s, and the shifts that are tried, s: up to, in steps of.
 const WINDOW_S: f64 = 0.1;
-const SHIFTS_S: (f64, f64) = (2.0, 0.02);
+pub(super) const SHIFTS_S: (f64, f64) = (2.0, 0.02);
 /// Most windows of rates that are compared.
 const MOST: usize = 3000;
 /// Square error by which the better of two ways to hold the axes must be smaller.
@@ -52,6 +52,26 @@ pub(super) struct Start {
     pub gyro_bias: Vector3<f64>,
     /// Bias of the accelerometer in its own axes, m/s².
     pub force_bias: Vector3<f64>,
+}
+
+impl Start {
+    /// With axes as they are given, and body axes that are the IMU's; biases of gyro and
+    /// accelerometer.
+    pub(super) fn as_given(offset_s: f64, explained: f64, [gyro_bias, force_bias]: [Vector3<f64>; 2]) -> Self {
+        Self {
+            offset_s,
+            explained,
+            gyro_unit: 1.0,
+            gyro: Permutation::NONE,
+            accelerometer: Permutation::NONE,
+            turned: UnitQuaternion::identity(),
+            chance_exchanged: 1.0,
+            chance_turned: 1.0,
+            force_square: 0.0,
+            gyro_bias,
+            force_bias,
+        }
+    }
 }
 
 /// Axes of gyro and accelerometer, and the mounting.
@@ -198,7 +218,7 @@ pub(super) fn start(log: &Log, motion: &Motion, gravity_m_s2: f64) -> Start {
 }
 
 /// The top of a score near a place, by halving the step.
-fn refined(mut at: f64, mut step: f64, score: impl Fn(f64) -> f64) -> f64 {
+pub(super) fn refined(mut at: f64, mut step: f64, score: impl Fn(f64) -> f64) -> f64 {
     let mut best = score(at);
     while step > 2e-4 {
         step *= 0.5;
@@ -271,7 +291,7 @@ fn axes(matrix: &Matrix3<f64>, forces: &Pairs) -> Axes {
 }
 
 /// The rotation that comes nearest to a matrix.
-fn nearest(matrix: &Matrix3<f64>) -> Matrix3<f64> {
+pub(super) fn nearest(matrix: &Matrix3<f64>) -> Matrix3<f64> {
     let svd = matrix.svd(true, true);
     let (Some(u), Some(v)) = (svd.u, svd.v_t) else { return Matrix3::identity() };
     let sign = (u * v).determinant().signum();

@@ -31,7 +31,7 @@ pub(super) fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     }
     if !detail.position.before.is_empty() {
         out.push(exhibit(
-            Part::Improvement,
+            if detail.attitude.before.is_empty() { Part::Opening } else { Part::Improvement },
             "acceleration-error",
             series("Position against the reference", "error of acceleration / (mm/s²)", &detail.position),
             "Second difference of the distance between the reference's position and that integrated from specific force.",
@@ -51,7 +51,7 @@ pub(super) fn exhibits(detail: &Detail) -> Vec<Exhibit> {
             chart.add("stated", Ink::Black, Mark::Dashed, ends.map(|hz| (hz, stated * 1e3)).to_vec());
         }
         out.push(exhibit(
-            if k == 0 && detail.attitude.before.is_empty() { Part::Opening } else { Part::Isolation },
+            if k == 0 && out.is_empty() { Part::Opening } else { Part::Isolation },
             &format!("spectrum-{name}"),
             chart,
             "Mean of the three axes. Above the frequencies of the motion, anything over the stated noise is vibration.",

@@ -4,14 +4,24 @@ use libtest_mimic::{Failed, Trial};
 use proofmass::diagnosis::verdict::Outcome;
 use proofmass::report::diagnosis::worded;
 
-use super::super::world::{check, near, test};
-use super::flight::{Files, base, effect, ids, made_up};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use super::super::world::{check, data_test, near, test};
+use super::flight::{Files, Flight, PLANTED, base, biases, effect, ids, made_up, real};
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
     vec![
         test("trajectory: attitude alone shows the gyro's scale and says what it cannot show", attitude),
         test("trajectory: of a file with both halves the model may take attitude alone", taken),
+        test(
+            "trajectory: positions alone show biases, clock, scale and lever arm, and nothing where none is",
+            position,
+        ),
+        test("trajectory: of a file with both halves the model may take positions alone", taken_position),
+        test("trajectory: readings that do not go along with positions are refused with what is mistaken", mistaken),
+        data_test("trajectory: positions alone of two flights lead to the gyro's bias", recorded),
     ]
 }
 
@@ -51,4 +61,99 @@ fn taken() -> Result<(), Failed> {
     let answer = Files { model, ..spoilt.clone() }.diagnosed()?;
     check(ids(&answer).is_empty() && answer.outcome == Outcome::Adequate, format!("{:?}", ids(&answer)))?;
     check(ids(&spoilt.diagnosed()?).contains("reference-noise"), "the positions are of use after all")
+}
+
+/// Headings of stamp and position.
+const POSITION: [&str; 2] = ["timestamp", "p_RS"];
+const NO_MOUNTING: &str =
+    "a reference of position alone says nothing about mounting; a reference that also has attitudes would";
+/// White errors of each position, m: motion capture.
+const CAPTURE_M: f64 = 1e-3;
+
+/// A name, what is planted, the number that is to hold it and its size.
+type Plant = (&'static str, fn(&Flight) -> Flight, &'static str, f64);
+
+fn position() -> Result<(), Failed> {
+    let plants: [Plant; 3] = [
+        ("time-offset", |f| f.shifted(0.02), "offset", 0.02),
+        ("scale-factor", |f| f.with_rate(|w| w.map(|v| v * 1.02)), "gyro_x", 2e4),
+        ("lever-arm", |f| f.carried([0.0, 0.1, 0.0]), "y", -0.1),
+    ];
+    let mut held = 0;
+    for seed in [1, 6] {
+        let flight = made_up(seed)?;
+        let none = flight.files().with_columns(&POSITION).diagnosed()?;
+        check(ids(&none).is_empty() && none.outcome == Outcome::Adequate, format!("seed {seed}: {:?}", ids(&none)))?;
+        let flight = flight.with_erring_reference(0.0, CAPTURE_M);
+        let none = flight.files().with_columns(&POSITION).diagnosed()?;
+        let errs = BTreeSet::from(["reference-noise".to_owned()]);
+        check(ids(&none) == errs, format!("seed {seed}, positions that err: {:?}", ids(&none)))?;
+        for (sensor, name) in ["gyro_bias", "accelerometer_bias"].into_iter().enumerate() {
+            for (axis, planted) in ["x", "y", "z"].into_iter().zip(PLANTED[sensor]) {
+                let [least, most] = base(&none, &format!("{name}_{axis}"))?.ci95;
+                held += usize::from(least < planted && planted < most);
+            }
+        }
+        near("bias", base(&none, "gyro_bias_y")?.value, PLANTED[0][1], 5e-4)?;
+        let verdict = worded(none).verdict;
+        check(verdict.findings.iter().any(|f| f == NO_MOUNTING), format!("{:?}", verdict.findings))?;
+        for (id, plant, number, planted) in plants {
+            let found = plant(&flight).files().with_columns(&POSITION).diagnosed()?;
+            let names: BTreeSet<String> = ids(&found).difference(&errs).cloned().collect();
+            check(names.len() == 1 && names.contains(id), format!("seed {seed}, {id} planted: {names:?}"))?;
+            let found = effect(&found, id)?.parameters.iter().find(|p| p.name == number).ok_or("no such number")?;
+            check(found.ci95[0] < planted && planted < found.ci95[1], format!("{id} {number}: {:?}", found.ci95))?;
+            check(found.ci95[0] > 0.0 || found.ci95[1] < 0.0, format!("{id} {number} may be none: {:?}", found.ci95))?;
+        }
+    }
+    // Of twelve intervals of 95 % fewer than ten hold twice in a hundred times.
+    check(held >= 10, format!("{held} of 12 intervals of biases hold"))
+}
+
+fn taken_position() -> Result<(), Failed> {
+    // Attitudes that are of no use.
+    let spoilt = made_up(1)?.with_erring_reference(0.01, CAPTURE_M).files();
+    let used = "file = \"reference.csv\"\nuse = \"position\"";
+    let model = spoilt.model.replace("file = \"reference.csv\"", used);
+    let answer = Files { model, ..spoilt.clone() }.diagnosed()?;
+    let noise = effect(&answer, "reference-noise")?;
+    check(ids(&answer).len() == 1 && noise.parameters.len() == 1, format!("{:?}", ids(&answer)))?;
+    let both = spoilt.diagnosed()?;
+    check(effect(&both, "reference-noise")?.parameters.len() == 2, "the attitudes are of use after all")
+}
+
+fn mistaken() -> Result<(), Failed> {
+    type Altered = (fn(&Flight) -> Flight, &'static str);
+    let hand = "only with its sign turned, or with one axis of the positions mirrored";
+    let mistakes: [Altered; 3] = [
+        (|f| f.with_force(|a| a.map(|v| -v)), hand),
+        (|f| f.with_rate(|w| w.map(f64::to_degrees)), "degrees per second"),
+        (|f| f.with_pose_at(|_, p, q| (nalgebra::Vector3::new(p.x, -p.y, p.z), q)), hand),
+    ];
+    let flight = made_up(1)?;
+    for (of, said) in mistakes {
+        let error = of(&flight).files().with_columns(&POSITION).diagnosed().err().ok_or("it was taken")?;
+        let text = error.message().unwrap_or_default().to_owned();
+        check(text.contains(said), format!("need `{said}`, got {text}"))?;
+    }
+    // Positions of another flight.
+    let files = flight.files().with_columns(&POSITION);
+    let other = Files { reference: made_up(6)?.files().with_columns(&POSITION).reference, ..files };
+    let error = other.diagnosed().err().ok_or("another flight's positions were taken")?;
+    let text = error.message().unwrap_or_default().to_owned();
+    check(text.contains("do not move alike"), text)
+}
+
+/// The reference file's own biases, which come from its attitudes too: held by the intervals, which
+/// are a few times as wide as with attitudes.
+fn recorded(data: &Path) -> Result<(), Failed> {
+    for name in ["euroc_v102", "euroc_mh04"] {
+        let answer = real(data, name)?.files().with_columns(&POSITION).diagnosed()?;
+        for (axis, expected) in ["gyro_bias_x", "gyro_bias_y", "gyro_bias_z"].into_iter().zip(biases(data, name)?) {
+            let [least, most] = base(&answer, axis)?.ci95;
+            check(least < expected && expected < most, format!("{name} {axis}: {least}, {most}; {expected}"))?;
+            check(most - least < 5e-3, format!("{name} {axis}: {least}, {most} says nothing"))?;
+        }
+    }
+    Ok(())
 }

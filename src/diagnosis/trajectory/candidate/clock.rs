@@ -37,7 +37,7 @@ pub(super) const TERMS: &[Term] = &[
         unit: Unit { name: "s", per_si: 1.0 },
         smallest: 1e-4,
         per_tilt: 0.0,
-        by_attitude: true,
+        needs: None,
     },
     Term {
         candidate: &CLOCK_DRIFT,
@@ -47,6 +47,6 @@ pub(super) const TERMS: &[Term] = &[
         unit: Unit { name: "ppm", per_si: 1e6 },
         smallest: 2e-6,
         per_tilt: 0.0,
-        by_attitude: true,
+        needs: None,
     },
 ];

@@ -2,6 +2,7 @@
 
 use super::term::{Term, Unit};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::diagnosis::model::Half;
 use crate::diagnosis::trajectory::parameters;
 use crate::units::DEGREE;
 
@@ -39,7 +40,7 @@ pub(super) const TERMS: &[Term] = &[
         unit: Unit { name: "deg", per_si: 1.0 / DEGREE },
         smallest: 1e-3,
         per_tilt: 0.0,
-        by_attitude: true,
+        needs: Some(Half::Attitude),
     },
     Term {
         candidate: &LEVER_ARM,
@@ -49,6 +50,6 @@ pub(super) const TERMS: &[Term] = &[
         unit: Unit { name: "m", per_si: 1.0 },
         smallest: 2e-3,
         per_tilt: 0.0,
-        by_attitude: false,
+        needs: Some(Half::Position),
     },
 ];

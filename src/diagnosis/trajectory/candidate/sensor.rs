@@ -3,6 +3,7 @@
 
 use super::term::{Term, Unit};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::diagnosis::model::Half;
 use crate::diagnosis::trajectory::parameters;
 use crate::sensor::Sense;
 use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
@@ -93,7 +94,7 @@ pub(super) const TERMS: &[Term] = &[
         unit: PPM,
         smallest: 5e-4,
         per_tilt: 0.0,
-        by_attitude: true,
+        needs: None,
     },
     Term {
         candidate: &MISALIGNMENT,
@@ -103,7 +104,7 @@ pub(super) const TERMS: &[Term] = &[
         unit: MRAD,
         smallest: 5e-4,
         per_tilt: 0.0,
-        by_attitude: true,
+        needs: None,
     },
     Term {
         candidate: &G_SENSITIVITY,
@@ -113,7 +114,7 @@ pub(super) const TERMS: &[Term] = &[
         unit: Unit { name: "deg/h/g", per_si: 3600.0 / DEGREE * STANDARD_GRAVITY_M_S2 },
         smallest: 5e-6,
         per_tilt: 0.0,
-        by_attitude: true,
+        needs: None,
     },
     Term {
         candidate: &GYRO_BIAS,
@@ -123,7 +124,7 @@ pub(super) const TERMS: &[Term] = &[
         unit: DEG_H,
         smallest: 2e-5,
         per_tilt: 0.0,
-        by_attitude: true,
+        needs: None,
     },
     Term {
         candidate: &EARTH_RATE,
@@ -133,7 +134,7 @@ pub(super) const TERMS: &[Term] = &[
         unit: DEG_H,
         smallest: 1e-5,
         per_tilt: 0.0,
-        by_attitude: true,
+        needs: None,
     },
     Term {
         candidate: &ACCELEROMETER_BIAS,
@@ -150,6 +151,6 @@ pub(super) const TERMS: &[Term] = &[
         unit: Unit { name: "mg", per_si: 1e3 / STANDARD_GRAVITY_M_S2 },
         smallest: 2e-3,
         per_tilt: STANDARD_GRAVITY_M_S2,
-        by_attitude: false,
+        needs: Some(Half::Position),
     },
 ];

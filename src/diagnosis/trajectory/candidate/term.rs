@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::diagnosis::candidate::Candidate;
+use crate::diagnosis::model::Half;
 use crate::sensor::Sense;
 
 /// A unit that parameters are stated in.
@@ -32,8 +33,8 @@ pub struct Term {
     /// What looks the same in the readings as an attitude of the reference that errs by one radian,
     /// SI; zero where nothing.
     pub per_tilt: f64,
-    /// Whether a reference of attitude alone can show it.
-    pub by_attitude: bool,
+    /// The half of a pose without which a reference does not show it, if there is one.
+    pub needs: Option<Half>,
 }
 
 impl Term {

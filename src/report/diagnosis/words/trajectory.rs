@@ -1,6 +1,7 @@
 //! The verdict on an IMU in motion, in plain words.
 
-use crate::diagnosis::trajectory::account::{Account, Hidden, Manoeuvre};
+use crate::diagnosis::model::Half;
+use crate::diagnosis::trajectory::account::{Account, Hidden, Manoeuvre, Untold};
 use crate::diagnosis::trajectory::detail::Detail;
 use crate::diagnosis::verdict::Outcome;
 use crate::number::short;
@@ -58,7 +59,7 @@ pub(super) fn sentence(outcome: Outcome, detail: &Detail) -> String {
 pub(super) fn place(detail: &Detail) -> String {
     let rms =
         |series: &[(f64, f64)]| (series.iter().map(|p| p.1 * p.1).sum::<f64>() / series.len().max(1) as f64).sqrt();
-    if detail.attitude.before.is_empty() {
+    if !detail.account.with_reference {
         return "only in the readings: no reference was given".into();
     }
     let mut parts = Vec::new();
@@ -87,14 +88,24 @@ pub(super) fn findings(account: &Account) -> Vec<String> {
     account.hidden.iter().map(one).chain(untold(account)).collect()
 }
 
-/// What a reference without positions leaves untold.
+/// What a reference with one half of a pose leaves untold.
 fn untold(account: &Account) -> Option<String> {
-    let names: Vec<String> = account.untold.iter().map(|t| t.phrase()).collect();
-    (!names.is_empty())
-        .then(|| format!("a reference of attitude alone says nothing about {}; {POSITIONS} would", names.join(" or ")))
+    let Untold { half, terms } = account.untold.as_ref()?;
+    let names: Vec<String> = terms.iter().map(|t| t.phrase()).collect();
+    let alone = match half {
+        Half::Position => "attitude",
+        Half::Attitude => "position",
+    };
+    Some(format!("a reference of {alone} alone says nothing about {}; {} would", names.join(" or "), whole(*half)))
 }
 
-const POSITIONS: &str = "a reference that also has positions";
+/// A reference that also has what another lacks.
+fn whole(lacking: Half) -> &'static str {
+    match lacking {
+        Half::Position => "a reference that also has positions",
+        Half::Attitude => "a reference that also has attitudes",
+    }
+}
 
 fn manoeuvre(manoeuvre: Manoeuvre) -> &'static str {
     match manoeuvre {
@@ -119,8 +130,12 @@ pub(super) fn next_experiment(outcome: Outcome, account: &Account) -> String {
             "Record the same motion again with another reference: an error that remains belongs to the sensor.".into()
         }
         (_, Some(way)) => format!("Record {way}: it would determine what this motion does not."),
-        (_, None) if !account.untold.is_empty() => {
-            format!("Use {POSITIONS}, e.g. motion capture or GNSS: it would determine what attitude alone does not.")
+        (_, None) if let Some(Untold { half, .. }) = &account.untold => {
+            let (example, alone) = match half {
+                Half::Position => ("motion capture or GNSS", "attitude"),
+                Half::Attitude => ("motion capture", "position"),
+            };
+            format!("Use {}, e.g. {example}: it would determine what {alone} alone does not.", whole(*half))
         }
         (Outcome::Explained, None) => {
             "Diagnose another flight of the same sensor: errors of the sensor itself should repeat.".into()
