@@ -96,6 +96,12 @@ const SCHEDULE: [(Kind, Family, usize); 10] = [
 /// change.
 const LINKED: usize = 1_000_000;
 
+/// First number of the cases at rest with a strong channel beside silent ones: behind all others,
+/// which keep their numbers, and so their draws, as they were before these were added.
+const BESIDE: usize = 100 * LINKED;
+/// How many cases there are for each of these.
+const EACH_BESIDE: usize = 100;
+
 /// Kind, family and how many of the same came before.
 fn slot(number: usize) -> (Kind, Family, usize) {
     let of = |place: usize| {
@@ -117,6 +123,12 @@ fn slot(number: usize) -> (Kind, Family, usize) {
 impl Case {
     /// Makes a case by its number. None where it cannot be written that way: too few rows, say.
     pub fn make(seed: u64, number: usize, size: Size) -> Option<Self> {
+        if number >= BESIDE {
+            let (sub, still, truth) = rest::draw_beside_silent(&mut Draw::new(seed, number as u64, 1), size);
+            let (kind, family) = (Kind::Static, Family::Near);
+            let body = Body::Still(Box::new(still));
+            return Some(Self { number, kind, family, sub, change: None, truth, body });
+        }
         let (origin, how) = (number % LINKED, number / LINKED);
         let (kind, family, nth) = slot(origin);
         let mut draw = Draw::new(seed, origin as u64, 1);
@@ -142,18 +154,19 @@ impl Case {
     }
 
     /// Case numbers of a trial: `cases` different ones, and for every fifth of them two copies
-    /// (decimated, in other units or of the other sign).
+    /// (decimated, in other units or of the other sign); behind them one in a hundred with a strong
+    /// channel beside silent ones.
     pub fn numbers(cases: usize) -> Vec<usize> {
         let linked = (0..cases).filter(|n| n % 5 == 2).flat_map(|n| {
             let first = n / 5 % Change::ALL.len();
             [first, (first + 3) % Change::ALL.len()].map(|how| (how + 1) * LINKED + n)
         });
-        (0..cases).chain(linked).collect()
+        (0..cases).chain(linked).chain((0..cases / EACH_BESIDE).map(|n| BESIDE + n)).collect()
     }
 
     /// The number of the case it is linked to, itself where it is none.
     pub fn origin(&self) -> usize {
-        self.number % LINKED
+        if self.number < BESIDE { self.number % LINKED } else { self.number }
     }
 
     fn rewrite(&mut self, change: Change) -> Option<()> {
@@ -247,6 +260,20 @@ mod tests {
             assert_eq!(nths, (0..3 * count).collect::<Vec<_>>());
         }
         assert!(Case::numbers(100).iter().all(|n| Case::numbers(2000).contains(n)));
+    }
+
+    #[test]
+    fn a_strong_channel_beside_silent_ones_comes_behind_all_other_cases() {
+        let numbers = Case::numbers(400);
+        assert_eq!(numbers.iter().filter(|n| **n >= BESIDE).count(), 4);
+        assert_eq!(numbers.len() - 4, numbers.iter().position(|n| *n >= BESIDE).expect("listed"));
+        let case = Case::make(3, BESIDE, Size { rows: 4000 }).expect("made");
+        let Body::Still(still) = &case.body else { panic!("at rest") };
+        let acts = |c: usize| still.effect(0, c).iter().any(|v| *v != 0.0);
+        let silent: Vec<&String> = (0..3).filter(|c| !acts(*c)).map(|c| &still.headings[c]).collect();
+        assert!(silent.len() == 2 && silent.iter().copied().eq(&case.truth.silent), "{:?}", case.truth.silent);
+        assert!(case.truth.is_detectable() && case.origin() == BESIDE);
+        assert_ne!(case.texts(), Case::make(3, BESIDE + 1, Size { rows: 4000 }).expect("made").texts());
     }
 
     #[test]

@@ -100,6 +100,9 @@ pub fn judge(case: &Case, said: &Said) -> Mark {
             _ => Mark::FalseAlarm,
         };
     }
+    if said.numbers.iter().any(|n| truth.silent.contains(&n.channel)) {
+        return if said.outcome == Ending::Explained { Mark::ConfidentlyWrong } else { Mark::FalseName };
+    }
     match said.outcome {
         Ending::Error => Mark::Error,
         Ending::Adequate if truth.is_detectable() => Mark::Missed,
@@ -218,5 +221,21 @@ mod tests {
         assert_eq!(null, [FalseAlarm, FalseAlarm, FalseAlarm, Undecided, FalseAlarm, Right]);
     }
 
+    #[test]
+    fn a_right_name_in_a_column_where_nothing_acts_is_false() {
+        let effects = vec![Effect { evidence: 500.0, ..effect(&["cubic-stiffness"]) }];
+        let truth = Truth { effects, evidence: 500.0, silent: vec!["y".into()], ..Truth::default() };
+        let family = Family::Letter;
+        let case = Case { family, truth, ..Case::make(1, 0, Size { rows: 2000 }).expect("made") };
+        let mark = |outcome, channel: &str| {
+            let id = "cubic-stiffness".to_owned();
+            let number = Number { id, channel: channel.into(), name: "slope".into(), value: 1.0, ci95: [0.9, 1.1] };
+            judge(&case, &Said { numbers: vec![number], ..said(outcome, &[&["cubic-stiffness"]]) })
+        };
+        let marks = [Ending::Explained, Ending::Unexplained].map(|outcome| [mark(outcome, "x"), mark(outcome, "y")]);
+        assert_eq!(marks, [[Mark::Right, Mark::ConfidentlyWrong], [Mark::HonestNamed, Mark::FalseName]]);
+    }
+
     use crate::trial::independent::truth::Effect;
+    use crate::trial::said::Number;
 }

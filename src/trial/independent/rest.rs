@@ -57,6 +57,10 @@ const NULL: [&str; 10] = [
 
 fn bare(draw: &mut Draw, size: Size) -> Still {
     let channels = draw.one_of(&[1, 1, 2, 3]);
+    bare_of(channels, draw, size)
+}
+
+fn bare_of(channels: usize, draw: &mut Draw, size: Size) -> Still {
     let rate_hz = draw.log_between(1.0, 1000.0);
     let rows = draw.log_between(4000.0f64.min(size.rows as f64), size.rows as f64) as usize;
     let unit: &str = draw.one_of(&["g", "m/s^2", "deg/s", "V"]);
@@ -97,7 +101,7 @@ fn evidence(still: &Still, n: usize) -> [f64; 2] {
 }
 
 /// Adds a process in one or all channels, scaled to an evidence.
-fn add(still: &mut Still, draw: &mut Draw, mut process: Process, goal: f64) {
+fn add(still: &mut Still, draw: &mut Draw, process: Process, goal: f64) {
     let channels = still.sigma.len();
     let only = draw.chance(0.4).then(|| draw.below(channels));
     let weights: Vec<f64> = (0..channels)
@@ -106,6 +110,11 @@ fn add(still: &mut Still, draw: &mut Draw, mut process: Process, goal: f64) {
             _ => draw.between(0.5, 1.0) * if process.is_random() { 1.0 } else { draw.sign() },
         })
         .collect();
+    add_weighted(still, weights, process, goal);
+}
+
+/// Adds a process with a weight in each channel, scaled to an evidence.
+fn add_weighted(still: &mut Still, weights: Vec<f64>, mut process: Process, goal: f64) {
     *process.size_mut() = 0.1;
     let n = still.processes.len();
     still.processes.push((process, weights));
@@ -235,6 +244,23 @@ fn near(sub: &str, draw: &mut Draw, size: Size) -> Made {
     let effects = vec![measured(&still, 0, right)];
     let departure = departure(&still);
     (sub.to_owned(), still, Truth { effects, departure, ..Truth::default() })
+}
+
+/// A case of a temperature that acts late on one channel of three and not at all on the others.
+pub(crate) fn draw_beside_silent(draw: &mut Draw, size: Size) -> Made {
+    let sub = "temperature, lag in one channel";
+    let mut still = bare_of(3, draw, Size { rows: 2 * size.rows });
+    let length_s = still.rows as f64 / still.rate_hz;
+    let (process, right) = near_process("temperature, lag", draw, length_s, still.rate_hz);
+    let (one, weight) = (draw.below(3), draw.sign());
+    let weights = (0..3).map(|c| if c == one { weight } else { 0.0 }).collect();
+    add_weighted(&mut still, weights, process, draw.log_between(3000.0, 1e5));
+    still.temperature = true;
+    let effects = vec![measured(&still, 0, right)];
+    let silent = still.headings.iter().enumerate().filter(|(c, _)| *c != one).map(|(_, h)| h.clone()).collect();
+    let (evidence, departure) = (effects[0].evidence, departure(&still));
+    let truth = Truth { evidence, departure, effects, silent, ..Truth::default() };
+    (sub.to_owned(), still, truth)
 }
 
 /// Evidence of what the nearest law of the library leaves of the first process, all channels

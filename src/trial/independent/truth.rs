@@ -102,6 +102,9 @@ pub struct Truth {
     pub floor: Option<[f64; 2]>,
     /// Intervals are held against these.
     pub parameters: Vec<Parameter>,
+    /// Columns beside others that show an effect, in which nothing acts: any name there is false.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub silent: Vec<String>,
 }
 
 /// Evidence that a test must see: 24 candidates tried at 0.1 % on the third of the data that is
