@@ -1,9 +1,10 @@
 //! A sensor at rest, its noise and its drift: which physics its model leaves out.
 //!
-//! Base: a constant and white noise, or the noise that a datasheet promises. Every channel is
-//! judged alone (`selection`), then by what its neighbours bear (`agreement`) and all together for
-//! drift that they share (`common`), then what is left (`residual`). Not for coefficients alone:
-//! those come faster, and with the classical curve, from `recording::noise`.
+//! Base: a constant and white noise, or the noise that a datasheet promises. Which environment
+//! columns the channels follow is asked first, of each alone and of all (`shared_lag`). Every
+//! channel is judged alone (`selection`), then by what its neighbours bear (`agreement`) and all
+//! together for drift that they share (`common`), then what is left (`residual`). Not for
+//! coefficients alone: those come faster, and with the classical curve, from `recording::noise`.
 
 mod agreement;
 mod blocks;
@@ -11,6 +12,8 @@ mod candidate;
 mod cause;
 mod chain;
 mod channel;
+mod coarse;
+mod column;
 mod common;
 mod conclusion;
 mod course;
@@ -24,12 +27,14 @@ mod estimate;
 mod findings;
 mod followed;
 mod hump;
+mod in_time;
 mod jump;
 mod laws;
 mod level;
 mod location;
 mod mean;
 mod near_law;
+mod otherwise;
 mod plausible;
 mod profile;
 mod residual;
@@ -40,6 +45,7 @@ mod search;
 mod selection;
 mod sensor;
 mod shape;
+mod shared_lag;
 mod slow;
 mod spectrum;
 mod standing;
@@ -64,6 +70,8 @@ use crate::recording::Recording;
 use crate::recording::finding::Finding;
 use crate::recording::health::Watch;
 use channel::{Channel, Curve};
+use selection::Surroundings;
+use shape::Following;
 
 /// Fewer samples cannot tell one law from another.
 const FEWEST: usize = 256;
@@ -147,8 +155,13 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
     let means: Vec<f64> = channels.iter().map(|c| c.mean).collect();
     findings.extend(plausible::gravity(&means, &model.unit));
     let stopped = |s: Stopped| s.during(format!("could not diagnose {}", recording.path.display()), "start it again");
-    let select = |c: &Channel| selection::select(c, &environment, channels.len(), control);
-    let selected: Result<Vec<_>, Stopped> = parallel::map(&channels, select).into_iter().collect();
+    let followed = shared_lag::find(&channels, &environment, control).map_err(stopped)?;
+    let select = |(channel, following): (&Channel, &Vec<Following>)| {
+        let surroundings = Surroundings { columns: &environment, following };
+        selection::select(channel, &surroundings, channels.len(), control)
+    };
+    let asked: Vec<_> = channels.iter().zip(&followed).collect();
+    let selected: Result<Vec<_>, Stopped> = parallel::map(&asked, |of| select(*of)).into_iter().collect();
     let mut selected = selected.map_err(stopped)?;
     agreement::agree(&channels, &mut selected, &environment, control).map_err(stopped)?;
     let common = if environment.is_empty() { common::find(&channels, &selected) } else { None };

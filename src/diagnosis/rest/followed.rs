@@ -30,3 +30,43 @@ impl Followed {
         Self { column: column.into(), delay: Delay::None, unit: 1.0, powers: &[1] }
     }
 }
+
+impl Delay {
+    /// A column as it acts after this delay; a lag is in its samples.
+    pub(super) fn of(self, column: &[f64]) -> Vec<f64> {
+        match self {
+            Self::None => column.to_vec(),
+            Self::Lag(lag) => lagged(column, lag.value),
+            Self::Play(play) => played(column, play.value),
+        }
+    }
+
+    /// The same in samples of which as many make one.
+    pub(super) fn in_samples(self, together: usize) -> Self {
+        match self {
+            Self::Lag(lag) => Self::Lag(lag.map(|v| v * together as f64)),
+            other => other,
+        }
+    }
+}
+
+/// After a first-order lag of this many samples, settled at the beginning.
+pub(super) fn lagged(column: &[f64], samples: f64) -> Vec<f64> {
+    let keep = (-1.0 / samples).exp();
+    let mut state = column.first().copied().unwrap_or(0.0);
+    let step = |v: &f64| {
+        state = keep * state + (1.0 - keep) * v;
+        state
+    };
+    column.iter().map(step).collect()
+}
+
+/// After play of so wide a half.
+pub(super) fn played(column: &[f64], half: f64) -> Vec<f64> {
+    let mut state = column.first().copied().unwrap_or(0.0);
+    let step = |v: &f64| {
+        state = state.clamp(v - half, v + half);
+        state
+    };
+    column.iter().map(step).collect()
+}

@@ -17,8 +17,9 @@ impl Profiled {
     }
 }
 
-/// The best value of a number between two bounds, and its 95 % interval by profile likelihood.
-pub(super) fn profile([from, to]: [f64; 2], points: usize, at: impl Fn(f64) -> f64) -> (Profiled, f64) {
+/// The value of most likelihood between two bounds, and that likelihood's logarithm: the best of so
+/// many points, then between its neighbours.
+pub(super) fn peak([from, to]: [f64; 2], points: usize, at: impl Fn(f64) -> f64) -> (f64, f64) {
     let step = (to - from) / (points - 1) as f64;
     let grid: Vec<(f64, f64)> = (0..points).map(|i| from + i as f64 * step).map(|x| (x, at(x))).collect();
     let mut best = grid.iter().copied().fold((from, f64::NEG_INFINITY), |b, g| if g.1 > b.1 { g } else { b });
@@ -28,6 +29,13 @@ pub(super) fn profile([from, to]: [f64; 2], points: usize, at: impl Fn(f64) -> f
         best = sides.into_iter().fold(best, |b, s| if s.1 > b.1 { s } else { b });
         width /= 2.0;
     }
+    best
+}
+
+/// The best value of a number between two bounds, and its 95 % interval by profile likelihood.
+pub(super) fn profile([from, to]: [f64; 2], points: usize, at: impl Fn(f64) -> f64) -> (Profiled, f64) {
+    let step = (to - from) / (points - 1) as f64;
+    let best = peak([from, to], points, &at);
     let inside = |x: f64| best.1 - at(x) < WITHIN;
     let edge = |direction: f64| {
         let end = if direction < 0.0 { from } else { to };

@@ -7,8 +7,8 @@ use super::channel::{Addition, Channel, Curve, Environment, Fitted, Term};
 use super::jump;
 use super::laws::{self, Rivals};
 use super::round::{Tried, try_all};
-use super::shape::{self, Following};
-use super::standing::{self, CLOSE, Standing, contains, others, prune, worth};
+use super::shape::Following;
+use super::standing::{self, CLOSE, SUPERFLUOUS, Standing, contains, others, prune, worth};
 use crate::control::{Control, Stopped};
 use crate::numerics::order;
 
@@ -53,17 +53,25 @@ pub(super) struct Named {
     pub(super) rivals: Vec<Cause>,
 }
 
+/// What stands beside a channel in the recording.
+pub(super) struct Surroundings<'a> {
+    /// Environment columns.
+    pub(super) columns: &'a Environment,
+    /// How the channel follows each.
+    pub(super) following: &'a [Following],
+}
+
 /// Selects; `channels` corrects for their number.
 ///
 /// # Errors
 /// Stopped.
 pub(super) fn select(
     channel: &Channel,
-    environment: &Environment,
+    surroundings: &Surroundings<'_>,
     channels: usize,
     control: &Control,
 ) -> Result<Selection, Stopped> {
-    let as_one = beside(channel, environment, channels, control, Vec::new())?;
+    let as_one = beside(channel, surroundings, channels, control, Vec::new())?;
     let mut steps: Vec<Term> = Vec::new();
     let mut selection = None;
     // A bias that jumps once or twice is fitted in pieces; one that goes on jumping hops, which
@@ -73,7 +81,7 @@ pub(super) fn select(
         let Some(step) = jump::missing(channel, chosen, (channels * MOST_STEPS) as f64) else { break };
         steps.push(step);
         if steps.len() <= MOST_STEPS {
-            selection = Some(beside(channel, environment, channels, control, steps.clone())?);
+            selection = Some(beside(channel, surroundings, channels, control, steps.clone())?);
         }
     }
     Ok(selection.filter(|_| steps.len() <= MOST_STEPS).unwrap_or(as_one))
@@ -89,37 +97,58 @@ struct Columns {
 
 /// The shapes in which a channel follows environment columns, beside other terms: before any noise
 /// is offered. And which columns may still be offered.
-fn followed(channel: &Channel, environment: &Environment, mut terms: Vec<Term>, correction: f64) -> (Fitted, Columns) {
-    let before = terms.clone();
-    let (mut offered, mut set_aside) = (Vec::new(), Vec::new());
-    for (name, column) in environment {
-        match shape::find(channel, name, column, correction) {
-            Following::By(term) => terms.push(term),
+fn followed(
+    channel: &Channel,
+    surroundings: &Surroundings<'_>,
+    mut terms: Vec<Term>,
+    correction: f64,
+) -> (Fitted, Columns) {
+    let first = terms.len();
+    let mut columns = Columns { offered: Vec::new(), set_aside: Vec::new() };
+    for ((name, column), following) in surroundings.columns.iter().zip(surroundings.following) {
+        match following {
+            Following::By(term) => terms.push(term.clone()),
             Following::Not => {}
             Following::NoBetterThanTime => {
-                set_aside.push(name.clone());
+                columns.set_aside.push(name.clone());
                 continue;
             }
         }
-        offered.push((name.clone(), column.clone()));
+        columns.offered.push((name.clone(), column.clone()));
     }
-    let fitted = channel.fit(terms);
-    let serves = |index: usize| channel.held_out_share(&fitted, index) > 0.0;
-    let serve = (before.len()..fitted.terms.len()).all(serves);
-    (if serve { fitted } else { channel.fit(before) }, Columns { offered, set_aside })
+    let mut fitted = channel.fit(terms);
+    while let Some(without) = without_the_weakest(channel, &fitted, first, correction) {
+        fitted = without;
+    }
+    (fitted, columns)
+}
+
+/// A model without one of its terms from `first` on: the weakest of those that the others make
+/// superfluous, else of those that do not serve on stretches they were not fitted to; `None` where
+/// all are needed.
+fn without_the_weakest(channel: &Channel, fitted: &Fitted, first: usize, correction: f64) -> Option<Fitted> {
+    let without = |index: usize| (index, channel.fit(others(fitted, index)));
+    let mut all: Vec<(usize, Fitted)> = (first..fitted.terms.len()).map(without).collect();
+    // The less is lost without it.
+    order::sort_by_key(&mut all, |(_, without)| -without.log_likelihood());
+    let is_superfluous =
+        |(index, without): &(usize, Fitted)| worth(channel, fitted, without, *index, correction) > SUPERFLUOUS;
+    let serves_not = |(index, _): &(usize, Fitted)| channel.held_out_share(fitted, *index) <= 0.0;
+    let weakest = all.iter().position(is_superfluous).or_else(|| all.iter().position(serves_not))?;
+    Some(all.swap_remove(weakest).1)
 }
 
 /// Selects beside steps of the bias.
 fn beside(
     channel: &Channel,
-    environment: &Environment,
+    surroundings: &Surroundings<'_>,
     channels: usize,
     control: &Control,
     steps: Vec<Term>,
 ) -> Result<Selection, Stopped> {
     let correction = standing::correction(channels);
     let base = channel.fit(Vec::new());
-    let (mut current, Columns { offered, set_aside }) = followed(channel, environment, steps, correction);
+    let (mut current, Columns { offered, set_aside }) = followed(channel, surroundings, steps, correction);
     let environment = &offered[..];
     let mut alone = match current.terms.is_empty() {
         true => Vec::new(),
@@ -170,4 +199,41 @@ pub(super) fn named(channel: &Channel, base: &Fitted, chosen: &Fitted, correctio
         }
     };
     (0..chosen.terms.len()).map(each).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::{Philox, Stream};
+
+    const COUNT: usize = 4096;
+
+    #[test]
+    fn of_several_columns_only_those_are_dropped_that_tell_nothing_or_do_not_serve() {
+        let slow: Vec<f64> = (0..COUNT).map(|n| (7.0 * n as f64 / COUNT as f64).sin()).collect();
+        let fast: Vec<f64> = (0..COUNT).map(|n| (300.0 * n as f64 / COUNT as f64).sin()).collect();
+        // Acts on every second of sixteen stretches, and half as much the other way on the others.
+        let fitful = |n: usize| if n * 16 / COUNT % 2 == 0 { fast[n] } else { -0.5 * fast[n] };
+        let kept = |second: &dyn Fn(usize) -> f64, seed: u64| -> Vec<usize> {
+            let mut rng = Philox::new(seed, 0, Stream::Host);
+            let values: Vec<f64> = (0..COUNT).map(|n| slow[n] + second(n) + rng.normal()).collect();
+            let channel = Channel::new("x", &values, 1.0);
+            let term = |(which, column): (usize, &Vec<f64>)| Term {
+                cause: Cause::TemperatureSensitivity,
+                addition: Addition::Curves(vec![Curve::new(column.clone())]),
+                searched: which as f64,
+                column: None,
+            };
+            let mut fitted = channel.fit([&slow, &fast].into_iter().enumerate().map(term).collect());
+            while let Some(without) = without_the_weakest(&channel, &fitted, 0, 9.0) {
+                fitted = without;
+            }
+            fitted.terms.iter().map(|t| t.searched as usize).collect()
+        };
+        for seed in 40..44 {
+            assert_eq!(kept(&|n| fast[n], seed), [0, 1], "{seed}: both act");
+            assert_eq!(kept(&|_| 0.0, seed), [0], "{seed}: one tells nothing");
+            assert_eq!(kept(&fitful, seed), [0], "{seed}: one does not serve where it was not fitted");
+        }
+    }
 }

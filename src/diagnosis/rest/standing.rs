@@ -13,7 +13,7 @@ const TRIED: f64 = 9.0;
 /// likelihoods.
 pub(super) const CLOSE: f64 = 4.0;
 /// Corrected probability above which a term is superfluous beside the others.
-const SUPERFLUOUS: f64 = 0.05;
+pub(super) const SUPERFLUOUS: f64 = 0.05;
 
 /// How well a candidate did.
 #[derive(Debug, Clone, Copy)]
