@@ -2,9 +2,10 @@
 //!
 //! Base: a constant and white noise, or the noise that a datasheet promises. Which environment
 //! columns the channels follow is asked first, of each alone and of all (`shared_lag`). Every
-//! channel is judged alone (`selection`), then by what its neighbours bear (`agreement`) and all
-//! together for drift that they share (`common`), then what is left (`residual`). Not for
-//! coefficients alone: those come faster, and with the classical curve, from `recording::noise`.
+//! channel is judged alone (`selection`), then by what its neighbours bear (`agreement`), its
+//! courses in time against the columns (`rival_column`), and all together for drift that they share
+//! (`common`), then what is left (`residual`). Not for coefficients alone: those come faster, and
+//! with the classical curve, from `recording::noise`.
 
 mod agreement;
 mod blocks;
@@ -38,6 +39,7 @@ mod otherwise;
 mod plausible;
 mod profile;
 mod residual;
+mod rival_column;
 mod round;
 mod rounding;
 mod score;
@@ -164,6 +166,7 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
     let selected: Result<Vec<_>, Stopped> = parallel::map(&asked, |of| select(*of)).into_iter().collect();
     let mut selected = selected.map_err(stopped)?;
     agreement::agree(&channels, &mut selected, &environment, control).map_err(stopped)?;
+    rival_column::tie(&channels, &mut selected, &environment, control).map_err(stopped)?;
     let common = if environment.is_empty() { common::find(&channels, &selected) } else { None };
     Ok(conclusion::conclude(conclusion::Material {
         recording,

@@ -1,0 +1,134 @@
+//! A course in time that an environment column describes as well is tied with that column.
+//!
+//! Whether a column acts is asked beside a walk whose strength is free (`shape`), where neither a
+//! column that looks like a straight line nor the line itself would gain much. A straight or
+//! settling course is named beside the noise that the channel was found to have. Beside that same
+//! noise a column, at once or delayed, may do as well: then the recording cannot tell which it is,
+//! and other channels of it cannot either.
+
+use super::blocks;
+use super::candidate::row;
+use super::cause::Cause;
+use super::channel::{Addition, Channel, Environment, Fitted, Term};
+use super::coarse;
+use super::column::{Column, STRAIGHT};
+use super::course::is_course;
+use super::followed::{lagged, played};
+use super::profile::peak;
+use super::selection::Selection;
+use super::standing::{CLOSE, others};
+use crate::control::{Control, Stopped};
+use crate::parallel;
+
+/// Gives every course that a column describes as well this rival; `selected` are the channels'.
+///
+/// # Errors
+/// Stopped.
+pub(super) fn tie(
+    channels: &[Channel],
+    selected: &mut [Selection],
+    environment: &Environment,
+    control: &Control,
+) -> Result<(), Stopped> {
+    let columns: Vec<Column<'_>> = environment.iter().filter_map(|(name, curve)| Column::of(name, curve)).collect();
+    let tied = |i: usize| tied(&channels[i], &selected[i].chosen, &columns, control);
+    let found = parallel::map_indices(channels.len(), tied).into_iter().collect::<Result<Vec<_>, Stopped>>()?;
+    for (selection, tied) in selected.iter_mut().zip(found) {
+        for index in tied {
+            let rivals = &mut selection.named[index].rivals;
+            rivals.retain(|r| *r != Cause::TemperatureSensitivity);
+            rivals.insert(0, Cause::TemperatureSensitivity);
+        }
+    }
+    Ok(())
+}
+
+/// Places, among a model's terms, of courses that a column describes as well.
+fn tied(channel: &Channel, chosen: &Fitted, columns: &[Column<'_>], control: &Control) -> Result<Vec<usize>, Stopped> {
+    let mut found = Vec::new();
+    for (index, term) in chosen.terms.iter().enumerate().filter(|(_, t)| is_course(t.cause)) {
+        let Some(course) = blocks::term(term, coarse::together(channel.values.len())) else { continue };
+        let beside = Beside::of(channel, chosen, index);
+        let least = beside.merit(course, row(term.cause).numbers) - CLOSE;
+        for column in columns {
+            control.go_on()?;
+            if beside.merit_of(column) > least {
+                found.push(index);
+                break;
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// A channel on means and the terms of its model but one.
+struct Beside {
+    channel: Channel,
+    others: Vec<Term>,
+}
+
+impl Beside {
+    fn of(channel: &Channel, chosen: &Fitted, but: usize) -> Self {
+        let together = coarse::together(channel.values.len());
+        Self {
+            channel: blocks::channel(channel, &channel.values, together),
+            others: others(chosen, but).iter().filter_map(|t| blocks::term(t, together)).collect(),
+        }
+    }
+
+    /// Akaike's criterion with one more term of so many numbers, turned so that more is better.
+    fn merit(&self, term: Term, numbers: f64) -> f64 {
+        let terms = self.others.iter().cloned().chain([term]).collect();
+        2.0 * (self.channel.fit(terms).log_likelihood() - numbers)
+    }
+
+    /// The best of a column along a straight line: at once, with a lag, with play.
+    fn merit_of(&self, column: &Column<'_>) -> f64 {
+        let straight = |delayed: &[f64], numbers: f64| {
+            let addition = Addition::Curves(column.powers(delayed, STRAIGHT));
+            self.merit(Term { cause: Cause::TemperatureSensitivity, addition, searched: 0.0, column: None }, numbers)
+        };
+        let late = |l: f64| straight(&lagged(&column.means, l.exp()), 2.0);
+        let loose = |p: f64| straight(&played(&column.means, p.exp()), 2.0);
+        let (_, late) = peak(column.lags().map(f64::ln), 8, late);
+        let (_, loose) = peak(column.plays().map(f64::ln), 7, loose);
+        straight(&column.means, 1.0).max(late).max(loose)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::rest::channel::Curve;
+    use crate::rng::{Philox, Stream};
+
+    const COUNT: usize = 4000;
+
+    fn part(n: usize) -> f64 {
+        n as f64 / COUNT as f64
+    }
+
+    /// Whether a ramp, named in a channel of this and white noise, is tied with a column.
+    fn is_tied(at: &dyn Fn(usize) -> f64, column: &dyn Fn(usize) -> f64, member: u64) -> bool {
+        let mut rng = Philox::new(37, member, Stream::Host);
+        let values: Vec<f64> = (0..COUNT).map(|n| at(n) + rng.normal()).collect();
+        let channel = Channel::new("x", &values, 1.0);
+        let ramp = Addition::Curves(vec![Curve::new((0..COUNT).map(part).collect())]);
+        let chosen = channel.fit(vec![Term { cause: Cause::RateRamp, addition: ramp, searched: 0.0, column: None }]);
+        let curve = Curve::new((0..COUNT).map(column).collect());
+        let columns: Vec<Column<'_>> = Column::of("t", &curve).into_iter().collect();
+        tied(&channel, &chosen, &columns, &Control::silent()).expect("not stopped") == [0]
+    }
+
+    #[test]
+    fn a_ramp_is_tied_with_a_column_that_looks_like_one_and_not_with_another() {
+        let rising = |n: usize| part(n) + 0.005 * (20.0 * part(n)).sin();
+        let swaying = |n: usize| (20.0 * part(n)).sin();
+        for member in 0..5 {
+            let ramp = |n: usize| 2.0 * part(n);
+            assert!(is_tied(&ramp, &rising, member), "{member}: it may be the column");
+            assert!(is_tied(&|n| 2.0 * rising(n), &rising, member), "{member}: it is the column");
+            assert!(!is_tied(&ramp, &swaying, member), "{member}: the column sways");
+        }
+    }
+}
