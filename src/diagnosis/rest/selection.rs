@@ -213,7 +213,7 @@ mod tests {
         let slow: Vec<f64> = (0..COUNT).map(|n| (7.0 * n as f64 / COUNT as f64).sin()).collect();
         let fast: Vec<f64> = (0..COUNT).map(|n| (300.0 * n as f64 / COUNT as f64).sin()).collect();
         // Acts on every second of sixteen stretches, and half as much the other way on the others.
-        let fitful = |n: usize| if n * 16 / COUNT % 2 == 0 { fast[n] } else { -0.5 * fast[n] };
+        let fitful = |n: usize| if (n * 16 / COUNT).is_multiple_of(2) { fast[n] } else { -0.5 * fast[n] };
         let kept = |second: &dyn Fn(usize) -> f64, seed: u64| -> Vec<usize> {
             let mut rng = Philox::new(seed, 0, Stream::Host);
             let values: Vec<f64> = (0..COUNT).map(|n| slow[n] + second(n) + rng.normal()).collect();
