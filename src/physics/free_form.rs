@@ -16,7 +16,7 @@ use super::side_by_side::each;
 use super::state::{Instant, Instants, MOST_STAGED, MOST_VALUES};
 use super::{
     coulomb_friction, cubic_stiffness, drive_nonlinearity, end_stop, quadratic_damping, quadratic_stiffness,
-    squeeze_film_damping,
+    squeeze_film_damping, stiffness_drift,
 };
 
 /// Law whose form is freed.
@@ -36,6 +36,8 @@ pub enum Freed {
     Friction,
     /// Contact beyond a gap: stiffer or softer the deeper, with a gap of its own on either side.
     Stop(Side),
+    /// κt of the stiffness, along another course of time.
+    Drift,
 }
 
 /// Quantity that a law depends on.
@@ -47,12 +49,15 @@ pub enum Argument {
     Velocity,
     /// The measured input.
     Input,
+    /// Time since the recording began.
+    Time,
 }
 
 /// A law with a free form.
 ///
 /// With all of it free: laws that are a power of their argument a: stated(a) · sᵈ · (c + e(s −
-/// 0.7) + h sgn a), s = |a|/size, values c, d, e, h; the stated law is d = e = h = 0. Friction:
+/// 0.7) + h sgn a), s = |a|/size, values c, d, e, h; the stated law is d = e = h = 0. Time has one
+/// sign: a drift has h (s − 0.7)² instead. Friction:
 /// tanh(x′/v_s)(f + g e^(−|x′|/v_g)), values f, v_s, g, v_g. A stop: k δ (δ/size)ᵈ for a depth δ
 /// beyond the gap, values k, gap, d, and by how much the other side's gap is wider. With one value
 /// free only d, or v_s, is; the values after it are zero.
@@ -94,6 +99,7 @@ impl Freed {
             Self::CubicSpring | Self::QuadraticSpring | Self::Film | Self::Stop(_) => Argument::Displacement,
             Self::Drag | Self::Friction => Argument::Velocity,
             Self::Drive => Argument::Input,
+            Self::Drift => Argument::Time,
         }
     }
 
@@ -107,6 +113,7 @@ impl Freed {
             Self::Drive => "u^2",
             Self::Friction => "sgn v",
             Self::Stop(_) => "(x - gap)+",
+            Self::Drift => "t",
         }
     }
 
@@ -121,6 +128,7 @@ impl Freed {
         match self {
             Self::CubicSpring => a * a * a,
             Self::Drag => a.abs() * a,
+            Self::Drift => a,
             _ => a * a,
         }
     }
@@ -160,8 +168,13 @@ impl FreeForm {
             }
             law => {
                 let s = (a.abs() / T::of(self.size)).max(T::of(LEAST));
-                let side = if a < zero { -fourth } else { fourth };
-                law.power(a) * bounded_power(s, second) * (fma::<T, FMA>(third, s - T::of(PIVOT), first) + side)
+                let turn = s - T::of(PIVOT);
+                let more = match law {
+                    Freed::Drift => fourth * turn * turn,
+                    _ if a < zero => -fourth,
+                    _ => fourth,
+                };
+                law.power(a) * bounded_power(s, second) * (fma::<T, FMA>(third, turn, first) + more)
             }
         }
     }
@@ -201,6 +214,7 @@ impl FreeForm {
             Freed::Stop(Side::Both) => Freed::Stop(Side::Both),
             Freed::Stop(Side::Lower) => Freed::Stop(Side::Lower),
             Freed::Stop(Side::Upper) => Freed::Stop(Side::Upper),
+            Freed::Drift => Freed::Drift,
         }
     }
 
@@ -238,6 +252,7 @@ impl Law for FreeForm {
             Freed::Drive => &drive_nonlinearity::CANDIDATE,
             Freed::Friction => &coulomb_friction::CANDIDATE,
             Freed::Stop(_) => &end_stop::CANDIDATE,
+            Freed::Drift => &stiffness_drift::CANDIDATE,
         }
     }
     fn role(&self) -> Role {
@@ -261,6 +276,7 @@ impl Law for FreeForm {
             Freed::Drive => 0.1 / s.input.max(1e-300),
             Freed::Friction => 0.1 * zeta * omega * s.velocity,
             Freed::Stop(_) => spring,
+            Freed::Drift => 0.1 / s.duration_s,
         };
         let linear = Coordinate::Linear(strength);
         let mut all = match self.law {
@@ -274,6 +290,8 @@ impl Law for FreeForm {
                 Coordinate::Bounded(0.1, -0.7, 6.0),
                 Coordinate::Linear(0.1 * s.output),
             ],
+            // A spring that drifts begins as it is at rest: not slower than as t^0.1.
+            Freed::Drift => vec![linear, Coordinate::Bounded(0.1, -0.9, 4.0), linear, linear],
             _ => vec![linear, Coordinate::Bounded(0.1, -2.0, 4.0), linear, linear],
         };
         all.truncate(self.values());
@@ -311,6 +329,7 @@ impl Law for FreeForm {
             Freed::Drive => fma::<T, FMA>(at.gain, self.curve::<T, FMA>(p, at.input), sum),
             Freed::Film => fma::<T, FMA>(-self.curve::<T, FMA>(p, at.x), at.v, sum),
             Freed::Drag | Freed::Friction => sum - self.curve::<T, FMA>(p, at.v),
+            Freed::Drift => fma::<T, FMA>(-(at.stiffness * self.curve::<T, FMA>(p, at.time)), at.x, sum),
             _ => sum - self.curve::<T, FMA>(p, at.x),
         }
     }
@@ -323,6 +342,7 @@ impl Law for FreeForm {
 mod tests {
     use super::super::cubic_stiffness::CubicStiffness;
     use super::super::quadratic_damping::QuadraticDamping;
+    use super::super::stiffness_drift::StiffnessDrift;
     use super::super::test_problem::Mass;
     use super::*;
 
@@ -344,6 +364,20 @@ mod tests {
         let drag = mass.moved(&QuadraticDamping, &[0.8], [0.5, 0.0], 6.0, 4000, push);
         let free = mass.moved(&form(Freed::Drag, 0.3), &[0.8, 0.0, 0.0, 0.0], [0.5, 0.0], 6.0, 4000, push);
         assert!((free[0] - drag[0]).abs() < 1e-9 && (free[1] - drag[1]).abs() < 1e-9);
+        let drift = mass.moved(&StiffnessDrift::default(), &[0.1], [0.5, 0.0], 6.0, 4000, push);
+        let free = |p: [f64; 4]| mass.moved(&form(Freed::Drift, 3.0), &p, [0.5, 0.0], 6.0, 4000, push);
+        let same = free([0.1, 0.0, 0.0, 0.0]);
+        assert!((same[0] - drift[0]).abs() < 1e-9 && (same[1] - drift[1]).abs() < 1e-9);
+        assert!((free([0.1, 0.5, 0.0, 0.0])[0] - drift[0]).abs() > 1e-3, "another power of time is another law");
+    }
+
+    // With s = t/3: 0.2 t s^(2/3)·(1 + 0.3 (s − 0.7) + 0.1 (s − 0.7)²) at t = 6 is 1.2·2^(2/3)·1.559.
+    #[test]
+    fn a_drift_follows_another_power_of_time_and_bends() {
+        let drift = form(Freed::Drift, 3.0);
+        let at = drift.curve::<f64, false>(&[0.2, 2.0 / 3.0, 0.06, 0.02], 6.0);
+        assert!((at - 1.2 * 2f64.powf(2.0 / 3.0) * 1.559).abs() < 1e-12, "{at}");
+        assert!(drift.curve::<f64, false>(&[0.2, -0.5, 0.06, 0.02], 0.0).abs() < 1e-12, "it begins at nothing");
     }
 
     // Without a spring v′ = −c v|v|^(p−1) is solved by v^(1−p) = v₀^(1−p) + (p − 1) c t.

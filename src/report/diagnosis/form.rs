@@ -16,6 +16,7 @@ fn exhibit(id: &str, form: &Form) -> Exhibit {
     let argument = match form.stated.as_str() {
         "|v| v" | "sgn v" => "velocity",
         "u^2" => "input",
+        "t" => "time",
         _ => "displacement",
     };
     let mut chart = Chart::new(

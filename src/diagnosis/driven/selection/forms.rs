@@ -17,6 +17,7 @@ use crate::physics::free_form::{Argument, Extent, FreeForm, Freed};
 use crate::physics::law::Law;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
+use crate::physics::stiffness_drift::StiffnessDrift;
 
 use super::earned::{ITERATIONS, earned, without};
 use super::held_out::compare;
@@ -46,6 +47,7 @@ pub(crate) fn visits(data: &Data, fit: &Fit, argument: Argument) -> Vec<f64> {
             let values = data.input.as_ref().map(|i| &i.samples()[data.hull.clone()]);
             values.map_or_else(Vec::new, |u| rows().map(|k| u[k]).collect())
         }
+        Argument::Time => rows().map(|k| (k + data.hull.start) as f64 * data.interval_s()).collect(),
         Argument::Displacement | Argument::Velocity => {
             let (_, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, false));
             let values = if argument == Argument::Velocity { states.v } else { states.x };
@@ -64,6 +66,7 @@ fn freed_law(term: &Term) -> Option<Freed> {
         Term::DriveNonlinearity(_) => Some(Freed::Drive),
         Term::CoulombFriction(_) => Some(Freed::Friction),
         Term::EndStop(stop) => Some(Freed::Stop(stop.0)),
+        Term::StiffnessDrift(StiffnessDrift { environment: None }) => Some(Freed::Drift),
         _ => None,
     }
 }

@@ -169,6 +169,7 @@ fn functions(law: Freed, [above, below]: [f64; 2], a: f64) -> Vec<f64> {
         Freed::CubicSpring => a.powi(3),
         Freed::QuadraticSpring | Freed::Film | Freed::Drive => a * a,
         Freed::Drag => a.abs() * a,
+        Freed::Drift => a,
         Freed::Friction => a.signum(),
         Freed::Stop(side) => {
             let upper = if side == Side::Lower { 0.0 } else { (a - above).max(0.0) };
@@ -177,7 +178,7 @@ fn functions(law: Freed, [above, below]: [f64; 2], a: f64) -> Vec<f64> {
         }
     };
     match (law, law.argument()) {
-        (Freed::Film, _) => vec![stated, 1.0],
+        (Freed::Film | Freed::Drift, _) => vec![stated, 1.0],
         (_, Argument::Velocity) => vec![stated, a],
         _ => vec![stated, a, 1.0],
     }
@@ -223,6 +224,23 @@ mod tests {
         let split = Split::of(&linear, &[1.0, 0.0, 0.0, 0.0], &at, &whole).expect("it can be split");
         assert!(rms(split.rest.iter().copied()) < 1e-9);
         assert!((split.base(0.5) - 2.7).abs() < 1e-9 && (split.stated_at(0.5) - 0.125).abs() < 1e-9);
+    }
+
+    // Least squares of t^1.5 by t and 1 over (0, 1): slope 12(2/7 − 1/5) = 36/35, and of the variance
+    // 1/4 − 4/25 = 9/100 what the line leaves is 9/100 − (36/35)²/12 = 0.00183673.
+    #[test]
+    fn the_departure_of_a_drift_is_beside_a_line_and_a_constant() {
+        let form = FreeForm { law: Freed::Drift, size: 1.0, extent: Extent::Wide };
+        let at: Vec<f64> = (0..4000).map(|i| (f64::from(i) + 0.5) / 4000.0).collect();
+        let whole = |values: [f64; 4]| at.iter().map(|t| form.curve::<f64, false>(&values, *t)).collect::<Vec<f64>>();
+        let of = |values: [f64; 4]| {
+            let split = Split::of(&form, &values, &at, &whole(values)).expect("it can be split");
+            rms(split.rest.iter().copied()) / rms(split.stated.iter().copied())
+        };
+        let expected = 0.001_836_73f64.sqrt() / (36.0 / 35.0 / 3f64.sqrt());
+        let found = of([1.0, 0.5, 0.0, 0.0]);
+        assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
+        assert!(of([1.0, 0.0, 0.0, 0.0]) < 1e-9, "the stated law departs by nothing");
     }
 
     #[test]
