@@ -22,6 +22,7 @@ use crate::numerics::{order, special};
 use crate::physics::law::Noise;
 
 use super::known::{Known, Regressors};
+use super::pumped::Pumped;
 use super::residual_structure::EVEN;
 use super::score_test::{Entry, Filter, Score, Tested};
 
@@ -80,6 +81,18 @@ pub(crate) fn explained_by_known(data: &Data, fit: &Fit, noise: Noise) -> Option
         Some(Explained { r_squared: gain / freedom, is_power: false, p_value, by: *by })
     });
     let mut all: Vec<Explained> = asked.collect();
+    let motion = [&states.x, &states.v].map(|motion| Pumped::of(&disturbance, motion));
+    all.extend(motion.iter().flatten().flat_map(|pumped| {
+        let looked_at = 2.0 * pumped.looked_at as f64;
+        pumped.columns.iter().filter_map({
+            let (filter, tested) = (&filter, &tested);
+            move |columns| {
+                let Score { gain, p_value } = tested.score(columns.iter().map(|c| filter.answer(c, Entry::Force)))?;
+                let p_value = looked_at * p_value;
+                Some(Explained { r_squared: gain / freedom, is_power: false, p_value, by: Known::Time })
+            }
+        })
+    }));
     let powers = known.of_powers();
     all.extend(power(&disturbance).iter().flat_map(|power| {
         powers.iter().filter_map(|(by, columns)| {
