@@ -15,6 +15,7 @@ pub mod known;
 pub mod lattice;
 pub mod noise_character;
 pub mod noise_scale;
+mod other_power;
 mod pumped;
 pub mod residual_structure;
 pub mod rivals;

@@ -13,6 +13,7 @@ use super::earned::{earned, pruned};
 use super::forms;
 use super::identifiability::{Reach, is_linear};
 use super::judged::{Judged, Selection, Trial};
+use super::other_power::settle_stop;
 use super::residual_structure::residual_structure;
 use super::rivals::{Look, TIE};
 use super::round::{SURE, round};
@@ -100,7 +101,9 @@ pub(crate) fn search(
     selection.rivals_left_out = look.left_out;
     // In windows a form has too little of the motion at a time.
     if data.windows.is_none() {
-        forms::settle(data, &mut selection, scales, data.work.budget(Stage::Forms, data.hull.len()));
+        let budget = data.work.budget(Stage::Forms, data.hull.len());
+        forms::settle(data, &mut selection, scales, budget);
+        settle_stop(data, &mut selection, scales, budget);
     }
     Ok(selection)
 }
