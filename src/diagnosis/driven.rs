@@ -12,7 +12,7 @@ pub mod simulation;
 pub mod verdict;
 
 use crate::control::{Control, Stopped};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::order;
 pub use crate::physics::library::CANDIDATES;
@@ -33,10 +33,11 @@ use intake::data::Data;
 use intake::input::Interpolation;
 use intake::notes::Notes;
 use intake::prepare::Prepared;
+use intake::refusal::Refusal;
 use intake::several::{self, Taken};
 use intake::stretches::{self, Stretches};
 use intake::work::{Budget, Stage};
-use selection::base_model;
+use selection::base_model::{self, NoOscillator};
 use selection::folds::{self, Fold};
 use selection::judged::{self, Judged, Selection};
 use selection::stepwise;
@@ -65,13 +66,9 @@ pub fn diagnose(recording: &Recording, model: &model::Driven, control: &Control)
 /// As [`diagnose`], and as `several::taken`.
 pub(crate) fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, control: &Control) -> Result<Answer> {
     let recording = &recordings.train[0];
-    let attempt = || format!("could not diagnose {}", recording.path.display());
-    let Taken { prepared, pieces, judging } = several::taken(recordings, model, settled)?;
+    let Taken { prepared, pieces, judging } = several::taken(recordings, model, settled, control)?;
     let mut course = Course::begin(prepared);
-    let (base, scales) = course.base().map_err(|cause| {
-        let hint = "check that input and output are the right columns and that the input moves the output";
-        Error::new(attempt(), cause, hint)
-    })?;
+    let (base, scales) = course.base(control).map_err(|refusal| refusal.of(recording))?;
     let asked =
         Asked { recording, pieces: &pieces, judging: &judging, columns: &model.columns, unit: model.unit.as_deref() };
     if course.follows
@@ -80,7 +77,7 @@ pub(crate) fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, co
     {
         return Ok(answer);
     }
-    let selection = course.select(base, &scales, control).map_err(|s| s.during(attempt(), "start it again"))?;
+    let selection = course.select(base, &scales, control).map_err(|s| Refusal::from(s).of(recording))?;
     let conclusion = course.conclude(&selection, &scales);
     let Course { data, notes, .. } = course;
     Ok(answer::answer(&asked, &data, &scales, &selection, &conclusion, notes))
@@ -126,7 +123,7 @@ impl Course {
     }
 
     /// The base model; what was not recorded is bridged by its readings.
-    fn base(&mut self) -> Result<(Fit, Scales), String> {
+    fn base(&mut self, control: &Control) -> Result<(Fit, Scales), Refusal> {
         let mut notes = self.notes.clone();
         let mut free = base_model::base(&self.narrow, &self.start, &mut notes);
         let left = free.as_ref().map_or(self.power(), |found| found.0.variance);
@@ -134,11 +131,18 @@ impl Course {
             notes.clone_from(&self.notes);
             free = base_model::base(&self.narrow, &self.start, &mut notes);
         }
-        self.settle_whether_it_follows(free.as_ref().ok().map(|f| &f.0), &mut notes);
+        self.settle_whether_it_follows(&free, &mut notes, control)?;
         if let Some(found) = self.chaotic(free.as_ref().ok().map(|f| &f.0)) {
             return Ok(found);
         }
-        let (base, scales) = free?;
+        let (base, scales) = match free {
+            Ok(found) => found,
+            Err(NoOscillator::Poor { best, .. }) if !self.follows => *best,
+            Err(none) => {
+                let also: String = notes.doubts.iter().map(|doubt| format!("; {doubt}")).collect();
+                return Err(Refusal::Cause(none.cause() + &also));
+            }
+        };
         self.notes = notes;
         base_model::bridge(&mut self.narrow, &base, &self.filled);
         if self.is_whole() {
@@ -150,14 +154,30 @@ impl Course {
 
     /// No linear law is to be seen where noise is loud, either: whether the reading follows the
     /// linear oscillator all the same, so that what it leaves is noise.
-    fn settle_whether_it_follows(&mut self, free: Option<&Fit>, notes: &mut Notes) {
-        let Some(clause) = self.notes.bent.take() else { return };
-        self.follows = free.is_some_and(|fit| !base_model::leaves_more_than_noise(&self.narrow, fit));
+    fn settle_whether_it_follows(
+        &mut self,
+        free: &Result<(Fit, Scales), NoOscillator>,
+        notes: &mut Notes,
+        control: &Control,
+    ) -> Result<(), Stopped> {
+        let clause = match (self.notes.bent.take(), free) {
+            (Some(clause), _) => clause,
+            (None, Err(NoOscillator::Poor { explains, .. })) if !self.notes.broken => {
+                format!("the output depends on its input, but by no linear law: the best oscillator {explains}")
+            }
+            _ => return Ok(()),
+        };
+        self.follows = match free {
+            Ok((fit, _)) => !base_model::leaves_more_than_noise(&self.narrow, fit, control)?,
+            Err(NoOscillator::Poor { best, .. }) => !base_model::follows_another_law(&self.narrow, &best.0, control)?,
+            Err(NoOscillator::None) => true,
+        };
         if !self.follows {
             for notes in [&mut self.notes, notes] {
                 notes.doubt(clause.clone(), "; a law is named only where it brings the error to the noise");
             }
         }
+        Ok(())
     }
 
     /// An input that is held between its samples, or goes along straight lines, turns the phase by

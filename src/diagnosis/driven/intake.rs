@@ -11,6 +11,7 @@ pub mod lines;
 pub mod notes;
 pub mod prepare;
 pub mod reading_noise;
+pub(crate) mod refusal;
 pub mod several;
 pub(crate) mod shift;
 pub mod stretches;

@@ -11,6 +11,7 @@
 
 use std::ops::Range;
 
+use crate::control::{Control, Stopped};
 use crate::numerics::least_squares::Linear;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::order;
@@ -29,20 +30,65 @@ const MOMENTS: usize = 5;
 const BEYOND_CHANCE: f64 = 2.0;
 /// How many times further out than the middle one a force counts.
 const FURTHEST: f64 = 3.0;
-/// Columns of the equation that hold the state, and those that hold the input.
+/// Columns of the equation that hold the state, and those that hold the input: linearly, and bent.
 const STATE: usize = 5;
-const INPUT: usize = 5;
+const LINEAR: usize = 2;
+const BENT: usize = 3;
+const COLUMNS: usize = STATE + LINEAR + BENT;
+
+/// What the input must add.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Asked {
+    /// Anything.
+    Anything,
+    /// More than a linear law makes of it.
+    ABend,
+}
 
 /// Whether the reading depends on the input.
-pub(crate) fn depends(input: &[f64], reading: &[f64], among: &Range<usize>) -> bool {
-    let [u, y] = looked_at(input, reading, among).map(|values| unit(&values));
+///
+/// # Errors
+/// Stopped.
+pub(crate) fn depends(
+    input: &[f64],
+    reading: &[f64],
+    among: &Range<usize>,
+    control: &Control,
+) -> Result<bool, Stopped> {
     let squared: Vec<f64> = input.iter().map(|u| u * u).collect();
     let by_square = || align(&squared, reading, among).is_some_and(|a: Alignment| !a.is_chance());
+    Ok(enters_anywhere(input, reading, among, Asked::Anything, control)? || by_square())
+}
+
+/// Whether the reading depends on the input by a law that bends, whatever a linear one makes of it
+/// besides: noise that is loud and has a memory hides a linear answer, and does not bend it.
+///
+/// # Errors
+/// Stopped.
+pub(crate) fn bends(input: &[f64], reading: &[f64], among: &Range<usize>, control: &Control) -> Result<bool, Stopped> {
+    enters_anywhere(input, reading, among, Asked::ABend, control)
+}
+
+/// Whether the input enters the equation of motion by weights of any width.
+///
+/// # Errors
+/// Stopped.
+fn enters_anywhere(
+    input: &[f64],
+    reading: &[f64],
+    among: &Range<usize>,
+    asked: Asked,
+    control: &Control,
+) -> Result<bool, Stopped> {
+    let [u, y] = looked_at(input, reading, among).map(|values| unit(&values));
     let mut sides = vec![SHORTEST];
-    while let Some(next) = sides.last().map(|s| 2 * s).filter(|s| y.len() / s >= ROWS_EACH * (STATE + INPUT)) {
+    while let Some(next) = sides.last().map(|s| 2 * s).filter(|s| y.len() / s >= ROWS_EACH * COLUMNS) {
         sides.push(next);
     }
-    parallel::map(&sides, |side| enters(&u, &y, *side)).into_iter().any(|found| found) || by_square()
+    let found = parallel::map(&sides, |side| enters(&u, &y, *side, asked, control));
+    let entered = found.into_iter().collect::<Result<Vec<bool>, Stopped>>()?;
+    control.go_on()?;
+    Ok(entered.contains(&true))
 }
 
 /// Without mean and of unit size.
@@ -52,11 +98,14 @@ fn unit(values: &[f64]) -> Vec<f64> {
 }
 
 /// Whether the input enters the equation of motion, by weights of this half width.
-fn enters(u: &[f64], y: &[f64], side: usize) -> bool {
+///
+/// # Errors
+/// Stopped.
+fn enters(u: &[f64], y: &[f64], side: usize, asked: Asked, control: &Control) -> Result<bool, Stopped> {
     let weak = Weak::new(side);
     let force = weak.sums(y, |k, w| w[2] * y[k]);
-    if force.len() < ROWS_EACH * (STATE + INPUT) {
-        return false;
+    if force.len() < ROWS_EACH * COLUMNS {
+        return Ok(false);
     }
     let state: [Vec<f64>; STATE] = [
         weak.sums(y, |k, w| w[1] * y[k]),
@@ -65,8 +114,15 @@ fn enters(u: &[f64], y: &[f64], side: usize) -> bool {
         weak.sums(y, |k, w| w[0] * y[k].powi(2)),
         weak.sums(y, |k, w| w[0] * y[k].powi(3)),
     ];
-    let around = within(rest(&force, &state));
-    let of_state: f64 = rest(&around, &state).iter().map(|r| r * r).sum();
+    let linear = |u: &dyn Fn(usize) -> f64| -> [Vec<f64>; LINEAR] {
+        [weak.sums(y, |k, w| w[0] * u(k)), weak.sums(y, |k, w| w[1] * u(k))]
+    };
+    let mut granted = state.to_vec();
+    if asked == Asked::ABend {
+        granted.extend(linear(&|k| u[k]));
+    }
+    let around = within(rest(&force, &granted));
+    let of_state: f64 = rest(&around, &granted).iter().map(|r| r * r).sum();
     // Where a reading does not tell on which side of the middle the mass is, the input pushes it up
     // as often as down, and shows in the size of what is left alone.
     let sizes: Vec<f64> = around.iter().map(|r| r.abs()).collect();
@@ -74,21 +130,21 @@ fn enters(u: &[f64], y: &[f64], side: usize) -> bool {
     let of_size: f64 = rest(&sizes, std::slice::from_ref(&constant)).iter().map(|r| r * r).sum();
     // Log-likelihood per row that this input adds, to the force and to its size.
     let added = |u: &dyn Fn(usize) -> f64| {
-        let push = weak.sums(y, |k, w| w[0] * u(k));
-        let pushes = [push.iter().map(|p| p.abs()).collect(), push.iter().map(|p| p * p).collect()];
-        let columns: [Vec<f64>; INPUT] = [
-            push,
-            weak.sums(y, |k, w| w[1] * u(k)),
+        let linear = linear(u);
+        let pushes = [linear[0].iter().map(|p| p.abs()).collect(), linear[0].iter().map(|p| p * p).collect()];
+        let bent: [Vec<f64>; BENT] = [
             weak.sums(y, |k, w| w[0] * u(k).powi(2)),
             weak.sums(y, |k, w| w[0] * u(k).abs()),
             weak.sums(y, |k, w| w[0] * u(k) * y[k]),
         ];
+        let linear = linear.into_iter().filter(|_| asked == Asked::Anything);
+        let columns = linear.chain(bent);
         let gain = |to: &[f64], alone: f64, columns: Vec<Vec<f64>>| {
             let with = Linear { residual: to.to_vec(), columns }.normal().predicted();
             (alone / with.max(1e-300)).ln()
         };
         [
-            gain(&around, of_state, state.iter().cloned().chain(columns).collect()),
+            gain(&around, of_state, granted.iter().cloned().chain(columns).collect()),
             gain(&sizes, of_size, std::iter::once(constant.clone()).chain(pushes).collect()),
         ]
     };
@@ -97,8 +153,13 @@ fn enters(u: &[f64], y: &[f64], side: usize) -> bool {
         let from = u.len() as f64 * (moment as f64 + 0.5) / MOMENTS as f64;
         added(&|k| u[(from + pace * k as f64) as usize % u.len()])
     };
-    let chance = ways.map(otherwise).fold([0.0; 2], |a: [f64; 2], b| [a[0].max(b[0]), a[1].max(b[1])]);
-    added(&|k| u[k]).iter().zip(chance).any(|(found, chance)| *found > BEYOND_CHANCE * chance)
+    let mut chance = [0.0f64; 2];
+    for way in ways {
+        control.go_on()?;
+        let by_chance = otherwise(way);
+        chance = [0, 1].map(|of| chance[of].max(by_chance[of]));
+    }
+    Ok(added(&|k| u[k]).iter().zip(chance).any(|(found, chance)| *found > BEYOND_CHANCE * chance))
 }
 
 /// Values none of which lies much further out than the middle one: blows at a stop are no measure of
@@ -147,6 +208,7 @@ impl Weak {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::control::{Stage, Watcher};
     use crate::rng::{Philox, Stream};
 
     /// x″ + 0.2x′ + pull(x) = u at 20 samples per unit of time under a dozen sines, by RK4; 1 % of
@@ -174,6 +236,35 @@ mod tests {
             s = std::array::from_fn(|i| s[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
         }
         (u, y)
+    }
+
+    fn depends(input: &[f64], reading: &[f64], among: &Range<usize>) -> bool {
+        super::depends(input, reading, among, &Control::silent()).expect("nobody stops it")
+    }
+
+    /// Stops whatever asks.
+    struct Stops;
+
+    impl Stage for Stops {
+        fn set(&self, _: u64) {}
+        fn add(&self, _: u64) {}
+        fn rename(&self, _: &str) {}
+    }
+
+    impl Watcher for Stops {
+        fn stopped_by(&self) -> Option<&'static str> {
+            Some("a test")
+        }
+        fn begin(&self, _: &str, _: u64) -> Box<dyn Stage> {
+            Box::new(Self)
+        }
+        fn remark(&self, _: &str) {}
+    }
+
+    #[test]
+    fn it_ends_when_it_is_stopped() {
+        let (u, y) = moved(|x| 4.0 * x);
+        assert!(super::depends(&u, &y, &(0..y.len()), &Control::new(Stops)).is_err());
     }
 
     #[test]
@@ -217,8 +308,30 @@ mod tests {
         }
         let whole = 0..u.len();
         assert!(depends(&u, &y, &whole));
+        assert!(bends(&u, &y, &whole, &Control::silent()).is_ok_and(|bent| bent));
         let mut backwards = u.clone();
         backwards.reverse();
         assert!(!depends(&backwards, &y, &whole), "the same input in another order");
+    }
+
+    // The first part of the reading's power is the mass's, the rest noise of nine times its size and a
+    // memory of ten samples: the negative control of what bends.
+    #[test]
+    fn a_linear_answer_in_loud_noise_with_a_memory_is_not_bent() {
+        for seed in 20..24 {
+            let mut rng = Philox::new(seed, 0, Stream::Host);
+            let u: Vec<f64> = (0..8000).map(|_| rng.normal()).collect();
+            let (mut motion, mut noise) = ([0.0f64; 2], 0.0);
+            let y: Vec<f64> = u
+                .iter()
+                .map(|u| {
+                    let now = motion[0];
+                    motion = [1.5 * motion[0] - 0.859 * motion[1] + u, now];
+                    noise += -0.1 * noise + 0.436 * rng.normal();
+                    now + 9.0 * 3.3 * noise
+                })
+                .collect();
+            assert!(bends(&u, &y, &(0..u.len()), &Control::silent()).is_ok_and(|bent| !bent), "seed {seed}");
+        }
     }
 }

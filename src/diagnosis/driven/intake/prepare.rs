@@ -4,6 +4,7 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use crate::control::Control;
 use crate::diagnosis::driven::base::{BASE, OMEGAS_PER_SAMPLE, ZETAS};
 use crate::diagnosis::model;
 use crate::error::{Error, Result, nearest};
@@ -19,6 +20,7 @@ use super::dependence::depends;
 use super::input::{Input, Interpolation, REACH};
 use super::lines;
 use super::notes::Notes;
+use super::refusal::Refusal;
 use super::shift::Shift;
 use super::stretches::{Stretches, interleaved, merged, minus, sorted};
 use super::work::Work;
@@ -55,8 +57,8 @@ pub struct Prepared {
 ///
 /// # Errors
 /// A column that is not there, values that are not numbers, a reading that never changes, too few
-/// samples, ranges outside the recording or in both train and test.
-pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared> {
+/// samples, ranges outside the recording or in both train and test; when stopped.
+pub fn prepare(recording: &Recording, model: &model::Driven, control: &Control) -> Result<Prepared> {
     let mut notes = Notes { findings: recording.sentences(), ..Notes::default() };
     let start = hints(recording, &model.start, &mut notes.findings);
     let mut reading = column(recording, &model.columns.output)?.to_vec();
@@ -93,10 +95,8 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
                 ": a dead channel? The recording is treated as a free ring-down",
             );
         } else {
-            shift = together(model, &mut values, &reading, &mut ends, &mut notes).map_err(|cause| {
-                let hint = "check that input and output are the right columns and that the input moves the output";
-                refuse(recording, cause, hint)
-            })?;
+            let columns = Columns { model, reading: &reading, control };
+            shift = columns.together(&mut values, &mut ends, &mut notes).map_err(|refusal| refusal.of(recording))?;
             input = Some(Input::new(values, Interpolation::BandLimited));
         }
     }
@@ -176,66 +176,75 @@ fn hints(recording: &Recording, start: &model::Start, findings: &mut Vec<String>
     model::Start { resonance_hz, damping_ratio }
 }
 
-/// Whether input and output belong together as they stand; an input that is far early or late is
-/// moved.
-///
-/// # Errors
-/// Where the two have nothing to do with each other, by a linear law or any other; in words.
-fn together(
-    model: &model::Driven,
-    input: &mut [f64],
-    reading: &[f64],
-    ends: &mut Range<usize>,
-    notes: &mut Notes,
-) -> Result<Option<Shift>, String> {
-    let (output, name) = (&model.columns.output, model.columns.input.as_deref().unwrap_or("the input"));
-    if let Some((row, factor)) = defects::rescaled(input, reading, ends) {
-        let clause = format!(
-            "the size of {output} relative to {name} changes by a factor of about {} near row {row}",
-            short(factor)
-        );
-        notes.doubt(
+/// An input beside the reading that it may have moved.
+struct Columns<'a> {
+    model: &'a model::Driven,
+    reading: &'a [f64],
+    control: &'a Control,
+}
+
+impl Columns<'_> {
+    /// Whether input and output belong together as they stand; an input that is far early or late is
+    /// moved.
+    ///
+    /// # Errors
+    /// Where the two have nothing to do with each other, by a linear law or any other; when stopped.
+    fn together(
+        &self,
+        input: &mut [f64],
+        ends: &mut Range<usize>,
+        notes: &mut Notes,
+    ) -> Result<Option<Shift>, Refusal> {
+        let Self { model, reading, control } = *self;
+        let (output, name) = (&model.columns.output, model.columns.input.as_deref().unwrap_or("the input"));
+        if let Some((row, factor)) = defects::rescaled(input, reading, ends) {
+            let clause = format!(
+                "the size of {output} relative to {name} changes by a factor of about {} near row {row}",
+                short(factor)
+            );
+            notes.doubt(
             clause,
             ": a column that changed its unit or range? No candidate was tried: cut the recording there, or correct the column",
         );
-        notes.broken = true;
-    }
-    if lines::are_all(&input[ends.clone()]) {
-        return Ok(None);
-    }
-    let Some(forward) = align(input, reading, ends) else { return Ok(None) };
-    if forward.residual > 0.2
-        && let Some(backward) = align(reading, input, ends)
-        && alignment::exchanged(&forward, &backward)
-    {
-        let clause =
-            format!("the columns look swapped: {name} responds to {output} as an oscillator responds to a force");
-        notes.doubt(
-            clause,
-            ", not the other way round; no candidate was tried: exchange input and output in the model file",
-        );
-        notes.broken = true;
-        return Ok(None);
-    }
-    if forward.is_chance() && !notes.broken {
-        let explains = format!(
-            "explains {} % of the power of {output} from {name}, no more than with the input shifted in time",
-            short(100.0 * (1.0 - forward.residual))
-        );
-        if depends(input, reading, ends) {
-            notes.bent =
-                Some(format!("{output} depends on {name}, but by no linear law: the best oscillator {explains}"));
+            notes.broken = true;
+        }
+        if lines::are_all(&input[ends.clone()]) {
             return Ok(None);
         }
-        return Err(format!("no oscillator can be identified: the best one {explains}"));
+        let Some(forward) = align(input, reading, ends) else { return Ok(None) };
+        if forward.residual > 0.2
+            && let Some(backward) = align(reading, input, ends)
+            && alignment::exchanged(&forward, &backward)
+        {
+            let clause =
+                format!("the columns look swapped: {name} responds to {output} as an oscillator responds to a force");
+            notes.doubt(
+                clause,
+                ", not the other way round; no candidate was tried: exchange input and output in the model file",
+            );
+            notes.broken = true;
+            return Ok(None);
+        }
+        if forward.is_chance() && !notes.broken {
+            let explains = format!(
+                "explains {} % of the power of {output} from {name}, no more than with the input shifted in time",
+                short(100.0 * (1.0 - forward.residual))
+            );
+            if depends(input, reading, ends, control)? {
+                notes.bent =
+                    Some(format!("{output} depends on {name}, but by no linear law: the best oscillator {explains}"));
+                return Ok(None);
+            }
+            return Err(Refusal::Cause(format!("no oscillator can be identified: the best one {explains}")));
+        }
+        let lag = forward.lag;
+        if !forward.is_misaligned() {
+            return Ok(None);
+        }
+        let shift = Shift::of(input, lag, format!("{output} is misaligned with {name}: it comes"));
+        *ends = ends.start + lag.max(0) as usize..ends.end - (-lag).max(0) as usize;
+        Ok(Some(shift))
     }
-    let lag = forward.lag;
-    if !forward.is_misaligned() {
-        return Ok(None);
-    }
-    let shift = Shift::of(input, lag, format!("{output} is misaligned with {name}: it comes"));
-    *ends = ends.start + lag.max(0) as usize..ends.end - (-lag).max(0) as usize;
-    Ok(Some(shift))
 }
 
 /// Where the reading jumps, apart from gaps that are known.

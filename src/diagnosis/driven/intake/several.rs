@@ -6,6 +6,7 @@
 
 use std::ops::Range;
 
+use crate::control::Control;
 use crate::diagnosis::model;
 use crate::diagnosis::recordings::Recordings;
 use crate::diagnosis::verdict::Role;
@@ -53,19 +54,24 @@ pub(crate) type Settle = fn(Prepared) -> Prepared;
 ///
 /// # Errors
 /// As [`prepare::prepare`] for each; several recordings whose rates differ, with ranges of samples
-/// in the model, or with more samples than are fitted at once.
-pub(crate) fn taken(recordings: Recordings<'_>, model: &model::Driven, settle: Settle) -> Result<Taken> {
+/// in the model, or with more samples than are fitted at once; when stopped.
+pub(crate) fn taken(
+    recordings: Recordings<'_>,
+    model: &model::Driven,
+    settle: Settle,
+    control: &Control,
+) -> Result<Taken> {
     match recordings.only() {
-        Some(only) => alone(only, model, settle),
-        None => joined(recordings, model, settle),
+        Some(only) => alone(only, model, settle, control),
+        None => joined(recordings, model, settle, control),
     }
 }
 
 /// One recording; of a long one its loudest stretch.
-fn alone(recording: &Recording, model: &model::Driven, settle: Settle) -> Result<Taken> {
+fn alone(recording: &Recording, model: &model::Driven, settle: Settle, control: &Control) -> Result<Taken> {
     let part = excerpt::excerpt(recording, model);
     let (kept, model) = part.as_ref().map_or((recording, model), |p| (&p.recording, &p.model));
-    let mut prepared = settle(prepare::prepare(kept, model)?);
+    let mut prepared = settle(prepare::prepare(kept, model, control)?);
     let piece = Piece { file: file(recording), role: Role::Train, range: prepared.data.hull.clone() };
     let judging = model.split.test.clone();
     prepared.notes.doubts.extend(part.as_ref().and_then(|p| p.doubt.clone()));
@@ -88,10 +94,10 @@ struct Part<'a> {
     prepared: Prepared,
 }
 
-fn joined(recordings: Recordings<'_>, model: &model::Driven, settle: Settle) -> Result<Taken> {
+fn joined(recordings: Recordings<'_>, model: &model::Driven, settle: Settle, control: &Control) -> Result<Taken> {
     agree(recordings, model)?;
     let of = |role: Role| {
-        move |recording| Ok(Part { recording, role, prepared: settle(prepare::prepare(recording, model)?) })
+        move |recording| Ok(Part { recording, role, prepared: settle(prepare::prepare(recording, model, control)?) })
     };
     let train = recordings.train.iter().map(of(Role::Train));
     let parts = train.chain(recordings.test.iter().map(of(Role::Test))).collect::<Result<Vec<Part<'_>>>>()?;

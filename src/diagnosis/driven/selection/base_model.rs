@@ -4,11 +4,12 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use crate::control::{Control, Stopped};
 use crate::diagnosis::driven::base::{BASE, OMEGA};
 use crate::diagnosis::driven::identification::fit::{Fit, fit};
 use crate::diagnosis::driven::identification::start;
 use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::dependence::depends;
+use crate::diagnosis::driven::intake::dependence::{bends, depends};
 use crate::diagnosis::driven::intake::input::Interpolation;
 use crate::diagnosis::driven::intake::notes::Notes;
 use crate::diagnosis::driven::simulation::run::trace;
@@ -33,13 +34,37 @@ const STRUCTURED: f64 = 0.05;
 /// Factor by which a hint may be off before it is worth a word.
 const HINT: f64 = 4.0;
 
+/// No oscillator explains a reading.
+#[derive(Debug)]
+pub(crate) enum NoOscillator {
+    /// None can be fitted.
+    None,
+    /// The best one explains next to nothing.
+    Poor {
+        /// The best one.
+        best: Box<(Fit, Scales)>,
+        /// How much it explains, as what is said of it.
+        explains: String,
+    },
+}
+
+impl NoOscillator {
+    /// Why the recording is refused, in words.
+    pub(crate) fn cause(&self) -> String {
+        match self {
+            Self::None => "no oscillator, at any resonance or damping, can be fitted to it".to_owned(),
+            Self::Poor { explains, .. } => format!("no oscillator can be identified: the best one {explains}"),
+        }
+    }
+}
+
 /// The base fit; notes what a reader must know of it.
 ///
 /// # Errors
-/// Where no oscillator explains the reading; in words.
-pub fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Result<(Fit, Scales), String> {
+/// Where no oscillator explains the reading.
+pub(crate) fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Result<(Fit, Scales), NoOscillator> {
     let Some(best) = start::base(data, hints) else {
-        return Err("no oscillator, at any resonance or damping, can be fitted to it".into());
+        return Err(NoOscillator::None);
     };
     let fit = &best.0;
     let rows: Vec<f64> = data.train.iter().flat_map(|r| &data.reading[r.clone()]).copied().collect();
@@ -49,13 +74,12 @@ pub fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Result<(Fit
     let predicted =
         1.0 - held_out(data, fit, &best.1, &data.validation).free() / mean_sd(&unseen).1.powi(2).max(1e-300);
     if gain < LEAST_GAIN || (data.input.is_some() && (1.0 - residual).min(predicted) < LEAST_SHARE) {
-        let also: String = notes.doubts.iter().map(|d| format!("; {d}")).collect();
-        return Err(format!(
-            "no oscillator can be identified: the best one explains {} % of the output's power where it was fitted and {} % \
-             elsewhere{also}",
+        let explains = format!(
+            "explains {} % of the output's power where it was fitted and {} % elsewhere",
             short(100.0 * (1.0 - residual).max(0.0)),
             short(100.0 * predicted.max(0.0))
-        ));
+        );
+        return Err(NoOscillator::Poor { best: Box::new(best), explains });
     }
     let hz = fit.point[OMEGA] / TAU;
     if hz > 0.5 * data.rate_hz {
@@ -76,16 +100,36 @@ pub fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Result<(Fit
     Ok(best)
 }
 
+/// Whether what a linear oscillator leaves of the reading has structure.
+fn is_structured(data: &Data, fit: &Fit) -> bool {
+    let left = residual_structure_of_noise(data, fit).structure;
+    left.p_value < REAL && left.r_squared > STRUCTURED
+}
+
 /// Whether what this linear oscillator leaves of the reading is more than noise: it has structure, or
 /// depends on the input still.
-pub(crate) fn leaves_more_than_noise(data: &Data, fit: &Fit) -> bool {
-    let left = residual_structure_of_noise(data, fit).structure;
-    if left.p_value < REAL && left.r_squared > STRUCTURED {
-        return true;
+///
+/// # Errors
+/// Stopped.
+pub(crate) fn leaves_more_than_noise(data: &Data, fit: &Fit, control: &Control) -> Result<bool, Stopped> {
+    if is_structured(data, fit) {
+        return Ok(true);
     }
+    let Some(input) = &data.input else { return Ok(false) };
     let (errors, _) = trace(data, &fit.structure, &fit.point, &fit.run(data, false));
-    let all = 0..errors.len();
-    data.input.as_ref().is_some_and(|input| depends(&input.samples()[data.hull.clone()], &errors, &all))
+    depends(&input.samples()[data.hull.clone()], &errors, &(0..errors.len()), control)
+}
+
+/// Whether the reading follows its input by another law, though hardly anything of a linear one is to
+/// be seen: it has structure that this oscillator does not describe, and the input bends it. Noise has
+/// no such structure, or does not know the input.
+///
+/// # Errors
+/// Stopped.
+pub(crate) fn follows_another_law(data: &Data, fit: &Fit, control: &Control) -> Result<bool, Stopped> {
+    let Some(input) = data.input.as_ref().filter(|_| is_structured(data, fit)) else { return Ok(false) };
+    let reading = &data.reading[data.hull.clone()];
+    bends(&input.samples()[data.hull.clone()], reading, &(0..reading.len()), control)
 }
 
 /// Puts the base model's readings where none were recorded: a straight line there would be taken

@@ -1,0 +1,36 @@
+//! Why a diagnosis ends before it has a verdict: what is wrong with the recording, or somebody
+//! stopped it.
+
+use crate::control::Stopped;
+use crate::error::Error;
+use crate::recording::Recording;
+
+/// Why there is no verdict.
+#[derive(Debug)]
+pub(crate) enum Refusal {
+    /// Input and output have nothing to do with each other, or no oscillator can be fitted; in
+    /// words.
+    Cause(String),
+    /// It was asked to stop.
+    Stopped(Stopped),
+}
+
+impl From<Stopped> for Refusal {
+    fn from(stopped: Stopped) -> Self {
+        Self::Stopped(stopped)
+    }
+}
+
+impl Refusal {
+    /// As the error of this recording's diagnosis.
+    pub(crate) fn of(self, recording: &Recording) -> Error {
+        let attempt = format!("could not diagnose {}", recording.path.display());
+        match self {
+            Self::Cause(cause) => {
+                let hint = "check that input and output are the right columns and that the input moves the output";
+                Error::new(attempt, cause, hint)
+            }
+            Self::Stopped(stopped) => stopped.during(attempt, "start it again"),
+        }
+    }
+}
