@@ -105,6 +105,7 @@ fn two_wells() -> Result<(), Failed> {
     let said = finding(&verdict, "two wells").unwrap_or_default();
     let wells: Vec<f64> = said
         .split("at readings of ")
+        .skip(1)
         .flat_map(|after| after.split([' ', ',']))
         .filter_map(|word| word.replace('−', "-").parse().ok())
         .collect();
