@@ -13,12 +13,12 @@ use super::course::{Anchor, Case, Course, vector};
 use super::integral::cumulative;
 use super::parameters::{ANCHOR, DRIFT, EARTH_RATE, FORCE_MATRIX, FORCE_PLACES, LEVER_ARM, OFFSET, PARAMETERS, Point};
 use super::position::{bias, places, twice};
-use super::rows::{Bins, Orders, Row, rows};
+use super::rows::{Bins, Orders, Row, Spacing, rows};
 use crate::parallel;
 
 /// To the sides once more than up and down: noise of the gyro makes the attitude wander, and gravity
 /// with it, without end.
-pub(super) const ALONG_GYRO: Orders = Orders([3, 3, 2]);
+pub(super) const ALONG_GYRO: Orders = Orders { of: [3, 3, 2], spacing: Spacing::Middles };
 
 /// Rows of the position, m/s²: changes of velocity from bin to bin downwards, and changes of those
 /// to the sides.

@@ -13,7 +13,7 @@ use super::parameters::{
     COSINES, DRIFT, EARTH_RATE, G_SENSITIVITY, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL, GYRO_SCALE,
     GYRO_WANDER, MOUNTING, OFFSET, PARAMETERS, Point,
 };
-use super::rows::{Bins, Orders, Row, rows};
+use super::rows::{Bins, Orders, Row, Spacing, rows};
 use crate::parallel;
 
 /// Rotation vector E at each pose, rad.
@@ -27,7 +27,7 @@ pub(super) fn error(case: &Case<'_>, course: &Course, point: &Point) -> Vec<Vect
 }
 
 /// Dead reckoning does not know where it began.
-pub(super) const ATTITUDE: Orders = Orders([1; 3]);
+pub(super) const ATTITUDE: Orders = Orders { of: [1; 3], spacing: Spacing::Width };
 
 /// Rows of the attitude: changes of E from bin to bin, rad/s.
 pub(super) fn attitude_rows(case: &Case<'_>, course: &Course, point: &Point, bins: &Bins) -> Vec<Row> {

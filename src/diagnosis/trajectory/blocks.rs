@@ -91,7 +91,7 @@ impl Turn {
             // The square with the turn in it, at no step of the others.
             let own = piece.matrix.fixed_view::<3, 3>(start, start).into_owned();
             piece.square += 2.0 * alone.dot(&sums) + (own * alone).dot(&alone);
-            piece.vector += by_step.transpose() * &sums + (rows.transpose() + by_step.transpose() * own) * alone;
+            piece.vector += by_step.transpose() * sums + (rows.transpose() + by_step.transpose() * own) * alone;
             piece.matrix += by_step.transpose() * &rows + (rows.transpose() + by_step.transpose() * own) * &by_step;
             for p in ANCHOR {
                 piece.vector[p] = 0.0;
@@ -295,7 +295,7 @@ mod tests {
             normal += turns(slope).transpose() * turns(slope);
             side -= turns(slope).transpose() * stepped(residual, slope);
         }
-        let turn = normal.try_inverse().unwrap() * side;
+        let turn = normal.try_inverse().expect("three directions are told") * side;
         let left = |turn: Vector3<f64>| -> f64 {
             white.iter().map(|(r, slope)| (stepped(r, slope) + turns(slope) * turn).norm_squared()).sum()
         };

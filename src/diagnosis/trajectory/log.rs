@@ -40,10 +40,6 @@ pub(super) struct Halves {
 }
 
 impl Halves {
-    /// Both.
-    #[cfg(test)]
-    pub(super) const BOTH: Self = Self { attitude: true, position: true };
-
     /// Whether one of them is there.
     pub(super) fn has(self, half: Half) -> bool {
         match half {

@@ -8,11 +8,11 @@ use super::integral::{between, cumulative, place};
 use super::parameters::{
     COSINES, DRIFT, FORCE_BIAS, FORCE_WANDER, LEVER_ARM, MOUNTING, OFFSET, PARAMETERS, Point, TILT,
 };
-use super::rows::{Bins, Orders, Row, rows};
+use super::rows::{Bins, Orders, Row, Spacing, rows};
 use crate::parallel;
 
 /// Nor how fast.
-pub(super) const POSITION: Orders = Orders([2; 3]);
+pub(super) const POSITION: Orders = Orders { of: [2; 3], spacing: Spacing::Width };
 
 /// Rows of the position: changes of velocity from bin to bin, m/s².
 pub(super) fn position_rows(case: &Case<'_>, course: &Course, point: &Point, bins: &Bins, error: &Steady) -> Vec<Row> {

@@ -35,6 +35,8 @@ pub(super) struct Bins {
     pub count: Vec<usize>,
     /// Begin of the first, s.
     pub start_s: f64,
+    /// Mean time of the poses of each, s.
+    middle_s: Vec<f64>,
 }
 
 /// Share of the usual number of poses that a bin needs.
@@ -49,7 +51,12 @@ impl Bins {
         let bins = of.last().copied().unwrap_or_default();
         let mut count = vec![0; bins];
         of.iter().filter(|b| **b < bins).for_each(|b| count[*b] += 1);
-        Self { width_s, of, count, start_s }
+        let mut middle_s = vec![0.0; bins];
+        of.iter().zip(time_s).filter(|(b, _)| **b < bins).for_each(|(b, t)| middle_s[*b] += t / count[*b] as f64);
+        for (k, middle_s) in middle_s.iter_mut().enumerate().filter(|(k, _)| count[*k] == 0) {
+            *middle_s = start_s + (k as f64 + 0.5) * width_s;
+        }
+        Self { width_s, of, count, start_s, middle_s }
     }
 
     /// Means of values that stand at the poses.
@@ -81,35 +88,56 @@ impl Bins {
 
 /// How often the bin means of each axis are differenced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Orders(pub [usize; 3]);
+pub(super) struct Orders {
+    /// By axis.
+    pub of: [usize; 3],
+    /// What is taken for the time from one bin to the next.
+    pub spacing: Spacing,
+}
+
+/// The time from one bin to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Spacing {
+    /// The width of a bin.
+    Width,
+    /// From the mean time of one bin's poses to that of the next: poses that stand a little uneven
+    /// leave nothing of a velocity that the reference does not know.
+    Middles,
+}
 
 impl Orders {
     fn least(self) -> usize {
-        self.0.into_iter().min().unwrap_or_default()
+        self.of.into_iter().min().unwrap_or_default()
     }
 
     fn most(self) -> usize {
-        self.0.into_iter().max().unwrap_or_default()
+        self.of.into_iter().max().unwrap_or_default()
     }
 
     /// Groups of axes whose noise has one colour.
     pub(super) fn groups(self) -> Vec<Vec<usize>> {
-        let mut orders = self.0.to_vec();
+        let mut orders = self.of.to_vec();
         orders.sort_unstable();
         orders.dedup();
-        orders.into_iter().map(|order| (0..3).filter(|axis| self.0[*axis] == order).collect()).collect()
+        orders.into_iter().map(|order| (0..3).filter(|axis| self.of[*axis] == order).collect()).collect()
     }
 }
 
-/// Differences of bin means, over the width of a bin to the power of the least order.
-pub(super) fn differenced(means: &[Vector3<f64>], orders: Orders, width_s: f64) -> Vec<Vector3<f64>> {
+/// Differences of bin means, over the time between bins to the power of the least order.
+pub(super) fn differenced(means: &[Vector3<f64>], orders: Orders, bins: &Bins) -> Vec<Vector3<f64>> {
     let mut values = means.to_vec();
+    let mut at_s = bins.middle_s.clone();
     for _ in 0..orders.least() {
-        values = values.windows(2).map(|v| (v[1] - v[0]) / width_s).collect();
+        let steps = at_s.windows(2).map(|t| match orders.spacing {
+            Spacing::Width => bins.width_s,
+            Spacing::Middles => t[1] - t[0],
+        });
+        values = values.windows(2).zip(steps).map(|(v, step_s)| (v[1] - v[0]) / step_s).collect();
+        at_s = at_s.windows(2).map(|t| 0.5 * (t[0] + t[1])).collect();
     }
     for order in orders.least()..orders.most() {
         let more = |v: &[Vector3<f64>]| {
-            Vector3::from_fn(|axis, _| if orders.0[axis] > order { v[1][axis] - v[0][axis] } else { v[0][axis] })
+            Vector3::from_fn(|axis, _| if orders.of[axis] > order { v[1][axis] - v[0][axis] } else { v[0][axis] })
         };
         values = values.windows(2).map(more).collect();
     }
@@ -124,7 +152,7 @@ pub(super) fn rows(
     residual: &[Vector3<f64>],
     slopes: &[Option<Vec<Vector3<f64>>>],
 ) -> Vec<Row> {
-    let of = |values: &[Vector3<f64>]| differenced(&bins.means(values), orders, bins.width_s);
+    let of = |values: &[Vector3<f64>]| differenced(&bins.means(values), orders, bins);
     let residual = of(residual);
     let slopes: Vec<Option<Vec<Vector3<f64>>>> = slopes.iter().map(|s| s.as_deref().map(of)).collect();
     let whole = bins.whole(log, masked);
