@@ -113,7 +113,8 @@ const TUM: [&str; 8] = ["timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw"];
 /// A heading without its unit and in small letters.
 fn clean(name: &str) -> String {
     let name = name.split(['[', '(']).next().unwrap_or_default().trim();
-    name.trim_start_matches(['#', '%']).trim().to_lowercase()
+    let name = name.trim_start_matches(['#', '%']).trim().to_lowercase();
+    name.strip_suffix("_m").map_or(name.clone(), str::to_owned)
 }
 
 fn by_heading(headings: &Headings, format: Format, wanted: Wanted) -> Result<Layout, Refusal> {
@@ -164,7 +165,12 @@ fn by_heading(headings: &Headings, format: Format, wanted: Wanted) -> Result<Lay
         (_, Some(places)) => (Some(Rotation::Euler(angle_unit(headings, places[0]))), places.to_vec()),
         _ if !wanted.needs(Part::Attitude) && !position.is_empty() => (None, Vec::new()),
         _ => {
-            let cause = "no columns hold an attitude: qw, qx, qy, qz, or roll, pitch, yaw";
+            let attitude = "an attitude: qw, qx, qy, qz, or roll, pitch, yaw";
+            let cause = if wanted == Wanted::Any {
+                format!("no columns hold a position (x, y, z, or north, east, down) or {attitude}")
+            } else {
+                format!("no columns hold {attitude}")
+            };
             return Err(refusal(cause, known()));
         }
     };
