@@ -59,12 +59,17 @@ use course::{Anchor, Case};
 use fit::Fit;
 use integral::Rule;
 use log::Log;
-use parameters::{EARTH_RATE, FORCE_BIAS, GYRO_BIAS, OFFSET, PARAMETERS};
+use parameters::{EARTH_RATE, FORCE_BIAS, GYRO_BIAS, LEVER_ARM, OFFSET, PARAMETERS};
 use permutation::Permutation;
 use selection::{Allowed, Selection};
 
 /// Whitened residual over that of the simpler rule, below which the finer one is clearly better.
 const CLEARLY: f64 = 0.8;
+
+/// How many times what noise makes of an attitude an axis must turn for an arm along it to show.
+const SEEN: f64 = 10.0;
+const LEVEL: &str = "this motion does not determine lever-arm beside positions alone: one axis of the IMU hardly turns; turns \
+                     about every axis would determine it";
 
 /// Diagnoses a recording of an IMU in motion.
 ///
@@ -95,26 +100,34 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
         rule: Rule::Straight,
         anchor: Anchor::Reference,
     };
-    let (start, anchor) = if motion.halves.attitude {
+    let (start, anchor, least_turn_rad) = if motion.halves.attitude {
         let start = start::start(&log, &motion, gravity_m_s2);
         intake::alike(recording, reference, (&log, &motion), &start, gravity_m_s2)?;
-        (start, Anchor::Reference)
+        (start, Anchor::Reference, f64::INFINITY)
     } else {
         let found = start_by_position::start(&as_given, control).map_err(stopped)?;
-        if found.0.explained < start_by_position::ALIKE {
+        if found.start.explained < start_by_position::ALIKE {
             let mistake = mistaken::mistake(&as_given, control).map_err(stopped)?;
-            return Err(intake::not_alike(recording, reference, found.0.explained, mistake));
+            return Err(intake::not_alike(recording, reference, found.start.explained, mistake));
         }
-        found
+        (found.start, found.anchor, found.least_turn_rad)
     };
     let log = unswapped(&log, &start);
+    let motion = motion.within(&log, start.offset_s);
     work.rename("searching the library");
-    let case = Case { log: &log, turned: start.turned, anchor, ..as_given };
-    let library = candidate::terms(motion.halves);
+    let case = Case { log: &log, motion: &motion, turned: start.turned, anchor, ..as_given };
+    // What the gyro's white noise makes of an attitude that is right in the middle.
+    let wander_rad = (0.25 * scatter::random_walks(&log, model.noise)[0] * log.duration_s()).sqrt();
+    let mut library = candidate::terms(motion.halves);
+    if least_turn_rad < SEEN * wander_rad {
+        // Its slope would be made of the noise that it is judged by.
+        library.retain(|t| t.parameters != LEVER_ARM);
+        examined.findings.push(LEVEL.into());
+    }
     // The Earth's rate is too small to bend anything: its slope is judged, and it is never
     // followed.
-    // Beside positions alone most of it is told so poorly that a fit of everything goes astray: of
-    // what is free at first, clock and lever arm are told.
+    // Beside positions alone most of the library is poorly observable, and a fit of everything goes
+    // astray: at first only clock and lever arm are free.
     let first = |t: &&&candidate::Term| motion.halves.attitude || t.sensor.is_none();
     let first = library.iter().filter(first).copied();
     let everything: Vec<usize> = selection::with(&selection::base(motion.halves), first)
@@ -141,15 +154,14 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     }
     // Weighed for everything first, so that no effect counts as noise; then about what was named,
     // so that no noise of the reference counts as an effect.
-    // What the gyro's white noise makes of an attitude that is right in the middle.
-    let wander_rad = (0.25 * scatter::random_walks(&log, model.noise)[0] * log.duration_s()).sqrt();
     let select = |fit: &Fit| {
         let tilt_rad = if motion.halves.attitude { fit.tilt_rad() } else { wander_rad };
         let allowed = Allowed { halves: motion.halves, tilt_rad };
         selection::select(&fit.linear, &library, &allowed, control).map_err(stopped)
     };
     let about = |fit: &Fit, selection: &Selection| {
-        let active = selection.active(motion.halves);
+        let active: Vec<usize> =
+            selection.active(motion.halves).into_iter().filter(|p| !EARTH_RATE.contains(p)).collect();
         let solved = fit.linear.solve(&active, |_| true).point;
         Fit::new(&case, &solved, &active, control).map_err(stopped)
     };

@@ -39,6 +39,10 @@ impl<'a> Column<'a> {
         (unit > 0.0).then_some(Self { name, full, means, together, unit })
     }
 
+    pub(super) fn name(&self) -> &str {
+        self.name
+    }
+
     /// Shortest and longest lag that is tried, in means.
     pub(super) fn lags(&self) -> [f64; 2] {
         LAGS.map(|part| part * self.means.len() as f64)

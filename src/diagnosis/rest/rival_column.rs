@@ -50,7 +50,9 @@ fn tied(channel: &Channel, chosen: &Fitted, columns: &[Column<'_>], control: &Co
         let Some(course) = blocks::term(term, coarse::together(channel.values.len())) else { continue };
         let beside = Beside::of(channel, chosen, index);
         let least = beside.merit(course, row(term.cause).numbers) - CLOSE;
-        for column in columns {
+        // A column that is followed already is no rival of what is named beside it.
+        let other = |column: &&Column<'_>| !chosen.terms.iter().any(|t| t.follows(column.name()));
+        for column in columns.iter().filter(other) {
             control.go_on()?;
             if beside.merit_of(column) > least {
                 found.push(index);

@@ -123,8 +123,9 @@ impl Pool<'_> {
         let lag = lag.map(f64::exp);
         // An interval that ends on a bound holds following at once, or another law.
         let is_inside = lag.ci95[0] > bounds[0] && lag.ci95[1] < bounds[1];
+        let is_shared = is_inside && self.is_late(members, late) && self.is_one(members, late);
         self.control.go_on()?;
-        if !is_inside || !self.is_late(members, late) || !self.is_one(members, late) {
+        if !is_shared {
             return Ok(Vec::new());
         }
         let curves = self.late(lag.value);

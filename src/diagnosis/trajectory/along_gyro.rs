@@ -16,13 +16,20 @@ use super::position::{bias, places, twice};
 use super::rows::{Bins, Orders, Row, Spacing, rows};
 use crate::parallel;
 
-/// To the sides once more than up and down: noise of the gyro makes the attitude wander, and gravity
-/// with it, without end.
-pub(super) const ALONG_GYRO: Orders = Orders { of: [3, 3, 2], spacing: Spacing::Middles };
+/// Where one attitude holds for the whole recording.
+pub(super) const AS_A_WHOLE: Orders = Orders { of: [2; 3], spacing: Spacing::Middles };
+/// Where it turns by block, to the sides once more than up and down: noise of the gyro makes the
+/// attitude wander, and gravity with it, without end.
+pub(super) const BY_BLOCK: Orders = Orders { of: [3, 3, 2], spacing: Spacing::Middles };
 
-/// Rows of the position, m/s²: changes of velocity from bin to bin downwards, and changes of those
-/// to the sides.
-pub(super) fn along_gyro_rows(case: &Case<'_>, course: &Course, point: &Point, bins: &Bins) -> Vec<Row> {
+/// Rows of the position, m/s²: changes of velocity from bin to bin, and changes of those where they
+/// are differenced once more.
+pub(super) fn along_gyro_rows(
+    case: &Case<'_>,
+    course: &Course,
+    point: &Point,
+    (bins, orders): (&Bins, Orders),
+) -> Vec<Row> {
     let (log, motion) = (case.log, case.motion);
     let places = places(case, point);
     let poses = motion.time_s.len();
@@ -67,7 +74,7 @@ pub(super) fn along_gyro_rows(case: &Case<'_>, course: &Course, point: &Point, b
         Some(all)
     };
     let slopes = parallel::map_indices(PARAMETERS, of);
-    rows((log, case.masked), bins, ALONG_GYRO, &residual, &slopes)
+    rows((log, case.masked), bins, orders, &residual, &slopes)
 }
 
 /// What a parameter of the accelerometer takes from the specific force, in the IMU's axes.

@@ -77,7 +77,8 @@ impl Lags {
         let most = self.products[0][0].nrows() - 1;
         let scores: Vec<Vec<f64>> = (0..=most).map(|order| self.held_out(order, axes)).collect();
         let total = |order: &usize| scores[*order].iter().sum::<f64>();
-        let order = (0..=most).max_by(|a, b| total(a).total_cmp(&total(b))).unwrap_or(0);
+        // The lowest of equal ones: where no row has that many before it, all of them are.
+        let order = (0..=most).rev().max_by(|a, b| total(a).total_cmp(&total(b))).unwrap_or(0);
         let (products, count) = self.sum(|_| true);
         regression(&products, count, order, axes)
     }

@@ -33,6 +33,10 @@ use crate::numerics::special::normal_cdf;
 use crate::recording::Recording;
 use crate::sensor::Sense;
 
+const ACCELEROMETER_HELD: &str =
+    "scale factors and axes of the accelerometer are not fitted in motion: its matrix is left as it is";
+const ACCELEROMETER_FREE: &str = "scale factors and axes of the accelerometer are free by one per cent, so that what they do \
+                                  to gravity counts as no error of the gyro, and are not judged";
 /// Points of a figure.
 const DRAWN: usize = 2000;
 /// Held-out mean square over that of the noise which is tolerated, and from which on something is
@@ -109,16 +113,13 @@ impl Examined<'_> {
 
     /// The verdict beside a reference.
     pub(super) fn conclude(mut self, found: &Found<'_>) -> Answer {
-        self.findings.push(
-            "scale factors and axes of the accelerometer are not fitted in motion: its matrix is left as it is; a tumble \
-             recording determines them"
-                .into(),
-        );
         let (fit, selection, halves) = (found.fit, found.selection, found.case.motion.halves);
+        let matrix = if halves.attitude { ACCELEROMETER_HELD } else { ACCELEROMETER_FREE };
+        self.findings.push(format!("{matrix}; a tumble recording determines them"));
         let small = base(halves);
         let active = selection.active(halves);
         let chosen = Fitted::of(&fit.linear, &active);
-        let wide = Fitted::of(&fit.linear, &published::usual(&active, halves));
+        let wide = Fitted::of(&fit.linear, &published::usual(&active, selection));
         let before = fit.linear.solve(&small, |_| true).point;
         let held = HeldOut::of(&fit.linear, &small, &active);
         let first = halves.lacks().map_or(Half::Attitude, other);
@@ -140,7 +141,7 @@ impl Examined<'_> {
         };
         let attitude = residuals(Half::Attitude).and_then(|(l, width_s)| scatter::excess(&l, width_s, own[0]));
         let position = residuals(Half::Position).and_then(|(l, width_s)| scatter::position(&l, width_s, own[1]));
-        let erring = effects::reference(attitude, position);
+        let erring = effects::reference(attitude, position, halves);
         let errs = erring.is_some();
         effects.extend(erring);
         let remainder = remainder(fit, &chosen.point, held.rms()[1]);
@@ -232,8 +233,11 @@ impl Examined<'_> {
         let series = |half: Half| -> Series {
             let Some((found, before, after)) = found else { return Series::default() };
             let Some((residuals, _)) = found.fit.of(half) else { return Series::default() };
+            let has_attitude = found.case.motion.halves.attitude;
             let of = |point: &Point| {
                 let at = found.fit.residuals_at(half, point).unwrap_or_default();
+                let down = |(v, holds): (Vector3<f64>, bool)| (Vector3::new(0.0, 0.0, v.z), holds);
+                let at = if has_attitude { at } else { at.into_iter().map(down).collect() };
                 lengths(&residuals.rows, &at)
             };
             Series { before: of(before), after: of(after) }

@@ -114,7 +114,7 @@ pub(super) fn gyro_matrix(point: &Point) -> Matrix3<f64> {
 }
 
 /// I + S of the accelerometer.
-fn accelerometer_matrix(point: &Point) -> Matrix3<f64> {
+pub(super) fn accelerometer_matrix(point: &Point) -> Matrix3<f64> {
     let mut matrix = Matrix3::identity();
     FORCE_PLACES.into_iter().zip(FORCE_MATRIX).for_each(|(at, p)| matrix[at] += point[p]);
     matrix

@@ -5,6 +5,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::candidate::{AXIS_SWAP, MOUNTING, REFERENCE_NOISE, SATURATION, VIBRATION};
 use super::clipping::Limit;
 use super::judgement::Standing;
+use super::log::Halves;
 use super::permutation::Permutation;
 use super::published::Fitted;
 use super::scatter::Excess;
@@ -125,7 +126,7 @@ pub(super) fn vibration(found: &Vibration, sensor: Sense, names: &[String; 3]) -
 }
 
 /// What the reference errs by.
-pub(super) fn reference(attitude: Option<Excess>, position_m: Option<Excess>) -> Option<Effect> {
+pub(super) fn reference(attitude: Option<Excess>, position_m: Option<Excess>, halves: Halves) -> Option<Effect> {
     let estimate = |name: &str, excess: Excess, unit: &str, per_si: f64| Estimate {
         name: name.into(),
         value: excess.deviation * per_si,
@@ -139,7 +140,9 @@ pub(super) fn reference(attitude: Option<Excess>, position_m: Option<Excess>) ->
         .collect();
     let times = [attitude, position_m].into_iter().flatten().map(|e| e.times).fold(1.0, f64::max);
     let least = [attitude, position_m].into_iter().flatten().map(|e| e.p_value).fold(1.0, f64::min);
-    let means: Vec<String> = [(attitude, "attitude"), (position_m, "position")]
+    // To the sides it cannot be told from an attitude that wanders.
+    let where_it_is = if halves.attitude { "position" } else { "position up and down" };
+    let means: Vec<String> = [(attitude, "attitude"), (position_m, where_it_is)]
         .into_iter()
         .filter_map(|(found, what)| Some(format!("{what} over {} s", short(found?.mean_s))))
         .collect();

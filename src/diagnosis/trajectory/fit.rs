@@ -2,12 +2,12 @@
 
 use nalgebra::Vector3;
 
-use super::along_gyro::{ALONG_GYRO, along_gyro_rows};
+use super::along_gyro::{AS_A_WHOLE, BY_BLOCK, along_gyro_rows};
 use super::attitude::{ATTITUDE, attitude_rows, error};
 use super::blocks::{BLOCKS, Blocks, Linear, part};
 use super::colour::Held;
-use super::course::{Case, Course};
-use super::log::{Halves, Motion};
+use super::course::{Anchor, Case, Course, Turns};
+use super::log::Motion;
 use super::parameters::{PARAMETERS, Point};
 use super::position::{POSITION, Steady, position_rows};
 use super::rows::{Bins, Orders, Row};
@@ -34,15 +34,20 @@ struct Recipe {
 }
 
 impl Recipe {
-    fn of(half: Half, halves: Halves) -> Self {
-        match (half, halves.attitude) {
+    fn of(half: Half, anchor: Anchor) -> Self {
+        match (half, anchor) {
             // More would trust the slow part of the residual, in which references that were smoothed
             // err most.
             (Half::Attitude, _) => Self { width_s: 0.05, orders: ATTITUDE, most: 3 },
             // Second differences of position take more to be made white.
-            (Half::Position, true) => Self { width_s: 0.1, orders: POSITION, most: 10 },
+            (Half::Position, Anchor::Reference) => Self { width_s: 0.1, orders: POSITION, most: 10 },
+            (Half::Position, Anchor::Found { turns: Turns::AsAWhole, .. }) => {
+                Self { width_s: 0.1, orders: AS_A_WHOLE, most: 10 }
+            }
             // The more so where they are differenced once more.
-            (Half::Position, false) => Self { width_s: 0.1, orders: ALONG_GYRO, most: 20 },
+            (Half::Position, Anchor::Found { turns: Turns::ByBlock, .. }) => {
+                Self { width_s: 0.1, orders: BY_BLOCK, most: 20 }
+            }
         }
     }
 
@@ -100,7 +105,7 @@ impl Fit {
             let course = Course::of(case, &point);
             let error = if motion.halves.attitude { error(case, &course, &point) } else { Vec::new() };
             let plain = |half: Half| {
-                let recipe = Recipe::of(half, motion.halves);
+                let recipe = Recipe::of(half, case.anchor);
                 let bins = recipe.bins(motion);
                 let rows = match (half, motion.halves.attitude) {
                     (Half::Attitude, _) => attitude_rows(case, &course, &point, &bins),
@@ -109,7 +114,7 @@ impl Fit {
                             (0..motion.time_s.len()).map(|pose| case.stamp_s(&point, pose)).collect();
                         position_rows(case, &course, &point, &bins, &Steady::of(&stamps, &error))
                     }
-                    (Half::Position, false) => along_gyro_rows(case, &course, &point, &bins),
+                    (Half::Position, false) => along_gyro_rows(case, &course, &point, (&bins, recipe.orders)),
                 };
                 Residuals::new(half, rows, bins.width_s, recipe, &cut)
             };

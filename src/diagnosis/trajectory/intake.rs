@@ -166,7 +166,7 @@ pub(super) fn motion(
     Ok(Motion { time_s, position, attitude, interval_s, halves, zero_s: -shift_s, quaternion, turn })
 }
 
-/// That readings do not go along with positions, and what is mistaken where that is known.
+/// That readings do not agree with positions, and what is mistaken where that is known.
 pub(super) fn not_alike(
     recording: &Recording,
     reference: &Reference,
@@ -180,10 +180,7 @@ pub(super) fn not_alike(
                  its positions show",
                 rounded(100.0 * explained.max(0.0), 2)
             );
-            (
-                cause,
-                "are they of one run, and does the body accelerate? attitudes beside the positions would do without",
-            )
+            (cause, "are they of one run, and does the body accelerate? with attitudes as well it need not")
         },
         |mistake| {
             let (cause, hint) = mistake.words();

@@ -76,6 +76,15 @@ pub(super) struct Motion {
 }
 
 impl Motion {
+    /// Those poses whose stamps on a clock that stamps so much later lie well within a log.
+    pub(super) fn within(&self, log: &Log, shift_s: f64) -> Self {
+        let [first, last] = [log.time_s.first(), log.time_s.last()].map(|t| t.copied().unwrap_or_default());
+        let inside = |t: &f64| t + shift_s >= first + log.interval_s && t + shift_s <= last - log.interval_s;
+        let from = self.time_s.iter().position(inside).unwrap_or_default();
+        let to = self.time_s.iter().rposition(inside).map_or(self.time_s.len(), |k| k + 1);
+        self.part(from, to)
+    }
+
     /// On a clock that stamps so much later.
     pub(super) fn shifted(&self, shift_s: f64) -> Self {
         Self {

@@ -1,8 +1,10 @@
-//! Why readings do not go along with a reference of positions alone: what is usually mistaken is
-//! tried, and where one of it makes them go together, the error names it.
+//! Why readings do not agree with a reference of positions alone: what is usually mistaken is tried,
+//! and where one of it makes them agree, the error names it.
+
+use nalgebra::Vector3;
 
 use super::course::Case;
-use super::log::Log;
+use super::log::{Log, Motion};
 use super::start_by_position::start;
 use crate::control::{Control, Stopped};
 use crate::units::DEGREE;
@@ -15,6 +17,8 @@ pub(super) enum Mistake {
     Hand,
     /// Rates in degrees per second.
     Degrees,
+    /// Positions whose third axis points the other way.
+    Up,
 }
 
 /// Explained fraction from which a mistake is taken for the reason.
@@ -27,11 +31,16 @@ const EXPLAINS: f64 = 0.5;
 pub(super) fn mistake(case: &Case<'_>, control: &Control) -> Result<Option<Mistake>, Stopped> {
     let force = case.log.force.iter().map(|f| -f).collect();
     let rate = case.log.rate.iter().map(|w| w * DEGREE).collect();
-    let tried =
-        [(Mistake::Hand, Log { force, ..case.log.clone() }), (Mistake::Degrees, Log { rate, ..case.log.clone() })];
+    let over = |p: &Vector3<f64>| Vector3::new(p.x, -p.y, -p.z);
+    let position = case.motion.position.iter().map(over).collect();
+    let tried = [
+        (Mistake::Hand, Log { force, ..case.log.clone() }, case.motion.clone()),
+        (Mistake::Degrees, Log { rate, ..case.log.clone() }, case.motion.clone()),
+        (Mistake::Up, case.log.clone(), Motion { position, ..case.motion.clone() }),
+    ];
     let mut best = None;
-    for (mistake, log) in &tried {
-        let explained = start(&Case { log, ..*case }, control)?.0.explained;
+    for (mistake, log, motion) in &tried {
+        let explained = start(&Case { log, motion, ..*case }, control)?.start.explained;
         if explained > best.map_or(EXPLAINS, |(_, most)| most) {
             best = Some((*mistake, explained));
         }
@@ -44,14 +53,18 @@ impl Mistake {
     pub(super) fn words(self) -> (&'static str, &'static str) {
         match self {
             Self::Hand => (
-                "the accelerometer goes along with the reference's positions only with its sign turned, or with one \
-                 axis of the positions mirrored",
+                "the accelerometer agrees with the reference's positions only with its sign reversed, or with one axis of \
+                 the positions mirrored",
                 "negate its columns if they read -9.8 m/s² upwards at rest; else the positions are left-handed: negate \
                  one horizontal axis, or name them north, east, down or east, north, up",
             ),
             Self::Degrees => (
-                "the gyro goes along with the reference's positions only if its readings are degrees per second",
+                "the gyro agrees with the reference's positions only if its readings are degrees per second",
                 "head its columns with their unit, e.g. gx_deg_s",
+            ),
+            Self::Up => (
+                "the positions agree with the accelerometer only if their up points down",
+                "set up = \"-z\" (or \"z\") under [reference]",
             ),
         }
     }

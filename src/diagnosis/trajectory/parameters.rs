@@ -1,7 +1,7 @@
 //! What an IMU in motion, and its place beside the reference, may have other than the ideal: where
 //! each number stands.
 //!
-//! Gyro: y = (I + S) ω + K f + b; accelerometer: y = f + b. ω and f stand in the IMU's axes, which
+//! Gyro: y = (I + S) ω + K f + b; accelerometer: y = (I + S) f + b. ω and f stand in the IMU's axes, which
 //! are the accelerometer's and which C = C₀ exp(c) turns to the body axes of the reference. The
 //! accelerometer's own scale and axes are not judged: most bodies press along one axis alone, and
 //! along the others their slopes would be made of the noise that they are judged by. Beside

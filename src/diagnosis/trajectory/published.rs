@@ -5,19 +5,20 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::blocks::Linear;
-use super::course::{gyro_matrix, vector};
+use super::course::{accelerometer_matrix, gyro_matrix, vector};
 use super::log::Halves;
 use super::parameters::{
     DRIFT, FORCE_BIAS, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_SCALE, LEVER_ARM, MOUNTING, OFFSET, Point, TILT,
 };
 use super::permutation::Permutation;
+use super::selection::Selection;
 use super::slow::{self, deviation, half_width};
 use crate::diagnosis::by_axis::Drawn;
 use crate::diagnosis::verdict::{Estimate, SensorCalibration, Triads};
 use crate::units::DEGREE;
 
-/// How well the accelerometer's scale and axes are known, which are not fitted: what a sensor may
-/// have at most.
+/// How well the accelerometer's scale and axes are known, which are held or nearly so: what a sensor
+/// may have at most.
 const HELD: f64 = 0.2;
 
 /// A fitted subset with what its intervals are made of.
@@ -64,9 +65,9 @@ impl Fitted {
 }
 
 /// What nearly every unit has, beside a model.
-pub(super) fn usual(active: &[usize], halves: Halves) -> Vec<usize> {
+pub(super) fn usual(active: &[usize], selection: &Selection) -> Vec<usize> {
     let gyro = [OFFSET..OFFSET + 1, DRIFT..DRIFT + 1, GYRO_SCALE, GYRO_MISALIGNMENT];
-    let more = gyro.into_iter().chain([LEVER_ARM].into_iter().filter(|_| halves.position)).flatten();
+    let more = gyro.into_iter().chain([LEVER_ARM].into_iter().filter(|arm| selection.judges(arm.start))).flatten();
     let mut all = active.to_vec();
     more.for_each(|p| {
         if !all.contains(&p) {
@@ -124,6 +125,7 @@ pub(super) fn calibration(wide: &Fitted, swapped: [Permutation; 2]) -> Option<Tr
         |p: &Point| gyro_matrix(p).try_inverse().unwrap_or_else(Matrix3::identity) * swapped[0].matrix().transpose();
     let fitted = std::array::from_fn(|i| std::array::from_fn(|j| wide.number(&|p: &Point| gyro(p)[(i, j)])));
     let taken = swapped[1].matrix().transpose();
+    let taken = accelerometer_matrix(&wide.point).try_inverse().unwrap_or_else(Matrix3::identity) * taken;
     let held = |i, j| (taken[(i, j)], [taken[(i, j)] - HELD, taken[(i, j)] + HELD]);
     let held = std::array::from_fn(|i| std::array::from_fn(|j| held(i, j)));
     wide.has(FORCE_BIAS.start).then(|| Triads {

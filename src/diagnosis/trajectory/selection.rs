@@ -37,6 +37,12 @@ pub(super) struct Named {
 }
 
 impl Selection {
+    /// Whether a parameter is of a term that was judged.
+    pub(super) fn judges(&self, p: usize) -> bool {
+        let named = self.named.iter().map(|n| &n.standing);
+        named.chain(&self.others).any(|standing| standing.term.parameters.contains(&p))
+    }
+
     /// The chosen model's parameters.
     pub(super) fn active(&self, halves: Halves) -> Vec<usize> {
         with(&base(halves), self.named.iter().map(|n| n.standing.term))

@@ -22,7 +22,10 @@ const WAVES: usize = 8;
 /// moves is its variance.
 pub(super) fn apart(linear: &Linear, active: &[usize], solved: &Solved) -> Vec<Point> {
     if linear.turns_by_block() {
-        return left_out(linear, active, solved);
+        let without = linear.replicates(active);
+        if without.len() > WAVES {
+            return left_out(&without, solved);
+        }
     }
     let pieces = linear.scores(active, &solved.point);
     let count = pieces.len() as f64;
@@ -41,11 +44,11 @@ pub(super) fn apart(linear: &Linear, active: &[usize], solved: &Solved) -> Vec<P
     (first..first + WAVES).map(wave).collect()
 }
 
-/// The solution moved by what each block does to it that is left out. Where an attitude turns by
+/// The solution moved by what leaving each block out does to it; of more blocks than waves, so that
+/// their quantile is on the safe side. Where an attitude turns by
 /// block, no noise goes on from one to the next, and there are too few rows in each to see it go on
 /// within.
-fn left_out(linear: &Linear, active: &[usize], solved: &Solved) -> Vec<Point> {
-    let without = linear.replicates(active);
+fn left_out(without: &[Point], solved: &Solved) -> Vec<Point> {
     let n = without.len() as f64;
     let mean: Point = std::array::from_fn(|p| without.iter().map(|point| point[p]).sum::<f64>() / n);
     let spread = ((n - 1.0) / n).sqrt();

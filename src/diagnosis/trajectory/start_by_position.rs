@@ -22,6 +22,8 @@ use crate::control::{Control, Stopped};
 const SPACINGS_S: [f64; 5] = [0.1, 0.3, 1.0, 3.0, 10.0];
 /// Most instants that are compared.
 const MOST: usize = 2000;
+/// Fewest instants that tell anything.
+const FEWEST: usize = 10;
 /// The first stretch, s, and in poses.
 const FIRST: (f64, usize) = (10.0, 40);
 /// Fraction of the variance of one that the other explains, above which they go together.
@@ -72,7 +74,10 @@ impl Reckoned {
 impl Pairs {
     /// Squared correlation of their lengths.
     fn lengths(&self) -> f64 {
-        let n = self.read.len().max(1) as f64;
+        if self.read.len() < FEWEST {
+            return 0.0;
+        }
+        let n = self.read.len() as f64;
         let means = [&self.reference, &self.read].map(|v| v.iter().map(Vector3::norm).sum::<f64>() / n);
         let (mut both, mut one, mut other) = (0.0, 0.0, 0.0);
         for (a, b) in self.reference.iter().zip(&self.read) {
@@ -85,6 +90,9 @@ impl Pairs {
     /// The rotation of what is read onto the reference, and how sure it is of heading: what goes
     /// together to the sides over what does not go together at all.
     fn turn(&self) -> (UnitQuaternion<f64>, f64) {
+        if self.reference.len() < FEWEST {
+            return (UnitQuaternion::identity(), 0.0);
+        }
         let both = self.reference.iter().zip(&self.read);
         let products = both.clone().fold(Matrix3::zeros(), |sum, (a, b)| sum + a * b.transpose());
         let turn = nearest(&products);
@@ -96,6 +104,9 @@ impl Pairs {
     /// Fraction of the reference's variance that what is read explains where both are in the same
     /// axes.
     fn explained(&self) -> f64 {
+        if self.reference.len() < FEWEST {
+            return 0.0;
+        }
         let mean = self.reference.iter().sum::<Vector3<f64>>() / self.reference.len().max(1) as f64;
         let left: f64 = self.reference.iter().zip(&self.read).map(|(a, b)| (a - b).norm_squared()).sum();
         let all: f64 = self.reference.iter().map(|a| (a - mean).norm_squared()).sum();
@@ -111,12 +122,21 @@ fn reaches(motion: &Motion) -> Vec<usize> {
     all
 }
 
-/// Lays one on the other: where the search starts, and the attitude that dead reckoning goes
-/// through.
+/// What was found.
+pub(super) struct Found {
+    /// Where the search starts.
+    pub start: Start,
+    /// The attitude that dead reckoning goes through.
+    pub anchor: Anchor,
+    /// By how much that axis of the IMU that turns least does turn, root mean square, rad.
+    pub least_turn_rad: f64,
+}
+
+/// Lays one on the other.
 ///
 /// # Errors
 /// When stopped.
-pub(super) fn start(case: &Case<'_>, control: &Control) -> Result<(Start, Anchor), Stopped> {
+pub(super) fn start(case: &Case<'_>, control: &Control) -> Result<Found, Stopped> {
     let (log, motion, gravity_m_s2) = (case.log, case.motion, case.gravity_m_s2);
     let both = (log, motion);
     let attitude = reckoned(log, &log.rate, Rule::Straight);
@@ -127,14 +147,20 @@ pub(super) fn start(case: &Case<'_>, control: &Control) -> Result<(Start, Anchor
         control.go_on()?;
         let score = |shift_s: f64| raw.pairs(both, reach, shift_s, gravity_m_s2).lengths();
         let count = (SHIFTS_S.0 / SHIFTS_S.1) as i32;
-        let shifts = (-count..=count).map(|k| f64::from(k) * SHIFTS_S.1);
-        let best = shifts.map(|shift| (shift, score(shift))).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0.0, 0.0));
+        let mut best = (0.0, 0.0);
+        for shift_s in (-count..=count).map(|k| f64::from(k) * SHIFTS_S.1) {
+            control.go_on()?;
+            let score = score(shift_s);
+            if score > best.1 {
+                best = (shift_s, score);
+            }
+        }
         if best.1 > offset.1 {
             offset = (refined(best.0, SHIFTS_S.1, score), best.1);
         }
     }
-    let motion = &motion.shifted(offset.0);
-    let mut stretch = Stretch::best((log, motion), &raw, gravity_m_s2);
+    let motion = &motion.shifted(offset.0).within(log, 0.0);
+    let mut stretch = Stretch::best((log, motion), &raw, gravity_m_s2, control)?;
     let sample = place(&log.time_s, stretch.middle_s(motion)).0;
     let mut anchor = Anchor::Found { sample, attitude: stretch.turn * attitude[sample], turns: Turns::AsAWhole };
     let mut point: Point = [0.0; PARAMETERS];
@@ -157,7 +183,17 @@ pub(super) fn start(case: &Case<'_>, control: &Control) -> Result<(Start, Anchor
     let alike = |reach: usize| led.pairs((log, motion), reach, 0.0, gravity_m_s2).explained();
     let explained = reaches(motion).into_iter().map(alike).fold(0.0, f64::max);
     let biases = [GYRO_BIAS, FORCE_BIAS].map(|range| vector(&point, range.start));
-    Ok((Start::as_given(offset.0, explained, biases), anchor.turning(Turns::ByBlock)))
+    let turns = |axis: usize| {
+        let directions: Vec<Vector3<f64>> = course.attitude.iter().map(|q| q * Vector3::ith(axis, 1.0)).collect();
+        let count = directions.len() as f64;
+        let mean = directions.iter().sum::<Vector3<f64>>() / count;
+        (directions.iter().map(|d| (d - mean).norm_squared()).sum::<f64>() / count).sqrt()
+    };
+    Ok(Found {
+        start: Start::as_given(offset.0, explained, biases),
+        anchor: anchor.turning(Turns::ByBlock),
+        least_turn_rad: (0..3).map(turns).fold(f64::INFINITY, f64::min),
+    })
 }
 
 /// Poses from one to another, and the rotation of the IMU's first axes onto the reference's there.
@@ -170,12 +206,18 @@ struct Stretch {
 impl Stretch {
     /// The one of the first length in which the body accelerates most to the sides, by which
     /// heading is told.
-    fn best((log, motion): (&Log, &Motion), raw: &Reckoned, gravity_m_s2: f64) -> Self {
+    fn best(
+        (log, motion): (&Log, &Motion),
+        raw: &Reckoned,
+        gravity_m_s2: f64,
+        control: &Control,
+    ) -> Result<Self, Stopped> {
         let count = motion.time_s.len();
         let length = ((FIRST.0 / motion.interval_s).round() as usize).max(FIRST.1).min(count);
         let spacings = reaches(motion);
         let mut best: Option<(f64, Self)> = None;
         for from in (0..=count - length).step_by((length / 2).max(1)) {
+            control.go_on()?;
             let (from, to) = (from, from + length);
             let part = motion.part(from, to);
             for reach in spacings.iter().copied().filter(|reach| 4 * reach < length) {
@@ -185,7 +227,7 @@ impl Stretch {
                 }
             }
         }
-        best.map_or(Self { from: 0, to: count, turn: UnitQuaternion::identity() }, |b| b.1)
+        Ok(best.map_or(Self { from: 0, to: count, turn: UnitQuaternion::identity() }, |b| b.1))
     }
 
     fn middle_s(&self, motion: &Motion) -> f64 {

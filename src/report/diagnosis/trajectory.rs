@@ -34,7 +34,12 @@ pub(super) fn exhibits(detail: &Detail) -> Vec<Exhibit> {
             if detail.attitude.before.is_empty() { Part::Opening } else { Part::Improvement },
             "acceleration-error",
             series("Position against the reference", "error of acceleration / (mm/s²)", &detail.position),
-            "Second difference of the distance between the reference's position and that integrated from specific force.",
+            if detail.attitude.before.is_empty() {
+                "Second difference of the distance, up and down, between the reference's position and that integrated from \
+                 specific force along the gyro's attitude."
+            } else {
+                "Second difference of the distance between the reference's position and that integrated from specific force."
+            },
         ));
     }
     let sensors = [("gyro", "(mrad/s)/√Hz"), ("accelerometer", "(mm/s²)/√Hz")];

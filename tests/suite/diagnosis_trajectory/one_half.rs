@@ -20,7 +20,7 @@ pub fn tests() -> Vec<Trial> {
             position,
         ),
         test("trajectory: of a file with both halves the model may take positions alone", taken_position),
-        test("trajectory: readings that do not go along with positions are refused with what is mistaken", mistaken),
+        test("trajectory: readings that do not agree with positions alone are refused with what is mistaken", mistaken),
         data_test("trajectory: positions alone of two flights lead to the gyro's bias", recorded),
     ]
 }
@@ -124,11 +124,12 @@ fn taken_position() -> Result<(), Failed> {
 
 fn mistaken() -> Result<(), Failed> {
     type Altered = (fn(&Flight) -> Flight, &'static str);
-    let hand = "only with its sign turned, or with one axis of the positions mirrored";
-    let mistakes: [Altered; 3] = [
+    let hand = "only with its sign reversed, or with one axis of the positions mirrored";
+    let mistakes: [Altered; 4] = [
         (|f| f.with_force(|a| a.map(|v| -v)), hand),
         (|f| f.with_rate(|w| w.map(f64::to_degrees)), "degrees per second"),
         (|f| f.with_pose_at(|_, p, q| (nalgebra::Vector3::new(p.x, -p.y, p.z), q)), hand),
+        (|f| f.with_pose_at(|_, p, q| (nalgebra::Vector3::new(p.x, -p.y, -p.z), q)), "their up points down"),
     ];
     let flight = made_up(1)?;
     for (of, said) in mistakes {

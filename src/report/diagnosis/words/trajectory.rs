@@ -124,20 +124,22 @@ pub(super) fn next_experiment(outcome: Outcome, account: &Account) -> String {
             .into();
     }
     let hidden = account.hidden.first().map(|h| manoeuvre(h.manoeuvre));
-    match (outcome, hidden) {
-        (Outcome::Undecidable, Some(way)) => format!("Record {way}: it separates the candidates that are tied here."),
-        (Outcome::Unexplained, _) => {
+    match (outcome, hidden, &account.untold) {
+        (Outcome::Undecidable, Some(way), _) => {
+            format!("Record {way}: it separates the candidates that are tied here.")
+        }
+        (Outcome::Unexplained, ..) => {
             "Record the same motion again with another reference: an error that remains belongs to the sensor.".into()
         }
-        (_, Some(way)) => format!("Record {way}: it would determine what this motion does not."),
-        (_, None) if let Some(Untold { half, .. }) = &account.untold => {
+        (_, Some(way), _) => format!("Record {way}: it would determine what this motion does not."),
+        (_, None, Some(Untold { half, .. })) => {
             let (example, alone) = match half {
                 Half::Position => ("motion capture or GNSS", "attitude"),
                 Half::Attitude => ("motion capture", "position"),
             };
             format!("Use {}, e.g. {example}: it would determine what {alone} alone does not.", whole(*half))
         }
-        (Outcome::Explained, None) => {
+        (Outcome::Explained, None, None) => {
             "Diagnose another flight of the same sensor: errors of the sensor itself should repeat.".into()
         }
         _ => "None is needed for what this motion can show.".into(),
