@@ -71,7 +71,7 @@ fn models() -> Result<(), Failed> {
         ),
         ("kind = \"tumble\"\ngravity = 9.8\n".into(), "model.toml:2:1: ", "did you mean `gravity_m_s2`?"),
         (
-            "kind = \"trajectory\"\n[reference]\nfile = \"r.csv\"\nuse = \"position\"\n".into(),
+            "kind = \"trajectory\"\n[reference]\nfile = \"r.csv\"\nuse = \"poses\"\n".into(),
             "model.toml:4:7: ",
             "expected `attitude`",
         ),
