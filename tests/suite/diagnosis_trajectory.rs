@@ -14,11 +14,12 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use libtest_mimic::{Failed, Trial};
+use nalgebra::Vector3;
 use proofmass::diagnosis::answer::Answer;
 use proofmass::diagnosis::verdict::Outcome;
 
 use super::world::{check, data_test, near, test};
-use flight::{Flight, base, biases, effect, ids, made_up, matrix, real};
+use flight::{Flight, PLANTED, base, biases, effect, flown, ids, made_up, matrix, real};
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
@@ -31,6 +32,10 @@ pub fn tests() -> Vec<Trial> {
         data_test("trajectory: a lever arm of 5 cm is found to 5 mm", lever_arm),
         test("trajectory: made-up flights without effects name none", without),
         test("trajectory: each effect planted in a made-up flight is named alone", planted),
+        test(
+            "trajectory: a gyro that is good enough shows the Earth's rate, and one beside no Earth does not",
+            earth_rate,
+        ),
         test("trajectory: a reference that errs is said to, by what its means err by, and no sensor is blamed", noisy),
     ]
     .into_iter()
@@ -181,6 +186,37 @@ fn planted() -> Result<(), Failed> {
     for (id, plant) in plants {
         let all = ids(&plant(&flight).diagnosed()?);
         check(all.len() == 1 && all.contains(id), format!("{id} planted: {all:?}"))?;
+    }
+    Ok(())
+}
+
+/// The Earth's rate of rotation, WGS 84, at 47.4° of latitude: Ω (cos φ, 0, −sin φ).
+fn earth_rate() -> Result<(), Failed> {
+    let truth = flown(1)?;
+    let flight = made_up(1)?;
+    let latitude = 47.4f64.to_radians();
+    let earth = Vector3::new(latitude.cos(), 0.0, -latitude.sin()) * 7.292_115e-5;
+    // A twentieth of the noise: 6e-6 rad/√s, 0.02 °/√h, as a tactical sensor has.
+    let seen = |turns: f64| {
+        let of = |k: usize, w: [f64; 3]| {
+            let sample = &truth.samples[k];
+            let felt = sample.attitude.inverse_transform_vector(&(earth * turns));
+            std::array::from_fn(|i| {
+                let ideal = sample.rate_rad_s[i] + PLANTED[0][i];
+                ideal + 0.05 * (w[i] - ideal) + felt[i]
+            })
+        };
+        flight.with_rate_at(of).diagnosed()
+    };
+    let names = ids(&seen(0.0)?);
+    check(names.is_empty(), format!("no Earth: {names:?}"))?;
+    let answer = seen(1.0)?;
+    check(ids(&answer) == BTreeSet::from(["earth-rate".to_owned()]), format!("{:?}", ids(&answer)))?;
+    for (p, expected) in effect(&answer, "earth-rate")?.parameters.iter().zip(earth.iter()) {
+        // rad/s in °/h.
+        let expected = expected.to_degrees() * 3600.0;
+        check(p.ci95[0] < expected && expected < p.ci95[1], format!("{}: {expected} in {:?}", p.name, p.ci95))?;
+        check(p.ci95[1] - p.ci95[0] < 5.0, format!("{}: {:?} says little", p.name, p.ci95))?;
     }
     Ok(())
 }

@@ -13,7 +13,7 @@ const MOST: usize = 4096;
 /// Twice the log-likelihood that a number of a curve must gain: Schwarz's for [`MOST`] values.
 pub(super) const PENALTY: f64 = 8.3;
 
-/// How many neighbours make one mean of so many values.
+/// Samples averaged into one mean, so that a record of this length gives at most [`MOST`] means.
 pub(super) fn together(values: usize) -> usize {
     values.div_ceil(MOST)
 }

@@ -1,5 +1,5 @@
-//! An environment column as its shapes are searched for: on means of neighbours, in units of its own
-//! deviation.
+//! An environment column, averaged and scaled by its own standard deviation, as the search for shapes
+//! uses it.
 
 use super::blocks;
 use super::cause::Cause;

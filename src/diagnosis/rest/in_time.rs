@@ -26,7 +26,7 @@ impl Told {
         Self { log_likelihood: coarse.with(curves.clone()), curves, numbers }
     }
 
-    /// Schwarz's criterion, turned so that more is better.
+    /// Minus Schwarz's information criterion: larger is better.
     pub(super) fn merit(&self) -> f64 {
         2.0 * self.log_likelihood - PENALTY * self.numbers
     }

@@ -78,7 +78,8 @@ impl Beside {
         }
     }
 
-    /// Akaike's criterion with one more term of so many numbers, turned so that more is better.
+    /// Minus Akaike's information criterion of the model with this term added, which has `numbers`
+    /// parameters: larger is better.
     fn merit(&self, term: Term, numbers: f64) -> f64 {
         let terms = self.others.iter().cloned().chain([term]).collect();
         2.0 * (self.channel.fit(terms).log_likelihood() - numbers)

@@ -1,12 +1,13 @@
 //! How channels follow environment columns: each by itself, then those that follow nothing by
 //! themselves with one lag for all.
 //!
-//! What a housing delays, it delays for every sensor in it. A lag too faint to be told from each
-//! channel's own noise is looked for once more in all silent channels together, with one time
-//! constant and a strength of its own for each. A channel that follows by itself has no part in it:
-//! it would lend its evidence to those that follow nothing. The lag must beat the other shapes by
-//! what a number costs, and other beginnings of the same column; in each channel it must beat that
-//! channel's own courses in time; their lags must agree. Named are those that need it, each.
+//! What a housing delays, it delays for every sensor in it. A lag too faint to be seen above the
+//! noise of one channel is fitted to all silent channels together: one time constant, and one gain
+//! per channel. A channel that follows a column by itself is left out, because its evidence would
+//! count for channels that follow nothing. The lag must beat the other shapes by the penalty of a
+//! parameter, and shifted copies of the same column; in each channel it must beat that channel's own
+//! courses in time; and separate lags must not fit significantly better. A channel is named only if
+//! its own gain is significant.
 
 use super::cause::Cause;
 use super::channel::{Channel, Curve, Environment, Term};

@@ -45,7 +45,8 @@ impl Sums {
     }
 }
 
-/// Which of so many equal parts of a stretch of time an instant lies in; beyond its ends the nearest.
+/// Index of the part that a time falls in when the interval is cut into `parts` equal ones; times
+/// outside it count to the first or the last.
 pub(super) fn part(time_s: f64, [from_s, to_s]: [f64; 2], parts: usize) -> usize {
     let fraction = (time_s - from_s) / (to_s - from_s);
     ((fraction * parts as f64).max(0.0) as usize).min(parts - 1)

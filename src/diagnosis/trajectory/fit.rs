@@ -44,7 +44,7 @@ impl Recipe {
             (Half::Position, Anchor::Found { turns: Turns::AsAWhole, .. }) => {
                 Self { width_s: 0.1, orders: AS_A_WHOLE, most: 10 }
             }
-            // The more so where they are differenced once more.
+            // Third differences take more still.
             (Half::Position, Anchor::Found { turns: Turns::ByBlock, .. }) => {
                 Self { width_s: 0.1, orders: BY_BLOCK, most: 20 }
             }
@@ -54,7 +54,7 @@ impl Recipe {
     fn whitening(self, rows: &[Row], residual: &[Vector3<f64>], cut: &Cut) -> Whitening {
         let part = rows.iter().map(|row| cut.part(row.time_s)).collect();
         let held = Held { holds: rows.iter().map(|row| row.holds).collect(), part };
-        // Half of what a block has, so that half of it can be predicted.
+        // Lags must lie in one block: at most half of its rows, so that the other half is left to fit.
         let most = if cut.by_block { self.most.min(rows.len() / (2 * BLOCKS)) } else { self.most };
         Whitening::of(residual, &held, most, &self.orders.groups())
     }
@@ -183,8 +183,8 @@ fn leave_out(residuals: &mut Residuals, sums: &Blocks, from: &Point, to: &Point)
     }
 }
 
-/// How often the colour is taken anew: of rows of the whole recording, and of such whose blocks turn
-/// by themselves, each time by what the colour before weighs most.
+/// Iterations of whitening and solving: where the attitude is one, and where it turns by block. There
+/// each turn depends on the whitening before it, and the two take longer to settle.
 const COLOURED: (usize, usize) = (2, 8);
 
 /// How rows are cut into blocks.

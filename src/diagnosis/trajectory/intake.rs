@@ -20,6 +20,11 @@ use crate::recording::{Recording, inertial, roles};
 
 /// Fewest seconds that both cover.
 const SHORTEST_S: f64 = 10.0;
+/// Fewest poses that both cover.
+const FEWEST: usize = 100;
+/// The same of positions alone: five rows of three poses in each of twenty blocks, whose attitudes are
+/// free.
+const FEWEST_ALONE: usize = 300;
 /// A difference of clocks that no overlap will mend, s.
 const DAYS_S: f64 = 86_400.0;
 /// A year, s.
@@ -150,9 +155,10 @@ pub(super) fn motion(
     let inside = |t: f64| t >= first + 2.0 * log.interval_s && t <= last - 2.0 * log.interval_s;
     let poses: Vec<_> = poses.into_iter().filter(|p| inside(p.time_s + shift_s)).collect();
     let covered_s = poses.last().map_or(0.0, |p| p.time_s) - poses.first().map_or(0.0, |p| p.time_s);
-    if covered_s < SHORTEST_S || poses.len() < 100 {
+    let fewest = if has_attitude { FEWEST } else { FEWEST_ALONE };
+    if covered_s < SHORTEST_S || poses.len() < fewest {
         let cause = format!(
-            "reference and IMU overlap for {} s with {} poses: need {SHORTEST_S} s and 100 poses",
+            "reference and IMU overlap for {} s with {} poses: need {SHORTEST_S} s and {fewest} poses",
             rounded(covered_s, 3),
             poses.len()
         );

@@ -107,7 +107,7 @@ impl Pairs {
         if self.reference.len() < FEWEST {
             return 0.0;
         }
-        let mean = self.reference.iter().sum::<Vector3<f64>>() / self.reference.len().max(1) as f64;
+        let mean = self.reference.iter().sum::<Vector3<f64>>() / self.reference.len() as f64;
         let left: f64 = self.reference.iter().zip(&self.read).map(|(a, b)| (a - b).norm_squared()).sum();
         let all: f64 = self.reference.iter().map(|a| (a - mean).norm_squared()).sum();
         1.0 - left / all.max(f64::MIN_POSITIVE)
@@ -122,7 +122,7 @@ fn reaches(motion: &Motion) -> Vec<usize> {
     all
 }
 
-/// What was found.
+/// The outcome of the search.
 pub(super) struct Found {
     /// Where the search starts.
     pub start: Start,
@@ -132,7 +132,7 @@ pub(super) struct Found {
     pub least_turn_rad: f64,
 }
 
-/// Lays one on the other.
+/// Aligns the clocks, then finds attitude and gyro bias.
 ///
 /// # Errors
 /// When stopped.

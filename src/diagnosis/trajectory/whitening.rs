@@ -30,8 +30,8 @@ impl Whitening {
                 whitening.deviation[*axis] = variance[*axis].sqrt().max(f64::MIN_POSITIVE);
             }
         }
-        // Coefficients want rows whose every lag can be used; the deviation is that of all rows that
-        // are made white with them, which are more.
+        // The coefficients need rows with all `most` lags in one part; the deviation can use every row
+        // that has as many as were chosen.
         let usable = (0..residual.len()).filter(|k| held.back(*k, whitening.order()));
         let (sum, count) = usable.fold((Vector3::zeros(), 0.0), |(sum, count): (Vector3<f64>, f64), k| {
             let left = whitening.filtered(k, |n| residual[n]);

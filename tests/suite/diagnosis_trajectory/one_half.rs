@@ -137,12 +137,22 @@ fn mistaken() -> Result<(), Failed> {
         let text = error.message().unwrap_or_default().to_owned();
         check(text.contains(said), format!("need `{said}`, got {text}"))?;
     }
-    // Positions of another flight.
-    let files = flight.files().with_columns(&POSITION);
-    let other = Files { reference: made_up(6)?.files().with_columns(&POSITION).reference, ..files };
-    let error = other.diagnosed().err().ok_or("another flight's positions were taken")?;
-    let text = error.message().unwrap_or_default().to_owned();
-    check(text.contains("do not move alike"), text)
+    // Positions of another flight, evenly spaced and by turns 80 and 120 ms apart.
+    let spacings: [fn(usize) -> bool; 2] = [|_| true, |k| k % 20 == 0 || k % 20 == 8];
+    for wanted in spacings {
+        let refused = |reference: &Flight| -> Result<Option<String>, Failed> {
+            let reference = reference.with_poses(wanted).files().with_columns(&POSITION).reference;
+            let answer = Files { reference, ..flight.files() }.diagnosed();
+            Ok(answer.err().map(|e| e.message().unwrap_or_default().to_owned()))
+        };
+        let other = refused(&made_up(6)?)?.ok_or("another flight's positions were taken")?;
+        check(other.contains("do not move alike"), other)?;
+        check(refused(&flight)?.is_none(), "its own positions were refused")?;
+    }
+    // Two positions a second.
+    let few = flight.with_poses(|k| k % 50 == 0).files().with_columns(&POSITION).diagnosed();
+    let text = few.err().ok_or("180 positions were taken")?.message().unwrap_or_default().to_owned();
+    check(text.contains("need 10 s and 300 poses"), text)
 }
 
 /// The reference file's own biases, which come from its attitudes too: held by the intervals, which

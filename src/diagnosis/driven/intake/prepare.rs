@@ -203,9 +203,10 @@ impl Columns<'_> {
                 short(factor)
             );
             notes.doubt(
-            clause,
-            ": a column that changed its unit or range? No candidate was tried: cut the recording there, or correct the column",
-        );
+                clause,
+                ": a column that changed its unit or range? No candidate was tried: cut the recording there, or correct \
+                 the column",
+            );
             notes.broken = true;
         }
         if lines::are_all(&input[ends.clone()]) {
