@@ -58,6 +58,7 @@ use conclusion::{Examined, Found};
 use course::{Anchor, Case};
 use fit::Fit;
 use integral::Rule;
+use judgement::COLOUR;
 use log::Log;
 use parameters::{EARTH_RATE, FORCE_BIAS, GYRO_BIAS, LEVER_ARM, OFFSET, PARAMETERS};
 use permutation::Permutation;
@@ -156,7 +157,10 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     // so that no noise of the reference counts as an effect.
     let select = |fit: &Fit| {
         let tilt_rad = if motion.halves.attitude { fit.tilt_rad() } else { wander_rad };
-        let allowed = Allowed { halves: motion.halves, tilt_rad };
+        // Attitude that is reckoned from the gyro gives the residual a colour that changes with the
+        // motion: what falls by less than such colour may is not named.
+        let least_part = if motion.halves.attitude { 0.0 } else { COLOUR };
+        let allowed = Allowed { halves: motion.halves, least_part, tilt_rad };
         selection::select(&fit.linear, &library, &allowed, control).map_err(stopped)
     };
     let about = |fit: &Fit, selection: &Selection| {

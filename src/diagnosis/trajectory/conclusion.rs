@@ -11,7 +11,7 @@ use super::detail::{Detail, Series};
 use super::effects;
 use super::fit::Fit;
 use super::intake::Names;
-use super::judgement::{HeldOut, Standing};
+use super::judgement::{COLOUR, HeldOut, Standing};
 use super::log::Log;
 use super::parameters::Point;
 use super::permutation::Permutation;
@@ -330,7 +330,7 @@ fn remainder(fit: &Fit, chosen: &Point, held_out_rms: f64) -> Remainder {
         let follows = pairs.iter().map(|(a, b)| a.dot(b)).sum::<f64>() / squares.max(f64::MIN_POSITIVE);
         let deviations = follows.abs() * (3.0 * pairs.len() as f64).sqrt();
         let p_value = 4.0 * (1.0 - normal_cdf(deviations));
-        tests.push(Test { p_value, size: Size::of(follows.abs(), 0.1, 0.3) });
+        tests.push(Test { p_value, size: Size::of(follows.abs(), COLOUR, 3.0 * COLOUR) });
     }
     Remainder::of(tests)
 }

@@ -15,6 +15,8 @@ use crate::numerics::special::{f_survival, t_quantile};
 /// Chance of a false name that is accepted, over all candidates together: what every kind calls
 /// real.
 pub(super) const FALSE_NAME: f64 = REAL;
+/// Correlation of neighbouring residuals up to which they count as white.
+pub(super) const COLOUR: f64 = 0.1;
 /// Interleaved parts of the blocks that are held out in turn.
 const FOLDS: usize = 5;
 
@@ -35,7 +37,8 @@ pub(super) struct Standing {
     pub least_fall: f64,
     /// Whether its parameters lie where the library allows.
     pub plausible: bool,
-    /// Whether one of them is large enough to cost anything.
+    /// Whether one of them is large enough to cost anything, and the fall is large enough to be no
+    /// matter of the noise's colour.
     pub matters: bool,
     /// Half-widths of the 95 % intervals of its parameters, SI.
     pub half_widths: Vec<f64>,
@@ -70,11 +73,13 @@ pub(super) struct Question<'a> {
     pub term: &'static Term,
     /// Below which angle times gravity nothing is blamed on the accelerometer, rad.
     pub tilt_rad: f64,
+    /// Fraction of the held-out sum of squares that must fall.
+    pub least_part: f64,
 }
 
 /// Judges one candidate of `tried`, by which its p-value is corrected.
 pub(super) fn judge(question: &Question<'_>, tried: usize) -> Standing {
-    let Question { linear, smaller, larger, term, tilt_rad } = *question;
+    let Question { linear, smaller, larger, term, tilt_rad, least_part } = *question;
     let solved = linear.solve(larger, |_| true);
     let replicates = linear.replicates(larger);
     let own: Vec<usize> = term.parameters.clone().collect();
@@ -101,7 +106,8 @@ pub(super) fn judge(question: &Question<'_>, tried: usize) -> Standing {
         fall,
         least_fall,
         plausible: value.iter().zip(&half_widths).all(|(v, half)| v.abs() - half <= term.largest()),
-        matters: value.iter().any(|v| v.abs() >= term.smallest.max(term.per_tilt * tilt_rad)),
+        matters: value.iter().any(|v| v.abs() >= term.smallest.max(term.per_tilt * tilt_rad))
+            && fall >= least_part * held.sums(usize::MAX).0,
         half_widths,
     }
 }

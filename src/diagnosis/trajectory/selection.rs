@@ -65,6 +65,8 @@ pub(super) fn with(active: &[usize], terms: impl IntoIterator<Item = &'static Te
 pub(super) struct Allowed {
     /// What of each pose it has.
     pub halves: Halves,
+    /// Fraction of the held-out sum of squares that a name must account for.
+    pub least_part: f64,
     /// By how much attitudes may err, root mean square: what is smaller in the accelerometer may be
     /// gravity along an attitude that errs.
     pub tilt_rad: f64,
@@ -81,7 +83,7 @@ pub(super) fn select(
     control: &Control,
 ) -> Result<Selection, Stopped> {
     let base = base(allowed.halves);
-    let search = Search { linear, library, base: &base, tilt_rad: allowed.tilt_rad };
+    let search = Search { linear, library, base: &base, allowed };
     let mut named: Vec<&'static Term> = Vec::new();
     let mut seen: Vec<Vec<usize>> = Vec::new();
     for _ in 0..ROUNDS {
@@ -119,7 +121,7 @@ struct Search<'a> {
     linear: &'a Linear,
     library: &'a [&'static Term],
     base: &'a [usize],
-    tilt_rad: f64,
+    allowed: &'a Allowed,
 }
 
 impl Search<'_> {
@@ -145,7 +147,8 @@ impl Search<'_> {
 
     /// Each of the library was tried as often as something was added.
     fn judged(&self, smaller: &[usize], larger: &[usize], term: &'static Term, looks: usize) -> Standing {
-        let question = Question { linear: self.linear, smaller, larger, term, tilt_rad: self.tilt_rad };
+        let Allowed { tilt_rad, least_part, .. } = *self.allowed;
+        let question = Question { linear: self.linear, smaller, larger, term, tilt_rad, least_part };
         judge(&question, self.library.len() * looks)
     }
 
