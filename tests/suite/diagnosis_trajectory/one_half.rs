@@ -159,9 +159,9 @@ fn mistaken() -> Result<(), Failed> {
 /// are a few times as wide as with attitudes. However many positions there are, no sensor is blamed.
 ///
 /// The slow part of MH_04's positions comes from a laser tracker whose stamps are its own: in the
-/// weak form of p'' = R f − g, with the file's attitudes and sin⁴ windows, they lead by 0.1 ± 0.6 ms
-/// over windows of 0.1 s and by 19 ± 3 ms over windows of 1.6 s (V1_02: within 3 ± 3 ms in all). So
-/// a clock is a name that five positions a second may have.
+/// weak form of p'' = R f − g, with the file's attitudes and sin⁴ windows, they are late by
+/// 0.1 ± 0.6 ms over windows of 0.1 s and by 19 ± 3 ms over windows of 1.6 s (V1_02: early by
+/// 0.2 ± 0.2 and 2.6 ± 2.4 ms). So a clock is a name that five positions a second may have.
 fn recorded(data: &Path) -> Result<(), Failed> {
     for name in ["euroc_v102", "euroc_mh04"] {
         // 200, 50 and 5 positions a second.
