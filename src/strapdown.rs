@@ -16,6 +16,7 @@ mod held;
 pub mod kept;
 mod linear;
 pub mod outages;
+pub mod own_error;
 pub mod run;
 pub(crate) mod share;
 mod spreads;

@@ -8,13 +8,15 @@
 //! error](`own_error`).
 
 mod increments;
+mod own_error;
 
 use nalgebra::{UnitQuaternion, Vector3};
 
 pub use increments::{Increment, increments, integrals};
+pub use own_error::{Correction, Run, own_error};
 
 use super::earth::{Earth, Place};
-use super::truth::{Sample, Truth};
+use super::truth::Sample;
 
 /// Treatment of motion within a sampling interval.
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
@@ -73,6 +75,15 @@ impl State {
             position_m: truth.position_m,
             place: earth.start(),
         }
+    }
+
+    /// Takes off what an aid finds wrong with attitude, velocity and position.
+    fn correct(&mut self, earth: &Earth, error: &Difference) {
+        self.attitude = UnitQuaternion::from_scaled_axis(-error.attitude_rad) * self.attitude;
+        self.velocity_m_s -= error.velocity_m_s;
+        self.position_m -= error.position_m;
+        // As far as a velocity goes in a second.
+        self.place = self.place.moved(earth.place_rates(self.place, -error.position_m), 1.0);
     }
 
     /// Puts the vertical channel where the truth is: a navigator whose height is aided.
@@ -147,18 +158,6 @@ impl Navigator {
         };
         (self.before, self.gained_m_s) = (Some(now), gained);
     }
-}
-
-/// How far a navigator strays on perfect increments of a motion, at each sample of the truth.
-pub fn own_error(earth: &Earth, integrator: Integrator, truth: &Truth) -> Vec<Difference> {
-    let Some(first) = truth.samples.first() else { return Vec::new() };
-    let mut navigator = Navigator::new(*earth, integrator, truth.interval_s, State::at_start(earth, first));
-    let start = Difference::of(&navigator.state, first);
-    let steps = increments(truth).into_iter().zip(&truth.samples[1..]).map(|(increment, sample)| {
-        navigator.step(increment);
-        Difference::of(&navigator.state, sample)
-    });
-    std::iter::once(start).chain(steps).collect()
 }
 
 #[cfg(test)]

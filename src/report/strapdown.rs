@@ -159,12 +159,6 @@ pub(crate) fn budget_table(answer: &Answer) -> Table {
 /// Whether the ensemble is what the linear model says, and what that model leaves out.
 pub(crate) fn findings(answer: &Answer) -> Vec<String> {
     let mut all = Vec::new();
-    if answer.own.is_none() {
-        all.push(
-            "The navigator's own integration error is not carried through the fixes: the budget has no row for it."
-                .to_owned(),
-        );
-    }
     let worst = answer.apart.iter().max_by(|a, b| a.standard_errors.total_cmp(&b.standard_errors));
     if let Some(apart) = worst {
         let left_out = names(&answer.covariance.left_out);

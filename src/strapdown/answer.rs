@@ -6,6 +6,7 @@ use super::backends::run_kept;
 use super::covariance::{self, Covariance, Part};
 use super::kept::Kept;
 use super::outages::{self, Outage};
+use super::own_error;
 use super::run::Ensemble;
 use super::windows::{self, Compared};
 use crate::backend::flight::Quantity;
@@ -27,9 +28,8 @@ pub struct Answer {
     pub report: Vec<usize>,
     /// What the linear model says, at the same times as the ensemble.
     pub covariance: Covariance,
-    /// What the navigator errs by on perfect readings, at the same times; unknown where fixes
-    /// correct it.
-    pub own: Option<Part>,
+    /// What the navigator errs by on perfect readings, at the same times.
+    pub own: Part,
     /// Outages of GNSS, where the study has them.
     pub outages: Vec<Outage>,
     /// Where the two differ by more than chance.
@@ -77,7 +77,7 @@ const SMALLEST: f64 = 1e-8;
 impl Answer {
     /// The rows of the budget.
     pub fn parts(&self) -> impl Iterator<Item = &Part> {
-        self.covariance.parts.iter().chain(&self.own)
+        self.covariance.parts.iter().chain([&self.own])
     }
 
     /// The user's report times, s.
@@ -151,7 +151,7 @@ pub(super) fn of_ensemble(
     }
     let samples = samples(study, motion);
     let covariance = covariance::of(motion, &flight);
-    let own = flight.fixes.is_empty().then(|| covariance::own_error(motion, &flight));
+    let own = own_error::own_error(motion, &flight);
     let outages = outages::outages(motion.aiding.as_ref(), &study.clock, &samples);
     let report: Vec<usize> = study.clock.report_samples.iter().filter_map(|s| samples.binary_search(s).ok()).collect();
     let apart = report.iter().flat_map(|k| apart(&ensemble, &covariance, *k)).collect();

@@ -10,9 +10,7 @@ mod slow;
 pub mod steps;
 
 use super::family::{Column, Family, Process};
-use crate::kernel::cpu::navigate::roll_pitch_heading;
-use crate::kernel::flight::{Flight, Vertical};
-use crate::motion::mechanisation;
+use crate::kernel::flight::Flight;
 use crate::parallel;
 use crate::sensor::source::ErrorSource;
 use crate::sensor::{Sense, coupling};
@@ -92,26 +90,6 @@ impl Covariance {
     pub fn mean(&self, report: usize, quantity: usize) -> f64 {
         self.parts.iter().map(|part| part.mean[report][quantity]).sum()
     }
-}
-
-/// What the navigator errs by on perfect readings, at the report samples of a flight: no spread,
-/// the same for every member. The ensemble, which integrates errors about the truth, does not have
-/// it.
-pub fn own_error(motion: &InMotion, flight: &Flight) -> Part {
-    let errors = mechanisation::own_error(&flight.course.earth, motion.mechanisation, &flight.course.truth);
-    let clock = flight.clock();
-    let at = |report: &u64| {
-        let sample = report - clock.still_samples;
-        let Some(error) = errors.get(sample as usize) else { return [0.0; 9] };
-        let turn = roll_pitch_heading(error.attitude_rad, flight.heading_rad(sample));
-        let mut all: [f64; 9] = std::array::from_fn(|i| [error.position_m, error.velocity_m_s, turn][i / 3][i % 3]);
-        if flight.vertical == Vertical::Held {
-            (all[2], all[5]) = (0.0, 0.0);
-        }
-        all
-    };
-    let mean: Vec<[f64; 9]> = clock.report_samples.iter().map(at).collect();
-    Part { cause: Cause::Mechanisation, variance: vec![[0.0; 9]; mean.len()], mean }
 }
 
 /// One cause, as the covariance carries it.

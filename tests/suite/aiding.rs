@@ -3,13 +3,16 @@
 //! corrections.
 
 use libtest_mimic::{Failed, Trial};
+use nalgebra::Vector3;
 use proofmass::backend::flight::{FlightCpu, Quantity};
 use proofmass::control::Control;
 use proofmass::ensemble;
+use proofmass::motion::mechanisation::{Increment, increments};
 use proofmass::strapdown::aiding;
 use proofmass::strapdown::answer::{Answer, LINEAR};
 use proofmass::strapdown::backends::run_on;
 use proofmass::strapdown::kept::Kept;
+use proofmass::strapdown::own_error::of_increments;
 use proofmass::strapdown::run;
 
 use super::strapdown::{NOISE, answered, json, parsed, percentiles_apart, series};
@@ -23,6 +26,8 @@ pub fn tests() -> Vec<Trial> {
         test("aiding: in an outage the fix's own errors grow as a start with them would", fix_noise),
         test("aiding: a filter finds a bias from exact fixes", filter_finds),
         test("aiding: filtered errors spread as the linear covariance says", covariance),
+        test("aiding: the fixes correct what the navigator itself errs by", own_error),
+        test("aiding: fixes take the same off a navigator as off the linear model's errors", taken_alike),
         test("aiding: the same bits for any tile", tiles),
         gpu_test("aiding: the GPU gives the CPU's percentiles, filtered and reset", parity),
         test("aiding: the JSON has each outage", document),
@@ -146,6 +151,61 @@ fn covariance() -> Result<(), Failed> {
     }
     // What the filter has learnt of tilt and biases is what makes the outage shorter.
     check(ends[0] < 0.7 * ends[1], format!("the filter is no better than a reset: {ends:?}"))
+}
+
+const FLIGHT: &str = "members = 64\nduration_s = 60.0\n[sensor]\nsample_rate_hz = 50.0\n[trajectory]\nkind = \"drone\"\n\
+    [earth]\nlatitude_deg = 47.4\nheight_m = 400.0\n[navigator]\nintegrator = \"single-sample\"\n\
+    [report]\ntimes_s = [10.0, 20.0, 30.0, 60.0]\n";
+
+/// A reset leaves no error of what it sees, and all of the attitude's: what coning makes of that is
+/// the same with fixes as without.
+fn own_error() -> Result<(), Failed> {
+    let fixes = "[aiding]\nmethod = \"reset\"\n[aiding.gnss]\nevery_s = 1.0\nposition_sd_m = [1.0, 1.0, 1.0]\n\
+        velocity_sd_m_s = [0.1, 0.1, 0.1]\noutages_s = [[30.0, 60.0]]\n";
+    let (free, aided) = (answered(FLIGHT)?, answered(&format!("{FLIGHT}{fixes}"))?);
+    for (k, time_s) in aided.report.iter().zip(aided.report_times_s()).take(3) {
+        let now = aided.own.mean[*k];
+        check(now[..6].iter().all(|v| v.abs() < 1e-9), format!("after {time_s} s: {now:?}"))?;
+        check(free.own.mean[free.report[1]][..6].iter().any(|v| v.abs() > 1e-4), "there is nothing to correct")?;
+    }
+    let ends = [&free, &aided].map(|answer| answer.own.mean[answer.report[3]]);
+    near("heading, rad", ends[1][8], ends[0][8], 1e-3 * ends[0][8].abs())?;
+    // The attitude errs, and gravity along it moves the body in the outage.
+    check(ends[1][0].hypot(ends[1][1]) > 1e-4, "nothing is left of it in the outage")?;
+    check(ends[1][0].hypot(ends[1][1]) < 0.7 * ends[0][0].hypot(ends[0][1]), "the fixes correct nothing")
+}
+
+/// Increments with the biases of a study, integrated by the f64 navigator and corrected by the
+/// study's fixes, against the means that the linear model propagates through the same fixes.
+fn taken_alike() -> Result<(), Failed> {
+    let sensors = "[accelerometer]\nbias_mg = [1.0, -0.5, 0.0]\n[gyro]\nbias_deg_h = [20.0, 0.0, -30.0]\n";
+    let fixes = "[aiding]\n[aiding.gnss]\nevery_s = 1.0\nposition_sd_m = [1.0, 1.0, 2.0]\noutages_s = [[30.0, 60.0]]\n";
+    let (text, force, rate) = (FLIGHT.replace("single-sample", "compensated"), [1.0, -0.5, 0.0], [20.0, 0.0, -30.0]);
+    let study = parsed(&format!("{text}{sensors}{fixes}"))?;
+    let motion = study.in_motion.as_ref().ok_or("no trajectory")?;
+    let answer = answered(&format!("{text}{sensors}{fixes}"))?;
+    let flight = &answer.flight;
+    let perfect = increments(&flight.course.truth);
+    let interval_s = flight.course.truth.interval_s;
+    let biased: Vec<Increment> = perfect
+        .iter()
+        .map(|i| Increment {
+            velocity_m_s: i.velocity_m_s + Vector3::from(force) * (BIAS_M_S2 * interval_s),
+            rotation_rad: i.rotation_rad + Vector3::from(rate) * (1f64.to_radians() / 3600.0 * interval_s),
+        })
+        .collect();
+    let [with, without] = [&biased, &perfect].map(|i| of_increments(motion, flight, i));
+    for k in &answer.report {
+        let model: Vec<f64> = (0..9).map(|q| answer.covariance.mean(*k, q)).collect();
+        for (q, expected) in model.iter().enumerate() {
+            let largest = model[q / 3 * 3..q / 3 * 3 + 3].iter().fold(0.0f64, |m, v| m.max(v.abs()));
+            near(&format!("report {k}, error {q}"), with.mean[*k][q] - without.mean[*k][q], *expected, 0.02 * largest)?;
+        }
+    }
+    // Control: without the fixes the same increments lead elsewhere.
+    let free = answered(&format!("{text}{sensors}"))?;
+    let [free_m, aided_m] = [&free, &answer].map(|a| a.covariance.mean(a.report[2], 0).abs());
+    check(aided_m < 0.2 * free_m, format!("the fixes correct nothing: {aided_m} m, {free_m} m"))
 }
 
 fn tiles() -> Result<(), Failed> {

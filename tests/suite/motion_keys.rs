@@ -64,8 +64,7 @@ fn own_m(motion: &str, integrator: &str) -> Result<f64, Failed> {
          integrator = \"{integrator}\"\n"
     ))?;
     let last = *answer.report.last().ok_or("no report")?;
-    let own = answer.own.as_ref().ok_or("no row")?;
-    Ok(answer.covariance.horizontal_m2(own, last).sqrt())
+    Ok(answer.covariance.horizontal_m2(&answer.own, last).sqrt())
 }
 
 /// Coning and sculling within a sample are what a single-sample navigator leaves out (Savage, J.

@@ -4,6 +4,7 @@
 use super::*;
 use crate::motion::sources::{self, Section};
 use crate::motion::trajectory::Sampling;
+use crate::motion::truth::Truth;
 use crate::units::{DEGREE, DEGREE_PER_HOUR, MILLI_G};
 
 const EARTH: Earth = Earth { latitude_rad: Some(47.4 * DEGREE), height_m: 400.0, rotation: true };
