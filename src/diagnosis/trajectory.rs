@@ -18,6 +18,7 @@ mod clipping;
 mod colour;
 mod conclusion;
 mod course;
+mod derivatives;
 pub mod detail;
 mod effects;
 mod fit;
@@ -56,6 +57,7 @@ use crate::recording::Recording;
 use crate::units::DEGREE;
 use conclusion::{Examined, Found};
 use course::{Anchor, Case};
+use derivatives::Derivatives;
 use fit::Fit;
 use integral::Rule;
 use judgement::COLOUR;
@@ -92,8 +94,10 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     let motion = intake::motion(recording, reference, &log, began, &mut examined.findings)?;
     let gravity_m_s2 = gravity(model);
     let work = control.stage("aligning the clocks", 0);
+    let derivatives = Derivatives::of(&log);
     let as_given = Case {
         log: &log,
+        derivatives: &derivatives,
         motion: &motion,
         turned: UnitQuaternion::identity(),
         gravity_m_s2,
@@ -114,9 +118,10 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
         (found.start, found.anchor, found.least_turn_rad)
     };
     let log = unswapped(&log, &start);
+    let derivatives = Derivatives::of(&log);
     let motion = motion.within(&log, start.offset_s);
     work.rename("searching the library");
-    let case = Case { log: &log, motion: &motion, turned: start.turned, anchor, ..as_given };
+    let case = Case { log: &log, derivatives: &derivatives, motion: &motion, turned: start.turned, anchor, ..as_given };
     // What the gyro's white noise makes of an attitude that is right in the middle.
     let wander_rad = (0.25 * scatter::random_walks(&log, model.noise)[0] * log.duration_s()).sqrt();
     let mut library = candidate::terms(motion.halves);
@@ -160,7 +165,7 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
         // Attitude that is reckoned from the gyro gives the residual a colour that changes with the
         // motion: what falls by less than such colour may is not named.
         let least_part = if motion.halves.attitude { 0.0 } else { COLOUR };
-        let allowed = Allowed { halves: motion.halves, least_part, tilt_rad };
+        let allowed = Allowed { halves: motion.halves, least_part, tilt_rad, interval_s: log.interval_s };
         selection::select(&fit.linear, &library, &allowed, control).map_err(stopped)
     };
     let about = |fit: &Fit, selection: &Selection| {

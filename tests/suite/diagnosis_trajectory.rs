@@ -7,6 +7,7 @@
 mod bad_input;
 mod coverage;
 mod flight;
+mod lowpass;
 mod one_half;
 mod repaired;
 
@@ -40,6 +41,7 @@ pub fn tests() -> Vec<Trial> {
     ]
     .into_iter()
     .chain(bad_input::tests())
+    .chain(lowpass::tests())
     .chain(one_half::tests())
     .chain(repaired::tests())
     .chain(coverage::tests())

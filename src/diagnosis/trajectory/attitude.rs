@@ -11,7 +11,7 @@ use super::course::{Case, Course};
 use super::integral::{between, cumulative, place};
 use super::parameters::{
     COSINES, DRIFT, EARTH_RATE, G_SENSITIVITY, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL, GYRO_SCALE,
-    GYRO_WANDER, MOUNTING, OFFSET, PARAMETERS, Point,
+    GYRO_WANDER, LOWPASS, MOUNTING, OFFSET, PARAMETERS, Point,
 };
 use super::rows::{Bins, Orders, Row, Spacing, rows};
 use crate::parallel;
@@ -67,6 +67,10 @@ pub(super) fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize) ->
     if G_SENSITIVITY.contains(&p) {
         let n = p - G_SENSITIVITY.start;
         return Some(unit(n / 3, f[n % 3]));
+    }
+    if p == LOWPASS {
+        // Beside the lag, whose parameter is another.
+        return Some(course.gyro * case.derivatives.second.rate[k] * 0.5);
     }
     GYRO_WANDER.contains(&p).then(|| {
         let n = p - GYRO_WANDER.start;

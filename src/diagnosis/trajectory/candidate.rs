@@ -10,15 +10,16 @@ mod reference;
 mod sensor;
 mod term;
 
+pub use clock::TIME_OFFSET;
 pub use frame::MOUNTING;
-pub use readout::{AXIS_SWAP, SATURATION, VIBRATION};
+pub use readout::{AXIS_SWAP, LOWPASS, SATURATION, VIBRATION};
 pub use reference::REFERENCE_NOISE;
 pub use sensor::MISALIGNMENT;
-pub use term::{Term, Unit};
+pub use term::{Measure, Term, Unit};
 
 /// The library of this kind.
 pub const CANDIDATES: &[Candidate] = &[
-    clock::TIME_OFFSET,
+    TIME_OFFSET,
     clock::CLOCK_DRIFT,
     MOUNTING,
     frame::LEVER_ARM,
@@ -28,6 +29,7 @@ pub const CANDIDATES: &[Candidate] = &[
     MISALIGNMENT,
     sensor::G_SENSITIVITY,
     SATURATION,
+    LOWPASS,
     AXIS_SWAP,
     VIBRATION,
     sensor::EARTH_RATE,
@@ -36,7 +38,7 @@ pub const CANDIDATES: &[Candidate] = &[
 
 /// Everything that is fitted and judged by held-out blocks.
 fn fitted() -> impl Iterator<Item = &'static Term> {
-    [clock::TERMS, frame::TERMS, sensor::TERMS].into_iter().flatten()
+    [clock::TERMS, frame::TERMS, sensor::TERMS, readout::TERMS].into_iter().flatten()
 }
 
 /// What a reference with these halves of a pose can show.

@@ -125,8 +125,8 @@ impl Examined<'_> {
         let first = halves.lacks().map_or(Half::Attitude, other);
         let clipped = fit.residuals_at(first, &chosen.point).map_or(0.0, |all| lies_in_clipped(&all));
         let swap = [found.start.gyro, found.start.accelerometer];
-        let mut effects: Vec<Effect> =
-            selection.named.iter().map(|n| effects::fitted(n, &chosen, self.channels(n.standing.term))).collect();
+        let mut effects = effects::of_fit(selection, &chosen, |term| self.channels(term));
+        let tied = effects.iter().filter(|e| !e.confusable_with.is_empty()).count();
         effects::mounted(&mut effects, found.start, &self.names);
         let exchanged =
             Evidence { held_out_gain: found.start.explained.max(0.0), p_value: found.start.chance_exchanged };
@@ -148,7 +148,7 @@ impl Examined<'_> {
         let named = effects.len();
         let outcome = rule(&ruling::Evidence {
             named,
-            tied: selection.named.iter().filter(|n| !n.rivals.is_empty()).count(),
+            tied,
             remainder: remainder.size,
             held_out_ratio: held.ratio()[0],
             ..ruling::Evidence::default()
@@ -371,14 +371,15 @@ fn ranking(effects: &[Effect], selection: &Selection) -> Vec<Ranked> {
         named,
         note: if effects.is_empty() { Note::Alone } else { Note::BesideNamed },
     };
-    let named = selection.named.iter().map(|n| row(&n.standing, true));
+    let is_effect = |s: &Standing| effects.iter().any(|e| e.id == s.term.id());
+    let named = selection.named.iter().map(|n| row(&n.standing, is_effect(&n.standing)));
     named.chain(selection.others.iter().map(|s| row(s, false))).collect()
 }
 
 /// A term whose interval is so wide that the recording says nothing of it.
 fn hidden(standing: &Standing) -> Option<Hidden> {
     let term = standing.term;
-    let widest = standing.half_widths.iter().copied().fold(0.0, f64::max);
+    let widest = term.size(standing.half_widths.iter().copied().fold(0.0, f64::max));
     (widest > WIDE * term.smallest).then(|| Hidden {
         term,
         half_width: widest * term.unit.per_si,

@@ -3,11 +3,12 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
+use super::derivatives::Derivatives;
 use super::integral::{Rule, cumulative, place};
 use super::log::{Log, Motion};
 use super::parameters::{
     ANCHOR, COSINES, DRIFT, FORCE_BIAS, FORCE_MATRIX, FORCE_PLACES, FORCE_WANDER, G_SENSITIVITY, GYRO_BIAS,
-    GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL, GYRO_SCALE, GYRO_WANDER, MOUNTING, OFFSET, Point,
+    GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL, GYRO_SCALE, GYRO_WANDER, MOUNTING, Point, clock_s, lowpass_s,
 };
 
 /// What is fitted: readings, reference, and the rotation that the search starts from.
@@ -15,6 +16,8 @@ use super::parameters::{
 pub(super) struct Case<'a> {
     /// Readings of the IMU, SI units.
     pub log: &'a Log,
+    /// How its readings change.
+    pub derivatives: &'a Derivatives,
     /// The poses of the reference.
     pub motion: &'a Motion,
     /// C₀, from the IMU's axes to the reference's body axes.
@@ -84,7 +87,7 @@ impl Case<'_> {
     /// The IMU's stamp of a pose.
     pub(super) fn stamp_s(&self, point: &Point, pose: usize) -> f64 {
         let t = self.motion.time_s[pose];
-        t + point[OFFSET] + point[DRIFT] * (t - self.motion.middle_s())
+        t + clock_s(point) + point[DRIFT] * (t - self.motion.middle_s())
     }
 
     /// C at a point.
@@ -148,13 +151,19 @@ impl Course {
             let cosines = case.cosines(time_s);
             Vector3::from_fn(|i, _| (0..COSINES).map(|n| point[start + COSINES * i + n] * cosines[n]).sum::<f64>())
         };
-        let log = case.log;
+        // What a low-pass takes: v = y + τ dy/dt.
+        let (log, changes, lowpass_s) = (case.log, &case.derivatives.first, lowpass_s(point));
         let (mut rate, mut force) = (Vec::with_capacity(log.rate.len()), Vec::with_capacity(log.rate.len()));
         for n in 0..log.rate.len() {
             let f = accelerometer
-                * (log.force[n] - vector(point, FORCE_BIAS.start) - wander(FORCE_WANDER.start, log.time_s[n]));
+                * (log.force[n] + changes.force[n] * lowpass_s
+                    - vector(point, FORCE_BIAS.start)
+                    - wander(FORCE_WANDER.start, log.time_s[n]));
             let w = gyro
-                * (log.rate[n] - vector(point, GYRO_BIAS.start) - wander(GYRO_WANDER.start, log.time_s[n]) - k * f);
+                * (log.rate[n] + changes.rate[n] * lowpass_s
+                    - vector(point, GYRO_BIAS.start)
+                    - wander(GYRO_WANDER.start, log.time_s[n])
+                    - k * f);
             rate.push(w);
             force.push(f);
         }

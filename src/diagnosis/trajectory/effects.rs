@@ -2,14 +2,15 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::candidate::{AXIS_SWAP, MOUNTING, REFERENCE_NOISE, SATURATION, VIBRATION};
+use super::candidate::{AXIS_SWAP, LOWPASS, MOUNTING, REFERENCE_NOISE, SATURATION, TIME_OFFSET, Term, VIBRATION};
 use super::clipping::Limit;
 use super::judgement::Standing;
 use super::log::Halves;
+use super::parameters::OFFSET;
 use super::permutation::Permutation;
 use super::published::Fitted;
 use super::scatter::Excess;
-use super::selection::Named;
+use super::selection::{Named, Selection};
 use super::start::Start;
 use super::vibration::Vibration;
 use crate::diagnosis::candidate::Candidate;
@@ -42,8 +43,32 @@ fn effect(candidate: &Candidate, parameters: Vec<Estimate>, channels: Vec<String
     }
 }
 
+/// What was fitted. A low-pass is late by its own time constant: a clock is an effect beside it only
+/// where the readings are later than that, or less late.
+pub(super) fn of_fit(selection: &Selection, fit: &Fitted, channels: impl Fn(&Term) -> Vec<String>) -> Vec<Effect> {
+    let each = selection.named.iter().map(|n| fitted(n, fit, channels(n.standing.term)));
+    let Some(lowpass) = selection.named.iter().find(|n| n.standing.term.id() == LOWPASS.id) else {
+        return each.collect();
+    };
+    let mut all: Vec<Effect> = each.filter(|e| e.id != TIME_OFFSET.id).collect();
+    let clock = fit.estimate(OFFSET, "offset", "s", 1.0);
+    let [least, most] = clock.ci95;
+    if least > 0.0 || most < 0.0 {
+        let known = selection.named.iter().find(|n| n.standing.term.id() == TIME_OFFSET.id);
+        let Standing { term, gain, p_value, .. } = &known.unwrap_or(lowpass).standing;
+        let evidence = Evidence { held_out_gain: *gain, p_value: *p_value };
+        let mut effect = effect(&TIME_OFFSET, vec![clock], channels(term), evidence);
+        if least > 0.0 {
+            // A second pole makes readings later too, and hardly smaller.
+            effect.confusable_with = vec![LOWPASS.id.into()];
+        }
+        all.push(effect);
+    }
+    all
+}
+
 /// A fitted term, with its parameters in the library's units.
-pub(super) fn fitted(named: &Named, fit: &Fitted, channels: Vec<String>) -> Effect {
+fn fitted(named: &Named, fit: &Fitted, channels: Vec<String>) -> Effect {
     let Standing { term, gain, p_value, .. } = &named.standing;
     let parameters = term.parameters.clone().zip(term.names);
     let parameters = parameters.map(|(p, name)| fit.estimate(p, name, term.unit.name, term.unit.per_si)).collect();

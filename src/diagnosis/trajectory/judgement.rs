@@ -75,11 +75,13 @@ pub(super) struct Question<'a> {
     pub tilt_rad: f64,
     /// Fraction of the held-out sum of squares that must fall.
     pub least_part: f64,
+    /// From one reading to the next, s.
+    pub interval_s: f64,
 }
 
 /// Judges one candidate of `tried`, by which its p-value is corrected.
 pub(super) fn judge(question: &Question<'_>, tried: usize) -> Standing {
-    let Question { linear, smaller, larger, term, tilt_rad, least_part } = *question;
+    let Question { linear, smaller, larger, term, tilt_rad, least_part, interval_s } = *question;
     let solved = linear.solve(larger, |_| true);
     let replicates = linear.replicates(larger);
     let own: Vec<usize> = term.parameters.clone().collect();
@@ -105,8 +107,8 @@ pub(super) fn judge(question: &Question<'_>, tried: usize) -> Standing {
         p_value: (p_value * tried as f64).min(1.0),
         fall,
         least_fall,
-        plausible: value.iter().zip(&half_widths).all(|(v, half)| v.abs() - half <= term.largest()),
-        matters: value.iter().any(|v| v.abs() >= term.smallest.max(term.per_tilt * tilt_rad))
+        plausible: value.iter().zip(&half_widths).all(|(v, half)| term.allows(*v, *half)),
+        matters: value.iter().any(|v| term.matters(*v, tilt_rad, interval_s))
             && fall >= least_part * held.sums(usize::MAX).0,
         half_widths,
     }

@@ -11,7 +11,7 @@
 use std::ops::Range;
 
 /// Number of parameters, fitted or not.
-pub(super) const PARAMETERS: usize = 58;
+pub(super) const PARAMETERS: usize = 59;
 /// A point in the space of all parameters, SI units.
 pub(super) type Point = [f64; PARAMETERS];
 
@@ -21,7 +21,8 @@ pub(super) const GYRO_BIAS: Range<usize> = 0..3;
 pub(super) const FORCE_BIAS: Range<usize> = 3..6;
 /// Gravity's components along the reference's north and east, m/s².
 pub(super) const TILT: Range<usize> = 6..8;
-/// τ, s; positive where the IMU stamps late.
+/// By how much the readings are late in all, s: what the clock of the IMU stamps late, τ, and the lag
+/// of a low-pass that they went through.
 pub(super) const OFFSET: usize = 8;
 /// Rate d of the IMU's clock against the reference's, s/s.
 pub(super) const DRIFT: usize = 9;
@@ -46,6 +47,9 @@ pub(super) const EARTH_RATE: Range<usize> = 46..49;
 pub(super) const ANCHOR: Range<usize> = 49..52;
 /// The accelerometer's S on and below its diagonal: xx, yy, zz, yx, zx, zy.
 pub(super) const FORCE_MATRIX: Range<usize> = 52..58;
+/// Square of the time constant of a low-pass that the readings went through, s². It enters by its
+/// square beside the lag of both together, for to the first order a low-pass is a clock that is late.
+pub(super) const LOWPASS: usize = 58;
 
 /// Places of the gyro's off-diagonal numbers.
 pub(super) const GYRO_OFF_DIAGONAL: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
@@ -58,7 +62,7 @@ pub(super) const COSINES: usize = 2;
 /// what nothing shows.
 pub(super) fn widths() -> Point {
     let mut widths = [0.0; PARAMETERS];
-    let rows: [(Range<usize>, f64); 15] = [
+    let rows: [(Range<usize>, f64); 16] = [
         (GYRO_BIAS, 1.0),
         (FORCE_BIAS, 5.0),
         (TILT, 3.0),
@@ -75,9 +79,29 @@ pub(super) fn widths() -> Point {
         (ANCHOR, 0.3),
         // A sensor as it is delivered: half a per cent to one.
         (FORCE_MATRIX, 1e-2),
+        (LOWPASS..LOWPASS + 1, 1e-2),
     ];
     for (range, width) in rows {
         widths[range].fill(width);
     }
     widths
+}
+
+/// Time constant of the low-pass, s; zero where there is none.
+pub(super) fn lowpass_s(point: &Point) -> f64 {
+    point[LOWPASS].max(0.0).sqrt()
+}
+
+/// By how much the clock alone is late, s.
+pub(super) fn clock_s(point: &Point) -> f64 {
+    point[OFFSET] - lowpass_s(point)
+}
+
+/// A parameter as it is stated, SI.
+pub(super) fn stated(point: &Point, p: usize) -> f64 {
+    match p {
+        OFFSET => clock_s(point),
+        LOWPASS => lowpass_s(point),
+        _ => point[p],
+    }
 }

@@ -6,7 +6,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::course::{Case, Course, vector};
 use super::integral::{between, cumulative, place};
 use super::parameters::{
-    COSINES, DRIFT, FORCE_BIAS, FORCE_WANDER, LEVER_ARM, MOUNTING, OFFSET, PARAMETERS, Point, TILT,
+    COSINES, DRIFT, FORCE_BIAS, FORCE_WANDER, LEVER_ARM, LOWPASS, MOUNTING, OFFSET, PARAMETERS, Point, TILT,
 };
 use super::rows::{Bins, Orders, Row, Spacing, rows};
 use crate::parallel;
@@ -98,6 +98,7 @@ fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize, middle_s: f64
         return Some(-Vector3::ith(p - MOUNTING.start, 1.0).cross(&f));
     }
     match p {
+        LOWPASS => Some(case.derivatives.second.force[k] * 0.5),
         // The reference's attitude at a sample is that of another instant.
         OFFSET => Some(w.cross(&f)),
         DRIFT => Some(w.cross(&f) * (time_s - middle_s)),

@@ -8,7 +8,7 @@ use super::blocks::Linear;
 use super::course::{accelerometer_matrix, gyro_matrix, vector};
 use super::log::Halves;
 use super::parameters::{
-    DRIFT, FORCE_BIAS, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_SCALE, LEVER_ARM, MOUNTING, OFFSET, Point, TILT,
+    DRIFT, FORCE_BIAS, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_SCALE, LEVER_ARM, MOUNTING, OFFSET, Point, TILT, stated,
 };
 use super::permutation::Permutation;
 use super::selection::Selection;
@@ -44,7 +44,8 @@ impl Fitted {
 
     /// A parameter in a unit of which `per_si` are one SI unit.
     pub(super) fn estimate(&self, p: usize, name: &str, unit: &str, per_si: f64) -> Estimate {
-        let (value, half) = (self.point[p], half_width(&|point| point[p], &self.point, &self.apart));
+        let of = |point: &Point| stated(point, p);
+        let (value, half) = (of(&self.point), half_width(&of, &self.point, &self.apart));
         let ci95 = [(value - half) * per_si, (value + half) * per_si];
         Estimate { name: name.into(), value: value * per_si, unit: unit.into(), ci95 }
     }
@@ -54,7 +55,8 @@ impl Fitted {
         if !self.has(p) {
             return Drawn::default();
         }
-        Drawn { mean: self.point[p], sd: deviation(&|point| point[p], &self.point, &self.apart) }
+        let of = |point: &Point| stated(point, p);
+        Drawn { mean: of(&self.point), sd: deviation(&of, &self.point, &self.apart) }
     }
 
     /// A number made of parameters, with its 95 % interval.

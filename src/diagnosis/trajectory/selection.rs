@@ -70,6 +70,8 @@ pub(super) struct Allowed {
     /// By how much attitudes may err, root mean square: what is smaller in the accelerometer may be
     /// gravity along an attitude that errs.
     pub tilt_rad: f64,
+    /// From one reading to the next, s.
+    pub interval_s: f64,
 }
 
 /// Searches a library for the candidates that held-out blocks and the jackknife bear out.
@@ -147,8 +149,8 @@ impl Search<'_> {
 
     /// Each of the library was tried as often as something was added.
     fn judged(&self, smaller: &[usize], larger: &[usize], term: &'static Term, looks: usize) -> Standing {
-        let Allowed { tilt_rad, least_part, .. } = *self.allowed;
-        let question = Question { linear: self.linear, smaller, larger, term, tilt_rad, least_part };
+        let Allowed { tilt_rad, least_part, interval_s, .. } = *self.allowed;
+        let question = Question { linear: self.linear, smaller, larger, term, tilt_rad, least_part, interval_s };
         judge(&question, self.library.len() * looks)
     }
 

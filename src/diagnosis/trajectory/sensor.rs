@@ -5,7 +5,7 @@ use super::clipping::Limit;
 use super::course::{Case, vector};
 use super::parameters::{
     DRIFT, EARTH_RATE, FORCE_BIAS, FORCE_WANDER, G_SENSITIVITY, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_SCALE, GYRO_WANDER,
-    LEVER_ARM, OFFSET,
+    LEVER_ARM, LOWPASS, OFFSET,
 };
 use super::permutation::Permutation;
 use super::published::Fitted;
@@ -73,7 +73,7 @@ impl Diagnosed<'_> {
 
     /// What was named and has no key in a study.
     fn not_expressible(&self) -> Vec<String> {
-        let without = [GYRO_WANDER.start, FORCE_WANDER.start];
+        let without = [GYRO_WANDER.start, FORCE_WANDER.start, LOWPASS];
         let lacks = |term: &&Term| {
             without.contains(&term.parameters.start) || (term.parameters == EARTH_RATE && self.place.is_none())
         };

@@ -24,7 +24,8 @@ pub struct Flight {
     stamps_ns: Vec<i64>,
     /// rad/s.
     pub rate: Vec<Three>,
-    force: Vec<Three>,
+    /// m/s².
+    pub force: Vec<Three>,
     poses: Vec<(i64, Vector3<f64>, UnitQuaternion<f64>)>,
 }
 

@@ -1,10 +1,11 @@
 //! `time-offset` and `clock-drift`: IMU and reference do not share a clock.
 
-use super::term::{Term, Unit};
+use super::term::{Measure, Term, Unit};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::trajectory::parameters::{DRIFT, OFFSET};
 
-pub(super) const TIME_OFFSET: Candidate = Candidate {
+/// Library entry of `time-offset`.
+pub const TIME_OFFSET: Candidate = Candidate {
     id: "time-offset",
     kind: Kind::Trajectory,
     statement: "The stamps of the IMU and those of the reference differ by a constant.",
@@ -35,6 +36,7 @@ pub(super) const TERMS: &[Term] = &[
         parameters: OFFSET..OFFSET + 1,
         names: &["offset"],
         unit: Unit { name: "s", per_si: 1.0 },
+        measure: Measure::Plain,
         smallest: 1e-4,
         per_tilt: 0.0,
         needs: None,
@@ -45,6 +47,7 @@ pub(super) const TERMS: &[Term] = &[
         parameters: DRIFT..DRIFT + 1,
         names: &["drift"],
         unit: Unit { name: "ppm", per_si: 1e6 },
+        measure: Measure::Plain,
         smallest: 2e-6,
         per_tilt: 0.0,
         needs: None,

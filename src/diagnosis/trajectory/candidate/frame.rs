@@ -1,6 +1,6 @@
 //! `mounting` and `lever-arm`: where and how the IMU sits on the body that the reference follows.
 
-use super::term::{Term, Unit};
+use super::term::{Measure, Term, Unit};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::model::Half;
 use crate::diagnosis::trajectory::parameters;
@@ -38,6 +38,7 @@ pub(super) const TERMS: &[Term] = &[
         parameters: parameters::MOUNTING,
         names: &["x", "y", "z"],
         unit: Unit { name: "deg", per_si: 1.0 / DEGREE },
+        measure: Measure::Plain,
         smallest: 1e-3,
         per_tilt: 0.0,
         needs: Some(Half::Attitude),
@@ -48,6 +49,7 @@ pub(super) const TERMS: &[Term] = &[
         parameters: parameters::LEVER_ARM,
         names: &["x", "y", "z"],
         unit: Unit { name: "m", per_si: 1.0 },
+        measure: Measure::Plain,
         smallest: 2e-3,
         per_tilt: 0.0,
         needs: Some(Half::Position),

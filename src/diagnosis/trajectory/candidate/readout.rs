@@ -1,6 +1,9 @@
-//! What happens between sensor and file: limits, exchanged columns, vibration.
+//! What happens between sensor and file: limits, a low-pass, exchanged columns, vibration.
 
+use super::term::{Measure, Term, Unit};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::diagnosis::model::Half;
+use crate::diagnosis::trajectory::parameters;
 
 /// Library entry of `readout-saturation`.
 pub const SATURATION: Candidate = Candidate {
@@ -14,6 +17,31 @@ pub const SATURATION: Candidate = Candidate {
     confusable_with: &["scale-factor"],
     reference: "IEEE 952, §3",
 };
+
+/// Library entry of `readout-lowpass`.
+pub const LOWPASS: Candidate = Candidate {
+    id: "readout-lowpass",
+    kind: Kind::Trajectory,
+    statement: "The readings of both sensors went through a low-pass.",
+    equation: "y = v/(1 + τs)",
+    parameters: &[Parameter { name: "tau", unit: "s", range: (0.0, 0.2) }],
+    acts: "readout",
+    signature: "readings that are late, and smaller the quicker the motion",
+    confusable_with: &["time-offset"],
+    reference: "Titterton & Weston, Strapdown inertial navigation technology, §8.6: bandwidth",
+};
+
+pub(super) const TERMS: &[Term] = &[Term {
+    candidate: &LOWPASS,
+    sensor: None,
+    parameters: parameters::LOWPASS..parameters::LOWPASS + 1,
+    names: &["tau"],
+    unit: Unit { name: "s", per_si: 1.0 },
+    measure: Measure::Time,
+    smallest: 3e-3,
+    per_tilt: 0.0,
+    needs: Some(Half::Attitude),
+}];
 
 /// Library entry of `axis-swap`.
 pub const AXIS_SWAP: Candidate = Candidate {

@@ -1,7 +1,7 @@
 //! What the sensors do to rates and specific forces: scale, axes, gravity in the gyro, biases that
 //! wander, the Earth's rate.
 
-use super::term::{Term, Unit};
+use super::term::{Measure, Term, Unit};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::model::Half;
 use crate::diagnosis::trajectory::parameters;
@@ -92,6 +92,7 @@ pub(super) const TERMS: &[Term] = &[
         parameters: parameters::GYRO_SCALE,
         names: &["gyro_x", "gyro_y", "gyro_z"],
         unit: PPM,
+        measure: Measure::Plain,
         smallest: 5e-4,
         per_tilt: 0.0,
         needs: None,
@@ -102,6 +103,7 @@ pub(super) const TERMS: &[Term] = &[
         parameters: parameters::GYRO_MISALIGNMENT,
         names: &["gyro_xy", "gyro_xz", "gyro_yx", "gyro_yz", "gyro_zx", "gyro_zy"],
         unit: MRAD,
+        measure: Measure::Plain,
         smallest: 5e-4,
         per_tilt: 0.0,
         needs: None,
@@ -112,6 +114,7 @@ pub(super) const TERMS: &[Term] = &[
         parameters: parameters::G_SENSITIVITY,
         names: &["gyro_xx", "gyro_xy", "gyro_xz", "gyro_yx", "gyro_yy", "gyro_yz", "gyro_zx", "gyro_zy", "gyro_zz"],
         unit: Unit { name: "deg/h/g", per_si: 3600.0 / DEGREE * STANDARD_GRAVITY_M_S2 },
+        measure: Measure::Plain,
         smallest: 5e-6,
         per_tilt: 0.0,
         needs: None,
@@ -122,6 +125,7 @@ pub(super) const TERMS: &[Term] = &[
         parameters: parameters::GYRO_WANDER,
         names: &["gyro_x1", "gyro_x2", "gyro_y1", "gyro_y2", "gyro_z1", "gyro_z2"],
         unit: DEG_H,
+        measure: Measure::Plain,
         smallest: 2e-5,
         per_tilt: 0.0,
         needs: None,
@@ -132,6 +136,7 @@ pub(super) const TERMS: &[Term] = &[
         parameters: parameters::EARTH_RATE,
         names: &["north", "east", "down"],
         unit: DEG_H,
+        measure: Measure::Plain,
         smallest: 1e-5,
         per_tilt: 0.0,
         needs: None,
@@ -149,6 +154,7 @@ pub(super) const TERMS: &[Term] = &[
             "accelerometer_z2",
         ],
         unit: Unit { name: "mg", per_si: 1e3 / STANDARD_GRAVITY_M_S2 },
+        measure: Measure::Plain,
         smallest: 2e-3,
         per_tilt: STANDARD_GRAVITY_M_S2,
         needs: Some(Half::Position),

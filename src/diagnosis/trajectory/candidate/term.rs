@@ -15,6 +15,16 @@ pub struct Unit {
     pub per_si: f64,
 }
 
+/// How a parameter of the fit is stated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// As it is.
+    Plain,
+    /// By its root: the fit is linear in the square, which no law makes negative, and readings show
+    /// nothing that is shorter than the time from one to the next.
+    Time,
+}
+
 /// A candidate and its parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Term {
@@ -28,6 +38,8 @@ pub struct Term {
     pub names: &'static [&'static str],
     /// Unit of its parameters.
     pub unit: Unit,
+    /// How its parameters are stated.
+    pub measure: Measure,
     /// Sizes below which it costs nothing, SI.
     pub smallest: f64,
     /// What looks the same in the readings as an attitude of the reference that errs by one radian,
@@ -44,8 +56,33 @@ impl Term {
     }
 
     /// The largest size that such a sensor or mounting has, as the library states it, SI.
-    pub fn largest(&self) -> f64 {
+    fn largest(&self) -> f64 {
         self.candidate.parameters.iter().map(|p| p.range.1).fold(0.0, f64::max) / self.unit.per_si
+    }
+
+    /// Whether a parameter of the fit with the half width of its interval may be such a sensor's.
+    pub(in crate::diagnosis::trajectory) fn allows(&self, value: f64, half_width: f64) -> bool {
+        match self.measure {
+            Measure::Plain => value.abs() - half_width <= self.largest(),
+            Measure::Time => value > half_width && value - half_width <= self.largest().powi(2),
+        }
+    }
+
+    /// Whether a parameter of the fit is large enough to cost anything, where attitudes err by
+    /// `tilt_rad` and readings are `interval_s` apart.
+    pub(in crate::diagnosis::trajectory) fn matters(&self, value: f64, tilt_rad: f64, interval_s: f64) -> bool {
+        match self.measure {
+            Measure::Plain => value.abs() >= self.smallest.max(self.per_tilt * tilt_rad),
+            Measure::Time => value >= self.smallest.max(interval_s).powi(2),
+        }
+    }
+
+    /// A size of a parameter of the fit as it is stated, SI.
+    pub(in crate::diagnosis::trajectory) fn size(&self, value: f64) -> f64 {
+        match self.measure {
+            Measure::Plain => value,
+            Measure::Time => value.max(0.0).sqrt(),
+        }
     }
 
     /// "misalignment of the gyro".
