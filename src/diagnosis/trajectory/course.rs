@@ -151,16 +151,20 @@ impl Course {
             let cosines = case.cosines(time_s);
             Vector3::from_fn(|i, _| (0..COSINES).map(|n| point[start + COSINES * i + n] * cosines[n]).sum::<f64>())
         };
+        let (log, lowpass_s) = (case.log, lowpass_s(point));
+        let Derivatives { first, above, .. } = case.derivatives;
+        // What was filtered is smooth, and straight lines between its samples are too sharp.
+        let too_sharp = f64::from(lowpass_s > 0.0 && case.rule == Rule::Straight);
         // What a low-pass takes: v = y + τ dy/dt.
-        let (log, changes, lowpass_s) = (case.log, &case.derivatives.first, lowpass_s(point));
+        let taken = |first: &Vector3<f64>, above: &Vector3<f64>| first * lowpass_s - above * too_sharp;
         let (mut rate, mut force) = (Vec::with_capacity(log.rate.len()), Vec::with_capacity(log.rate.len()));
         for n in 0..log.rate.len() {
             let f = accelerometer
-                * (log.force[n] + changes.force[n] * lowpass_s
+                * (log.force[n] + taken(&first.force[n], &above.force[n])
                     - vector(point, FORCE_BIAS.start)
                     - wander(FORCE_WANDER.start, log.time_s[n]));
             let w = gyro
-                * (log.rate[n] + changes.rate[n] * lowpass_s
+                * (log.rate[n] + taken(&first.rate[n], &above.rate[n])
                     - vector(point, GYRO_BIAS.start)
                     - wander(GYRO_WANDER.start, log.time_s[n])
                     - k * f);

@@ -21,6 +21,9 @@ pub(super) struct Derivatives {
     pub first: Both,
     /// Second ones, smoothed; unit/s².
     pub second: Both,
+    /// By how much straight lines from sample to sample lie above the curve in the mean, unit: a
+    /// low-pass of the root of a sixth of the interval's square.
+    pub above: Both,
 }
 
 /// Over which a parabola is fitted to either side, of gyro and of accelerometer, s: noise of the
@@ -39,7 +42,12 @@ impl Derivatives {
         let first = |sensor: usize| each().map(|k| curves[sensor].first(k)).collect();
         let second =
             |sensor: usize| parallel::map_indices(log.time_s.len(), |k| curves[sensor].second(k, HALF_S[sensor]));
-        Self { first: Both { rate: first(0), force: first(1) }, second: Both { rate: second(0), force: second(1) } }
+        let above = |sensor: usize| each().map(|k| curves[sensor].above(k)).collect();
+        Self {
+            above: Both { rate: above(0), force: above(1) },
+            first: Both { rate: first(0), force: first(1) },
+            second: Both { rate: second(0), force: second(1) },
+        }
     }
 }
 
@@ -49,16 +57,29 @@ struct Curves<'a> {
 }
 
 impl Curves<'_> {
+    fn has_neighbours(&self, k: usize) -> bool {
+        let time_s = &self.log.time_s;
+        k > 0 && k + 1 < time_s.len() && time_s[k + 1] - time_s[k - 1] <= 2.0 * GAP * self.log.interval_s
+    }
+
     /// Zero at the ends and beside gaps.
     fn first(&self, k: usize) -> Vector3<f64> {
-        let time_s = &self.log.time_s;
-        if k == 0 || k + 1 >= time_s.len() || time_s[k + 1] - time_s[k - 1] > 2.0 * GAP * self.log.interval_s {
+        if !self.has_neighbours(k) {
             return Vector3::zeros();
         }
+        let time_s = &self.log.time_s;
         let (before, after) = (time_s[k] - time_s[k - 1], time_s[k + 1] - time_s[k]);
         let slope = |to: usize, step_s: f64| (self.values[to] - self.values[k]) / step_s;
         // The parabola through the three.
         (slope(k + 1, after) * before + slope(k - 1, -before) * after) / (before + after)
+    }
+
+    /// A twelfth of the second derivative times the square of the interval.
+    fn above(&self, k: usize) -> Vector3<f64> {
+        if !self.has_neighbours(k) {
+            return Vector3::zeros();
+        }
+        (self.values[k + 1] + self.values[k - 1] - self.values[k] * 2.0) / 12.0
     }
 
     /// Twice the second coefficient of the parabola of least squares.

@@ -6,7 +6,7 @@ use super::candidate::{AXIS_SWAP, LOWPASS, MOUNTING, REFERENCE_NOISE, SATURATION
 use super::clipping::Limit;
 use super::judgement::Standing;
 use super::log::Halves;
-use super::parameters::OFFSET;
+use super::parameters::{self, OFFSET};
 use super::permutation::Permutation;
 use super::published::Fitted;
 use super::scatter::Excess;
@@ -21,6 +21,9 @@ use crate::units::DEGREE;
 
 /// What a mounting that needed no fit is known to, °: below, it would cost nothing.
 const SMALL_DEG: f64 = 0.1;
+
+/// Fraction of its time constant by which the lag of a filter that is nearly of one pole may differ.
+const ONE_POLE: f64 = 0.05;
 
 /// Unit of a sensor's readings.
 pub(super) fn unit(sensor: Sense) -> &'static str {
@@ -53,12 +56,13 @@ pub(super) fn of_fit(selection: &Selection, fit: &Fitted, channels: impl Fn(&Ter
     let mut all: Vec<Effect> = each.filter(|e| e.id != TIME_OFFSET.id).collect();
     let clock = fit.estimate(OFFSET, "offset", "s", 1.0);
     let [least, most] = clock.ci95;
-    if least > 0.0 || most < 0.0 {
+    let nearly = ONE_POLE * fit.estimate(parameters::LOWPASS, "tau", "s", 1.0).value;
+    if least > nearly || most < -nearly {
         let known = selection.named.iter().find(|n| n.standing.term.id() == TIME_OFFSET.id);
         let Standing { term, gain, p_value, .. } = &known.unwrap_or(lowpass).standing;
         let evidence = Evidence { held_out_gain: *gain, p_value: *p_value };
         let mut effect = effect(&TIME_OFFSET, vec![clock], channels(term), evidence);
-        if least > 0.0 {
+        if least > nearly {
             // A second pole makes readings later too, and hardly smaller.
             effect.confusable_with = vec![LOWPASS.id.into()];
         }

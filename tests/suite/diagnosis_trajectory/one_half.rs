@@ -65,8 +65,7 @@ fn taken() -> Result<(), Failed> {
 
 /// Headings of stamp and position.
 const POSITION: [&str; 2] = ["timestamp", "p_RS"];
-const NO_MOUNTING: &str =
-    "a reference of position alone says nothing about mounting; a reference that also has attitudes would";
+const NO_MOUNTING: &str = "a reference of position alone says nothing about mounting or readout-lowpass of the gyro; a reference that also has attitudes would";
 /// White errors of each position, m: motion capture.
 const CAPTURE_M: f64 = 1e-3;
 

@@ -4,6 +4,7 @@ use super::term::{Measure, Term, Unit};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::model::Half;
 use crate::diagnosis::trajectory::parameters;
+use crate::sensor::Sense;
 
 /// Library entry of `readout-saturation`.
 pub const SATURATION: Candidate = Candidate {
@@ -22,8 +23,8 @@ pub const SATURATION: Candidate = Candidate {
 pub const LOWPASS: Candidate = Candidate {
     id: "readout-lowpass",
     kind: Kind::Trajectory,
-    statement: "The readings of both sensors went through a low-pass.",
-    equation: "y = v/(1 + τs)",
+    statement: "The gyro's readings went through a low-pass; the accelerometer's are taken to have gone through the same.",
+    equation: "τ dy/dt = v − y",
     parameters: &[Parameter { name: "tau", unit: "s", range: (0.0, 0.2) }],
     acts: "readout",
     signature: "readings that are late, and smaller the quicker the motion",
@@ -33,7 +34,7 @@ pub const LOWPASS: Candidate = Candidate {
 
 pub(super) const TERMS: &[Term] = &[Term {
     candidate: &LOWPASS,
-    sensor: None,
+    sensor: Some(Sense::Gyro),
     parameters: parameters::LOWPASS..parameters::LOWPASS + 1,
     names: &["tau"],
     unit: Unit { name: "s", per_si: 1.0 },
