@@ -153,18 +153,21 @@ impl Course {
         };
         let (log, lowpass_s) = (case.log, lowpass_s(point));
         let Derivatives { first, above, .. } = case.derivatives;
-        // What was filtered is smooth, and straight lines between its samples are too sharp.
-        let too_sharp = f64::from(lowpass_s > 0.0 && case.rule == Rule::Straight);
+        // What was filtered is smooth, and straight lines between its samples are too sharp, at each
+        // integral again.
+        let sharp = f64::from(lowpass_s > 0.0 && case.rule == Rule::Straight);
         // What a low-pass takes: v = y + τ dy/dt.
-        let taken = |first: &Vector3<f64>, above: &Vector3<f64>| first * lowpass_s - above * too_sharp;
+        let taken = |first: &Vector3<f64>, above: &Vector3<f64>, integrals: f64| {
+            first * lowpass_s - above * (integrals * sharp)
+        };
         let (mut rate, mut force) = (Vec::with_capacity(log.rate.len()), Vec::with_capacity(log.rate.len()));
         for n in 0..log.rate.len() {
             let f = accelerometer
-                * (log.force[n] + taken(&first.force[n], &above.force[n])
+                * (log.force[n] + taken(&first.force[n], &above.force[n], 2.0)
                     - vector(point, FORCE_BIAS.start)
                     - wander(FORCE_WANDER.start, log.time_s[n]));
             let w = gyro
-                * (log.rate[n] + taken(&first.rate[n], &above.rate[n])
+                * (log.rate[n] + taken(&first.rate[n], &above.rate[n], 1.0)
                     - vector(point, GYRO_BIAS.start)
                     - wander(GYRO_WANDER.start, log.time_s[n])
                     - k * f);
