@@ -94,10 +94,9 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     let motion = intake::motion(recording, reference, &log, began, &mut examined.findings)?;
     let gravity_m_s2 = gravity(model);
     let work = control.stage("aligning the clocks", 0);
-    let derivatives = Derivatives::of(&log);
     let as_given = Case {
         log: &log,
-        derivatives: &derivatives,
+        derivatives: None,
         motion: &motion,
         turned: UnitQuaternion::identity(),
         gravity_m_s2,
@@ -118,10 +117,17 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
         (found.start, found.anchor, found.least_turn_rad)
     };
     let log = unswapped(&log, &start);
-    let derivatives = Derivatives::of(&log);
+    let derivatives = motion.halves.attitude.then(|| Derivatives::of(&log));
     let motion = motion.within(&log, start.offset_s);
     work.rename("searching the library");
-    let case = Case { log: &log, derivatives: &derivatives, motion: &motion, turned: start.turned, anchor, ..as_given };
+    let case = Case {
+        log: &log,
+        derivatives: derivatives.as_ref(),
+        motion: &motion,
+        turned: start.turned,
+        anchor,
+        ..as_given
+    };
     // What the gyro's white noise makes of an attitude that is right in the middle.
     let wander_rad = (0.25 * scatter::random_walks(&log, model.noise)[0] * log.duration_s()).sqrt();
     let mut library = candidate::terms(motion.halves);

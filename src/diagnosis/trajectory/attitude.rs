@@ -70,7 +70,7 @@ pub(super) fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize) ->
     }
     if p == LOWPASS {
         // Beside the lag, whose parameter is another.
-        return Some(course.gyro * case.derivatives.second.rate[k] * 0.5);
+        return Some(course.gyro * case.derivatives?.second.rate[k] * 0.5);
     }
     GYRO_WANDER.contains(&p).then(|| {
         let n = p - GYRO_WANDER.start;

@@ -10,7 +10,7 @@ mod reference;
 mod sensor;
 mod term;
 
-pub use clock::TIME_OFFSET;
+pub use clock::{CLOCK, TIME_OFFSET};
 pub use frame::MOUNTING;
 pub use readout::{AXIS_SWAP, LOWPASS, SATURATION, VIBRATION};
 pub use reference::REFERENCE_NOISE;

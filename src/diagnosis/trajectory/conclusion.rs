@@ -4,7 +4,7 @@
 use nalgebra::Vector3;
 
 use super::account::{Account, Hidden, Manoeuvre, NamedEffect, Untold};
-use super::candidate::{Term, untold};
+use super::candidate::{LOWPASS, TIME_OFFSET, Term, untold};
 use super::clipping::Limit;
 use super::course::Case;
 use super::detail::{Detail, Series};
@@ -18,7 +18,7 @@ use super::permutation::Permutation;
 use super::published::{self, Fitted};
 use super::rows::Row;
 use super::scatter;
-use super::selection::{Selection, base};
+use super::selection::{Named, Selection, base};
 use super::sensor::Diagnosed;
 use super::start::Start;
 use super::vibration::{self, Vibration};
@@ -118,8 +118,9 @@ impl Examined<'_> {
         self.findings.push(format!("{matrix}; a tumble recording determines them"));
         let small = base(halves);
         let active = selection.active(halves);
-        let chosen = Fitted::of(&fit.linear, &active);
-        let wide = Fitted::of(&fit.linear, &published::usual(&active, selection));
+        let fitted = |active: &[usize]| Fitted::of(&fit.linear, active, found.log.interval_s);
+        let chosen = fitted(&active);
+        let wide = fitted(&published::usual(&active, selection));
         let before = fit.linear.solve(&small, |_| true).point;
         let held = HeldOut::of(&fit.linear, &small, &active);
         let first = halves.lacks().map_or(Half::Attitude, other);
@@ -131,7 +132,7 @@ impl Examined<'_> {
         let exchanged =
             Evidence { held_out_gain: found.start.explained.max(0.0), p_value: found.start.chance_exchanged };
         effects.splice(0..0, self.of_readings([clipped; 2], swap, exchanged));
-        let seated = Fitted::of(&fit.linear, &published::seated(&active, halves));
+        let seated = fitted(&published::seated(&active, halves));
         let own = scatter::random_walks(found.log, self.stated);
         let residuals = |half: Half| {
             // Without attitudes only what points down is differenced as often as noise is judged by.
@@ -363,17 +364,22 @@ fn scores(found: &Found<'_>, [before, after]: [&Point; 2], held: &HeldOut, named
 }
 
 fn ranking(effects: &[Effect], selection: &Selection) -> Vec<Ranked> {
-    let row = |s: &Standing, named: bool| Ranked {
+    let row = |s: &Standing, named: bool, note: Note| Ranked {
         id: s.term.id(),
         channels: s.term.sensor.map(|sensor| sensor.name().to_owned()).into_iter().collect(),
         gain: Gain::held_out(s.gain, s.ci95),
         p_value: s.p_value,
         named,
-        note: if effects.is_empty() { Note::Alone } else { Note::BesideNamed },
+        note,
     };
-    let is_effect = |s: &Standing| effects.iter().any(|e| e.id == s.term.id());
-    let named = selection.named.iter().map(|n| row(&n.standing, is_effect(&n.standing)));
-    named.chain(selection.others.iter().map(|s| row(s, false))).collect()
+    let beside = || if effects.is_empty() { Note::Alone } else { Note::BesideNamed };
+    let named = selection.named.iter().map(|Named { standing, .. }| {
+        let is_effect = effects.iter().any(|e| e.id == standing.term.id());
+        row(standing, is_effect, if is_effect { beside() } else { Note::PartOf(LOWPASS.id) })
+    });
+    // A clock that takes back the lag of a low-pass needs no term of its own.
+    let beside_lowpass = |s: &Standing| s.term.id() == TIME_OFFSET.id && effects.iter().any(|e| e.id == TIME_OFFSET.id);
+    named.chain(selection.others.iter().map(|s| row(s, beside_lowpass(s), beside()))).collect()
 }
 
 /// A term whose interval is so wide that the recording says nothing of it.

@@ -3,7 +3,7 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use super::derivatives::Derivatives;
+use super::derivatives::{Both, Derivatives};
 use super::integral::{Rule, cumulative, place};
 use super::log::{Log, Motion};
 use super::parameters::{
@@ -16,8 +16,8 @@ use super::parameters::{
 pub(super) struct Case<'a> {
     /// Readings of the IMU, SI units.
     pub log: &'a Log,
-    /// How its readings change.
-    pub derivatives: &'a Derivatives,
+    /// How its readings change, where a low-pass of them can be seen.
+    pub derivatives: Option<&'a Derivatives>,
     /// The poses of the reference.
     pub motion: &'a Motion,
     /// C₀, from the IMU's axes to the reference's body axes.
@@ -152,22 +152,26 @@ impl Course {
             Vector3::from_fn(|i, _| (0..COSINES).map(|n| point[start + COSINES * i + n] * cosines[n]).sum::<f64>())
         };
         let (log, lowpass_s) = (case.log, lowpass_s(point));
-        let Derivatives { first, above, .. } = case.derivatives;
-        // What was filtered is smooth, and straight lines between its samples are too sharp, at each
-        // integral again.
-        let sharp = f64::from(lowpass_s > 0.0 && case.rule == Rule::Straight);
+        // Straight lines cut the peaks of a smooth curve: each integral loses a twelfth of the second
+        // derivative times the square of the interval. What was filtered is smooth; what was not may
+        // vibrate.
+        let cut = match case.rule {
+            Rule::Straight => (lowpass_s / log.interval_s).powi(2).min(1.0),
+            Rule::Cubic => 0.0,
+        };
         // What a low-pass takes: v = y + τ dy/dt.
-        let taken = |first: &Vector3<f64>, above: &Vector3<f64>, integrals: f64| {
-            first * lowpass_s - above * (integrals * sharp)
+        let taken = |of: fn(&Both) -> &[Vector3<f64>], n: usize, integrals: f64| match case.derivatives {
+            Some(d) if lowpass_s > 0.0 => of(&d.first)[n] * lowpass_s - of(&d.above)[n] * (integrals * cut),
+            _ => Vector3::zeros(),
         };
         let (mut rate, mut force) = (Vec::with_capacity(log.rate.len()), Vec::with_capacity(log.rate.len()));
         for n in 0..log.rate.len() {
             let f = accelerometer
-                * (log.force[n] + taken(&first.force[n], &above.force[n], 2.0)
+                * (log.force[n] + taken(|b| &b.force, n, 2.0)
                     - vector(point, FORCE_BIAS.start)
                     - wander(FORCE_WANDER.start, log.time_s[n]));
             let w = gyro
-                * (log.rate[n] + taken(&first.rate[n], &above.rate[n], 1.0)
+                * (log.rate[n] + taken(|b| &b.rate, n, 1.0)
                     - vector(point, GYRO_BIAS.start)
                     - wander(GYRO_WANDER.start, log.time_s[n])
                     - k * f);

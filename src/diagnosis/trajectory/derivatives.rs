@@ -29,10 +29,19 @@ pub(super) struct Derivatives {
 /// Over which a parabola is fitted to either side, of gyro and of accelerometer, s: noise of the
 /// readings that it lets through stands in the residual too, and makes the low-pass look shorter.
 const HALF_S: [f64; 2] = [0.2, 0.4];
+/// What the widths may be divided by where the motion is too quick for them.
+const NARROWER: [f64; 3] = [1.0, 2.0, 4.0];
+/// Smoothed by one width, a derivative may be so much smaller or larger than by the narrowest: beyond
+/// that, steps of Gauss and Newton along it go too far.
+const FAITHFUL: [f64; 2] = [0.7, 1.4];
 /// Fewest samples to either side.
 const FEWEST: usize = 2;
-/// Intervals between samples beyond which they are no neighbours.
+/// Intervals between samples beyond which they are no neighbours, and within which the stamps of one
+/// of them cannot be right. A smoothed stretch may last so much longer than its samples.
 const GAP: f64 = 2.5;
+const LEAST: f64 = 0.25;
+/// By how much the steps to both sides may differ.
+const EVEN: f64 = 0.1;
 
 impl Derivatives {
     /// Of the readings of a log.
@@ -40,8 +49,7 @@ impl Derivatives {
         let curves = [&log.rate, &log.force].map(|values| Curves { log, values });
         let each = || 0..log.time_s.len();
         let first = |sensor: usize| each().map(|k| curves[sensor].first(k)).collect();
-        let second =
-            |sensor: usize| parallel::map_indices(log.time_s.len(), |k| curves[sensor].second(k, HALF_S[sensor]));
+        let second = |sensor: usize| curves[sensor].smoothed(HALF_S[sensor]);
         let above = |sensor: usize| each().map(|k| curves[sensor].above(k)).collect();
         Self {
             above: Both { rate: above(0), force: above(1) },
@@ -59,7 +67,8 @@ struct Curves<'a> {
 impl Curves<'_> {
     fn has_neighbours(&self, k: usize) -> bool {
         let time_s = &self.log.time_s;
-        k > 0 && k + 1 < time_s.len() && time_s[k + 1] - time_s[k - 1] <= 2.0 * GAP * self.log.interval_s
+        let is_next = |step_s: f64| step_s >= LEAST * self.log.interval_s && step_s <= GAP * self.log.interval_s;
+        k > 0 && k + 1 < time_s.len() && is_next(time_s[k] - time_s[k - 1]) && is_next(time_s[k + 1] - time_s[k])
     }
 
     /// Zero at the ends and beside gaps.
@@ -74,12 +83,29 @@ impl Curves<'_> {
         (slope(k + 1, after) * before + slope(k - 1, -before) * after) / (before + after)
     }
 
-    /// A twelfth of the second derivative times the square of the interval.
+    /// A twelfth of the second derivative times the square of the interval; zero where stamps are
+    /// uneven.
     fn above(&self, k: usize) -> Vector3<f64> {
-        if !self.has_neighbours(k) {
+        let step = |k: usize| self.log.time_s[k] - self.log.time_s[k - 1];
+        if !self.has_neighbours(k) || (step(k + 1) / step(k) - 1.0).abs() > EVEN {
             return Vector3::zeros();
         }
         (self.values[k + 1] + self.values[k - 1] - self.values[k] * 2.0) / 12.0
+    }
+
+    /// Second derivatives, as smooth as they may be.
+    fn smoothed(&self, half_s: f64) -> Vec<Vector3<f64>> {
+        let second = |half_s: f64| parallel::map_indices(self.values.len(), |k| self.second(k, half_s));
+        let narrowest = second(half_s / NARROWER[NARROWER.len() - 1]);
+        let product = |a: &[Vector3<f64>]| a.iter().zip(&narrowest).map(|(a, b)| a.dot(b)).sum::<f64>();
+        for times in &NARROWER[..NARROWER.len() - 1] {
+            let wide = second(half_s / times);
+            let square: f64 = wide.iter().map(Vector3::norm_squared).sum();
+            if (FAITHFUL[0] * square..=FAITHFUL[1] * square).contains(&product(&wide)) {
+                return wide;
+            }
+        }
+        narrowest
     }
 
     /// Twice the second coefficient of the parabola of least squares.
@@ -121,8 +147,8 @@ mod tests {
         let values: Vec<Vector3<f64>> = time_s.iter().map(|t| Vector3::new(3.0 * t * t - t, 2.0, -t)).collect();
         let log = Log { time_s: time_s.clone(), rate: values.clone(), force: values, interval_s: 0.01 };
         let got = Derivatives::of(&log);
-        for k in 45..155 {
-            assert!((got.first.rate[k] - Vector3::new(6.0 * time_s[k] - 1.0, 0.0, -1.0)).norm() < 1e-9);
+        for (k, t) in time_s.iter().enumerate().take(155).skip(45) {
+            assert!((got.first.rate[k] - Vector3::new(6.0 * t - 1.0, 0.0, -1.0)).norm() < 1e-9);
             assert!((got.second.force[k] - Vector3::new(6.0, 0.0, 0.0)).norm() < 1e-6);
         }
         // Beside a gap there are none.

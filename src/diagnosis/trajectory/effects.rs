@@ -2,7 +2,9 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::candidate::{AXIS_SWAP, LOWPASS, MOUNTING, REFERENCE_NOISE, SATURATION, TIME_OFFSET, Term, VIBRATION};
+use super::candidate::{
+    AXIS_SWAP, CLOCK, LOWPASS, MOUNTING, REFERENCE_NOISE, SATURATION, TIME_OFFSET, Term, VIBRATION,
+};
 use super::clipping::Limit;
 use super::judgement::Standing;
 use super::log::Halves;
@@ -46,27 +48,29 @@ fn effect(candidate: &Candidate, parameters: Vec<Estimate>, channels: Vec<String
     }
 }
 
-/// What was fitted. A low-pass is late by its own time constant: a clock is an effect beside it only
-/// where the readings are later than that, or less late.
+/// What the clock alone is late by beside a low-pass, s: nothing where the readings are as late as
+/// the low-pass makes them.
+pub(super) fn clock_beside_lowpass(fit: &Fitted) -> Option<Estimate> {
+    let clock = fit.estimate(OFFSET, "offset", "s", 1.0);
+    let nearly = ONE_POLE * fit.estimate(parameters::LOWPASS, "tau", "s", 1.0).value;
+    (clock.ci95[0] > nearly || clock.ci95[1] < -nearly).then_some(clock)
+}
+
+/// What was fitted.
 pub(super) fn of_fit(selection: &Selection, fit: &Fitted, channels: impl Fn(&Term) -> Vec<String>) -> Vec<Effect> {
     let each = selection.named.iter().map(|n| fitted(n, fit, channels(n.standing.term)));
-    let Some(lowpass) = selection.named.iter().find(|n| n.standing.term.id() == LOWPASS.id) else {
-        return each.collect();
-    };
+    let Some(lowpass) = selection.term(LOWPASS.id) else { return each.collect() };
     let mut all: Vec<Effect> = each.filter(|e| e.id != TIME_OFFSET.id).collect();
-    let clock = fit.estimate(OFFSET, "offset", "s", 1.0);
-    let [least, most] = clock.ci95;
-    let nearly = ONE_POLE * fit.estimate(parameters::LOWPASS, "tau", "s", 1.0).value;
-    if least > nearly || most < -nearly {
-        let known = selection.named.iter().find(|n| n.standing.term.id() == TIME_OFFSET.id);
-        let Standing { term, gain, p_value, .. } = &known.unwrap_or(lowpass).standing;
+    if let Some(clock) = clock_beside_lowpass(fit) {
+        let known = selection.term(TIME_OFFSET.id);
+        let Standing { gain, p_value, .. } = &known.unwrap_or(lowpass).standing;
         let evidence = Evidence { held_out_gain: *gain, p_value: *p_value };
-        let mut effect = effect(&TIME_OFFSET, vec![clock], channels(term), evidence);
-        if least > nearly {
-            // A second pole makes readings later too, and hardly smaller.
-            effect.confusable_with = vec![LOWPASS.id.into()];
-        }
-        all.push(effect);
+        // A second pole makes readings later too, and hardly smaller.
+        let pole = (clock.value > 0.0).then_some(LOWPASS.id);
+        let others = known.into_iter().flat_map(|n| &n.rivals).map(|t| t.id());
+        let rivals = pole.into_iter().chain(others).map(str::to_owned).collect();
+        let effect = effect(&TIME_OFFSET, vec![clock], channels(&CLOCK), evidence);
+        all.push(Effect { confusable_with: rivals, ..effect });
     }
     all
 }

@@ -8,7 +8,7 @@ use super::blocks::{BLOCKS, Blocks, Linear, part};
 use super::colour::Held;
 use super::course::{Anchor, Case, Course, Turns};
 use super::log::Motion;
-use super::parameters::{PARAMETERS, Point};
+use super::parameters::{LOWPASS, PARAMETERS, Point};
 use super::position::{POSITION, Steady, position_rows};
 use super::rows::{Bins, Orders, Row};
 use super::whitening::Whitening;
@@ -129,7 +129,9 @@ impl Fit {
                 let (linear, residuals) = coloured(&point, residuals, active, &cut);
                 return Ok(Self { linear, residuals, error });
             }
-            let solved = linear.solve(active, |_| true);
+            let mut solved = linear.solve(active, |_| true);
+            // No filter has a negative one, and none is applied.
+            solved.point[LOWPASS] = solved.point[LOWPASS].max(0.0);
             let moved = |(i, p): (usize, &usize)| {
                 (solved.point[*p] - point[*p]).abs() > SETTLED * solved.covariance[(i, i)].max(0.0).sqrt()
             };

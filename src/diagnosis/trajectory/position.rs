@@ -98,7 +98,7 @@ fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize, middle_s: f64
         return Some(-Vector3::ith(p - MOUNTING.start, 1.0).cross(&f));
     }
     match p {
-        LOWPASS => Some(case.derivatives.second.force[k] * 0.5),
+        LOWPASS => Some(case.derivatives?.second.force[k] * 0.5),
         // The reference's attitude at a sample is that of another instant.
         OFFSET => Some(w.cross(&f)),
         DRIFT => Some(w.cross(&f) * (time_s - middle_s)),

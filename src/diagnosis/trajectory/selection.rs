@@ -43,6 +43,11 @@ impl Selection {
         named.chain(&self.others).any(|standing| standing.term.parameters.contains(&p))
     }
 
+    /// What was named by this id.
+    pub(super) fn term(&self, id: &str) -> Option<&Named> {
+        self.named.iter().find(|n| n.standing.term.id() == id)
+    }
+
     /// The chosen model's parameters.
     pub(super) fn active(&self, halves: Halves) -> Vec<usize> {
         with(&base(halves), self.named.iter().map(|n| n.standing.term))

@@ -60,6 +60,7 @@ impl Diagnosed<'_> {
             gyro_scale: three(chosen, GYRO_SCALE.start),
             gyro_misalignment: [0, 1, 2].map(misaligned),
             g_sensitivity: [0, 1, 2].map(sensitive),
+            // With the lag of a low-pass, which a study has no other key for.
             time_offset: chosen.drawn(OFFSET),
             clock_drift: chosen.drawn(DRIFT),
             middle_s: motion.middle_s() + motion.zero_s,
@@ -78,8 +79,9 @@ impl Diagnosed<'_> {
             without.contains(&term.parameters.start) || (term.parameters == EARTH_RATE && self.place.is_none())
         };
         let terms = self.selection.named.iter().map(|n| n.standing.term);
+        let but = |t: &Term| if t.parameters.contains(&LOWPASS) { "; its lag is in time_offset_us" } else { "" };
         let mut all: Vec<String> =
-            terms.filter(lacks).map(|t| format!("{} ({})", t.phrase(), t.candidate.equation)).collect();
+            terms.filter(lacks).map(|t| format!("{} ({}){}", t.phrase(), t.candidate.equation, but(t))).collect();
         if [self.start.gyro, self.start.accelerometer].iter().any(|p| *p != Permutation::NONE) {
             all.push(format!("{}: its axes are taken as they ought to be", AXIS_SWAP.id));
         }

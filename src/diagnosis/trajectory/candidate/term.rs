@@ -20,8 +20,8 @@ pub struct Unit {
 pub enum Measure {
     /// As it is.
     Plain,
-    /// By its root: the fit is linear in the square, which no law makes negative, and readings show
-    /// nothing that is shorter than the time from one to the next.
+    /// By its root: the fit is linear in the square, which no law makes negative. Below the time from
+    /// one reading to the next it cannot be told from the straight lines between them.
     Time,
 }
 
