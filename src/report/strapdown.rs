@@ -148,7 +148,7 @@ pub(crate) fn budget_table(answer: &Answer) -> Table {
     parts.sort_by(|a, b| covariance.horizontal_m2(b, last).total_cmp(&covariance.horizontal_m2(a, last)));
     for part in parts {
         let mut row = vec![part.cause.name().to_owned()];
-        row.extend(answer.report.iter().map(|k| percent(covariance.fraction(part, *k))));
+        row.extend(answer.report.iter().map(|k| percent(answer.fraction(part, *k))));
         let down_m = (part.variance[last][2] + part.mean[last][2].powi(2)).sqrt();
         row.extend([covariance.horizontal_m2(part, last).sqrt(), down_m].map(|m| significant(m, 3)));
         table.row(row);

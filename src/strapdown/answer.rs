@@ -80,6 +80,12 @@ impl Answer {
         self.covariance.parts.iter().chain([&self.own])
     }
 
+    /// Fraction of the mean squared horizontal distance of all rows that one makes.
+    pub fn fraction(&self, part: &Part, report: usize) -> f64 {
+        let all: f64 = self.parts().map(|part| self.covariance.horizontal_m2(part, report)).sum();
+        if all > 0.0 { self.covariance.horizontal_m2(part, report) / all } else { 0.0 }
+    }
+
     /// The user's report times, s.
     pub fn report_times_s(&self) -> Vec<f64> {
         self.report.iter().map(|k| self.ensemble.time_s[*k]).collect()

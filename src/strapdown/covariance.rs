@@ -80,12 +80,6 @@ impl Covariance {
         (0..2).map(|axis| part.variance[report][axis] + part.mean[report][axis].powi(2)).sum()
     }
 
-    /// Its fraction of that of all causes.
-    pub fn fraction(&self, part: &Part, report: usize) -> f64 {
-        let all: f64 = self.parts.iter().map(|part| self.horizontal_m2(part, report)).sum();
-        if all > 0.0 { self.horizontal_m2(part, report) / all } else { 0.0 }
-    }
-
     /// Mean of an error at a report time, SI.
     pub fn mean(&self, report: usize, quantity: usize) -> f64 {
         self.parts.iter().map(|part| part.mean[report][quantity]).sum()

@@ -106,7 +106,7 @@ impl Share {
             source: part.cause.name(),
             horizontal_rms_m: report.iter().map(|k| covariance.horizontal_m2(part, *k).sqrt()).collect(),
             down_rms_m: report.iter().map(|k| (part.variance[*k][2] + part.mean[*k][2].powi(2)).sqrt()).collect(),
-            share_of_variance: report.iter().map(|k| covariance.fraction(part, *k)).collect(),
+            share_of_variance: report.iter().map(|k| answer.fraction(part, *k)).collect(),
         }
     }
 }

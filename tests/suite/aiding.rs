@@ -266,6 +266,16 @@ fn document() -> Result<(), Failed> {
     }
     let sources = document["error_budget"].as_array().cloned().unwrap_or_default();
     check(sources.iter().any(|row| row["source"] == "noise of the fixes"), "the budget has no row for the fixes")?;
+    let own = |row: &&serde_json::Value| row["source"] == "navigator's integration";
+    check(sources.iter().filter(own).count() == 1, "the budget has no row for the navigator")?;
+    let last = |row: &serde_json::Value| {
+        row["share_of_variance"]
+            .as_array()
+            .and_then(|v| v.last())
+            .and_then(serde_json::Value::as_f64)
+            .unwrap_or(f64::NAN)
+    };
+    near("all shares", sources.iter().map(last).sum(), 1.0, 1e-12)?;
     let free = json(&text.replace("outages_s = [[40.0, 70.0]]\n", ""), "2")?;
     check(free["outages"].is_null(), "outages without an outage")
 }

@@ -122,14 +122,14 @@ pub(super) fn map(answer: &Answer) -> (Chart, f64) {
 
 /// Fractions of the horizontal mean square, stacked to 100 %.
 pub(crate) fn shares(answer: &Answer) -> Chart {
-    let (covariance, time_s) = (&answer.covariance, &answer.ensemble.time_s);
+    let time_s = &answer.ensemble.time_s;
     let mut chart = Chart::new(
         "Contributions to the mean square",
         Axis::log("time / s"),
         Axis::linear("fraction of horizontal mean square / %").within(0.0, 100.0),
     );
-    let peak = |p: &Part| (0..time_s.len()).map(|k| covariance.fraction(p, k)).fold(0.0, f64::max);
-    let mut parts: Vec<(&Part, f64)> = covariance.parts.iter().map(|p| (p, peak(p))).filter(|p| p.1 > 0.005).collect();
+    let peak = |p: &Part| (0..time_s.len()).map(|k| answer.fraction(p, k)).fold(0.0, f64::max);
+    let mut parts: Vec<(&Part, f64)> = answer.parts().map(|p| (p, peak(p))).filter(|p| p.1 > 0.005).collect();
     order::sort_by_key(&mut parts, |p| -p.1);
     let mut floor = vec![0.0; time_s.len()];
     let mut stack = |name: &str, ink: Ink, floor: &[f64], top: &[f64]| {
@@ -138,7 +138,7 @@ pub(crate) fn shares(answer: &Answer) -> Chart {
         chart.add("", ink, Mark::Line, points(top));
     };
     for (n, (part, _)) in parts.into_iter().take(NAMED).enumerate() {
-        let top: Vec<f64> = floor.iter().enumerate().map(|(k, f)| f + 100.0 * covariance.fraction(part, k)).collect();
+        let top: Vec<f64> = floor.iter().enumerate().map(|(k, f)| f + 100.0 * answer.fraction(part, k)).collect();
         stack(part.cause.name(), Ink::nth(n), &floor, &top);
         floor = top;
     }

@@ -2,6 +2,7 @@
 
 use crate::diagnosis::model::Half;
 use crate::diagnosis::trajectory::account::{Account, Hidden, Manoeuvre, Untold};
+use crate::diagnosis::trajectory::candidate::Measure;
 use crate::diagnosis::trajectory::detail::Detail;
 use crate::diagnosis::verdict::Outcome;
 use crate::number::short;
@@ -77,8 +78,12 @@ pub(super) fn place(detail: &Detail) -> String {
 /// What the motion could not tell, in sentences.
 pub(super) fn findings(account: &Account) -> Vec<String> {
     let one = |h: &Hidden| {
+        let known = match h.term.measure {
+            Measure::Plain => "is known only to ±",
+            Measure::Time => "may be as long as ",
+        };
         format!(
-            "this motion does not determine {}: it is known only to ±{} {}; {} would determine it",
+            "this motion does not determine {}: it {known}{} {}; {} would determine it",
             h.term.phrase(),
             short(h.half_width),
             h.term.unit.name,
