@@ -31,16 +31,18 @@ pub(super) struct Derivatives {
 const HALF_S: [f64; 2] = [0.2, 0.4];
 /// What the widths may be divided by where the motion is too quick for them.
 const NARROWER: [f64; 3] = [1.0, 2.0, 4.0];
-/// Smoothed by one width, a derivative may be so much smaller or larger than by the narrowest: beyond
-/// that, steps of Gauss and Newton along it go too far.
+/// Regression of the narrowest width's derivative on that of a wider one, within which the wider one
+/// serves: beyond that, Gauss–Newton steps along it overshoot.
 const FAITHFUL: [f64; 2] = [0.7, 1.4];
 /// Fewest samples to either side.
 const FEWEST: usize = 2;
-/// Intervals between samples beyond which they are no neighbours, and within which the stamps of one
-/// of them cannot be right. A smoothed stretch may last so much longer than its samples.
+/// Longest step between neighbours, in usual intervals, and how much longer than its samples a
+/// smoothed stretch may last.
 const GAP: f64 = 2.5;
+/// Shortest step between neighbours, in usual intervals: stamps closer together were bunched by the
+/// logger.
 const LEAST: f64 = 0.25;
-/// By how much the steps to both sides may differ.
+/// Relative difference of the steps to both sides up to which they count as even.
 const EVEN: f64 = 0.1;
 
 impl Derivatives {
@@ -93,7 +95,7 @@ impl Curves<'_> {
         (self.values[k + 1] + self.values[k - 1] - self.values[k] * 2.0) / 12.0
     }
 
-    /// Second derivatives, as smooth as they may be.
+    /// Second derivatives by the widest parabola that follows the motion.
     fn smoothed(&self, half_s: f64) -> Vec<Vector3<f64>> {
         let second = |half_s: f64| parallel::map_indices(self.values.len(), |k| self.second(k, half_s));
         let narrowest = second(half_s / NARROWER[NARROWER.len() - 1]);
