@@ -83,8 +83,8 @@ pub enum Note {
     },
     /// Judged by what it adds to the other named effects.
     BesideNamed,
-    /// It was in the model, and is what another named effect does too.
-    PartOf(&'static str),
+    /// Its parameter was in the model, but holds no more than the lag of this named effect (its id).
+    LagOf(&'static str),
     /// It was in the model but is not named.
     Dropped(Dropped),
     /// In the poses of an IMU that was turned by hand.

@@ -69,7 +69,7 @@ pub(super) fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize) ->
         return Some(unit(n / 3, f[n % 3]));
     }
     if p == LOWPASS {
-        // Beside the lag, whose parameter is another.
+        // At a given total lag, which is another parameter: v(t − τ) = y − ½ τ² d²y/dt².
         return Some(course.gyro * case.derivatives?.second.rate[k] * 0.5);
     }
     GYRO_WANDER.contains(&p).then(|| {

@@ -375,9 +375,10 @@ fn ranking(effects: &[Effect], selection: &Selection) -> Vec<Ranked> {
     let beside = || if effects.is_empty() { Note::Alone } else { Note::BesideNamed };
     let named = selection.named.iter().map(|Named { standing, .. }| {
         let is_effect = effects.iter().any(|e| e.id == standing.term.id());
-        row(standing, is_effect, if is_effect { beside() } else { Note::PartOf(LOWPASS.id) })
+        row(standing, is_effect, if is_effect { beside() } else { Note::LagOf(LOWPASS.id) })
     });
-    // A clock that takes back the lag of a low-pass needs no term of its own.
+    // A clock offset that cancels the lag of a low-pass makes the total lag zero: it is named although
+    // the search had no use for its term.
     let beside_lowpass = |s: &Standing| s.term.id() == TIME_OFFSET.id && effects.iter().any(|e| e.id == TIME_OFFSET.id);
     named.chain(selection.others.iter().map(|s| row(s, beside_lowpass(s), beside()))).collect()
 }

@@ -24,7 +24,9 @@ use crate::units::DEGREE;
 /// What a mounting that needed no fit is known to, °: below, it would cost nothing.
 const SMALL_DEG: f64 = 0.1;
 
-/// Fraction of its time constant by which the lag of a filter that is nearly of one pole may differ.
+/// Difference between the lag of a real filter and that of one pole, as a fraction of the time
+/// constant, that is still put down to the filter: the difference that higher poles at twenty times
+/// its frequency would make.
 const ONE_POLE: f64 = 0.05;
 
 /// Unit of a sensor's readings.
@@ -48,15 +50,15 @@ fn effect(candidate: &Candidate, parameters: Vec<Estimate>, channels: Vec<String
     }
 }
 
-/// What the clock alone is late by beside a low-pass, s: nothing where the readings are as late as
-/// the low-pass makes them.
-pub(super) fn clock_beside_lowpass(fit: &Fitted) -> Option<Estimate> {
+/// Clock offset in addition to the lag of a low-pass, s; none where that lag explains the total to
+/// within [`ONE_POLE`].
+fn clock_beside_lowpass(fit: &Fitted) -> Option<Estimate> {
     let clock = fit.estimate(OFFSET, "offset", "s", 1.0);
     let nearly = ONE_POLE * fit.estimate(parameters::LOWPASS, "tau", "s", 1.0).value;
     (clock.ci95[0] > nearly || clock.ci95[1] < -nearly).then_some(clock)
 }
 
-/// What was fitted.
+/// Effects of the named terms, in the library's units.
 pub(super) fn of_fit(selection: &Selection, fit: &Fitted, channels: impl Fn(&Term) -> Vec<String>) -> Vec<Effect> {
     let each = selection.named.iter().map(|n| fitted(n, fit, channels(n.standing.term)));
     let Some(lowpass) = selection.term(LOWPASS.id) else { return each.collect() };

@@ -130,7 +130,8 @@ impl Fit {
                 return Ok(Self { linear, residuals, error });
             }
             let mut solved = linear.solve(active, |_| true);
-            // No filter has a negative one, and none is applied.
+            // Negative squares belong to no filter: the readings are corrected by none, and steps to
+            // below zero must not add up.
             solved.point[LOWPASS] = solved.point[LOWPASS].max(0.0);
             let moved = |(i, p): (usize, &usize)| {
                 (solved.point[*p] - point[*p]).abs() > SETTLED * solved.covariance[(i, i)].max(0.0).sqrt()

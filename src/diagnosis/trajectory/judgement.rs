@@ -15,7 +15,9 @@ use crate::numerics::special::{f_survival, t_quantile};
 /// Chance of a false name that is accepted, over all candidates together: what every kind calls
 /// real.
 pub(super) const FALSE_NAME: f64 = REAL;
-/// Correlation of neighbouring residuals up to which they count as white.
+/// Correlation of neighbouring residuals up to which they count as white. One half of the band then
+/// has up to 2/π of this fraction of the power too much (spectrum 1 + 2ρ cos ω): a fall by less may
+/// be that alone.
 pub(super) const COLOUR: f64 = 0.1;
 /// Interleaved parts of the blocks that are held out in turn.
 const FOLDS: usize = 5;

@@ -18,7 +18,7 @@ pub(crate) fn note(note: &Note) -> String {
             gain.abs(),
             if *held_out_better { "better" } else { "no better" }
         ),
-        Note::PartOf(id) => format!("its lag is that of {id}"),
+        Note::LagOf(id) => format!("its lag is that of {id}"),
         Note::BesideNamed => "what it adds to the other named effects".into(),
         Note::Dropped(reason) => format!("dropped: {}", dropped(*reason)),
         Note::InPoses { judged, fate } => format!("scored by {}{}", residual(*judged), fated(fate)),

@@ -14,7 +14,7 @@ use super::flight::{Flight, base, effect, ids, made_up, real};
 pub fn tests() -> Vec<Trial> {
     vec![
         test("trajectory: a low-pass is named with its time constant, and its lag is no clock", alone),
-        test("trajectory: a clock beside a low-pass is an effect of its own", with_clock),
+        test("trajectory: a clock offset is named in addition to a low-pass", with_clock),
         test("trajectory: a filter that is no low-pass of one pole is not explained by one", moving_average),
         test("trajectory: a low-pass shows beside attitudes alone", attitude_alone),
         test("trajectory: a low-pass of quick motion is named alike", quick),
