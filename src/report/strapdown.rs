@@ -56,7 +56,8 @@ pub(crate) fn page(study: &Study, answer: &Answer, stated: Option<&Stated>) -> P
     page.figure(&figures::shares(answer).draw(), "Fraction of the mean square of the horizontal position error.");
     page.paragraph(
         "Fraction of the mean square of the horizontal position error due to each source, and the root mean square of \
-         the position error that each makes alone at the last report time, by the linear error model.",
+         the position error that each makes alone at the last report time, by the linear error model. The navigator's \
+         integration error is that of the same navigator on perfect readings.",
     );
     page.table(&budget_table(answer));
     page.section("How this was made");
