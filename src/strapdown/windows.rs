@@ -3,10 +3,11 @@
 //!
 //! `recorded` (with `accord`): log and reference on one clock · `cut` → `window`: where windows
 //! lie, and the error at the end of each · `linear` → `predict`: what each error of a sensor makes
-//! of that end · `bias` (with `median`): what is taken off the readings · `score`: fractions
-//! inside the bands, normalised errors squared. Bands are of the linear model, window by window: exact for
-//! errors this small, and the ensemble's own check of it stands beside every study. Not for logs at
-//! rest: that is `drift::windows`.
+//! of that end · `bias` (with `median`): what is taken off the readings · `inflation` →
+//! `reference`: how large errors would have to be for the windows to be consistent · `score`:
+//! fractions inside the bands, normalised errors squared. Bands are of the linear model, window by
+//! window: exact for errors this small, and the ensemble's own check of it stands beside every
+//! study. Not for logs at rest: that is `drift::windows`.
 
 mod accord;
 pub mod bias;
@@ -18,6 +19,7 @@ pub mod linear;
 mod median;
 pub mod predict;
 pub mod recorded;
+pub mod reference;
 pub mod score;
 pub mod window;
 
@@ -38,6 +40,7 @@ use inflation::{CAUSES, Cause, Inflation, Split, Units};
 use linear::{Kind, Linear, Part};
 use predict::{Expected, Place, expected};
 use recorded::Recorded;
+use reference::{Reference, Seen};
 use window::{Asked, Biases, Nine, Window};
 
 /// A sensor that the recording is laid beside.
@@ -109,6 +112,11 @@ impl Length {
     /// The errors at the ends.
     pub fn errors(&self) -> Vec<Nine> {
         self.windows.iter().map(|w| w.error).collect()
+    }
+
+    fn seen(&self) -> Vec<Seen> {
+        let pairs = self.windows.iter().zip(&self.splits);
+        pairs.map(|(window, split)| Seen { span_s: window.span_s, end: (window.error, *split) }).collect()
     }
 }
 
@@ -231,13 +239,8 @@ pub fn compare(motion: &InMotion, control: &Control) -> Result<Option<Compared>>
         ));
     }
     let inflation = inflate(flown, motion, &lengths[0])?;
-    if let Some(inflation) = &inflation {
-        sensors.push(Sensor::Inflated);
-        let squares = inflation.coefficients.map(|c| c * c);
-        for length in &mut lengths {
-            length.expected.push(length.splits.iter().map(|split| split.expected(&squares)).collect());
-        }
-    }
+    let inflation = inflation.map(|inflation| inflated(inflation, &mut lengths, &mut found));
+    sensors.extend(inflation.map(|_| Sensor::Inflated));
     findings.extend(found.iter().map(ToString::to_string));
     Ok(Some(Compared {
         inflation,
@@ -339,8 +342,7 @@ fn length(
 /// What makes windows of the shortest length consistent: those of the flights that the study names
 /// for it, else its own.
 fn inflate(flown: &Flown, motion: &InMotion, own: &Length) -> Result<Option<Inflation>> {
-    let pairs =
-        |length: &Length| -> Vec<(Nine, Split)> { length.errors().into_iter().zip(length.splits.clone()).collect() };
+    let pairs = |length: &Length| -> Vec<(Nine, Split)> { length.seen().into_iter().map(|seen| seen.end).collect() };
     if flown.fit.is_empty() {
         return Ok(inflation::fit(&pairs(own)));
     }
@@ -353,7 +355,34 @@ fn inflate(flown: &Flown, motion: &InMotion, own: &Length) -> Result<Option<Infl
         let beside = Beside::new(Biased::Others(bases), vec![stated]);
         all.extend(pairs(&length(motion, &beside, (flown.windows_s[0], windows), recorded.seconds())?));
     }
-    Ok(inflation::fit(&all))
+    Ok(inflation::fit(&all).map(|fitted| Inflation { own: Some(0), ..fitted }))
+}
+
+/// Adds the inflated sensor to every length. Where it is of other flights, the attitude error of
+/// the reference is still this flight's.
+fn inflated(mut inflation: Inflation, lengths: &mut [Length], found: &mut Vec<Finding>) -> Inflation {
+    let squares = inflation.coefficients.map(|c| c * c);
+    let reference = inflation.own.map(|_| Reference::new(&lengths[0].seen(), &squares));
+    for length in lengths {
+        let mut without = 0;
+        let one = |seen: Seen| {
+            let attitude = reference.as_ref().map(|reference| reference.outside(seen.span_s));
+            without += usize::from(attitude == Some(None));
+            let squares = attitude.flatten().map_or(squares, |own| reference::with(&squares, own.value_rad));
+            seen.end.1.expected(&squares)
+        };
+        let expected = length.seen().into_iter().map(one).collect();
+        length.expected.push(expected);
+        if without > 0 {
+            found.push(Finding::ReferenceOfOthers { seconds: length.seconds, windows: without });
+        }
+    }
+    if let Some(own) = reference.and_then(|reference| reference.everywhere()) {
+        let place = CAUSES.iter().position(|cause| *cause == Cause::Attitude).unwrap_or_default();
+        (inflation.coefficients[place], inflation.interval[place]) = (own.value_rad, own.ci95_rad);
+        inflation.own = Some(own.windows);
+    }
+    inflation
 }
 
 /// The coefficients of the causes as the study states them: root mean square over the axes.

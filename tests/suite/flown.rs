@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use libtest_mimic::{Failed, Trial};
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 use proofmass::control::Control;
 use proofmass::motion::sources::{self, Section};
 use proofmass::motion::{Earth, Sampling, Truth};
@@ -30,6 +30,14 @@ pub fn tests() -> Vec<Trial> {
         test(
             "flown: biases of another flight and of a still start, a sensor of a file, an inflation fitted elsewhere",
             elsewhere,
+        ),
+        test(
+            "flown: how far the reference's attitude errs is of the flight itself, the sensor's noise of another",
+            references,
+        ),
+        data_test(
+            "flown: EuRoC: the noise of one flight, with its own reference, holds the windows of the other",
+            held_out,
         ),
         data_test("flown: two EuRoC flights err as an independent strapdown does, beside the stated sensor", euroc),
     ]
@@ -77,9 +85,18 @@ fn truth(section: &str, duration_s: f64) -> Result<Truth, Failed> {
 
 /// Poses at 100 Hz, as a table; the third axis points down.
 fn poses(truth: &Truth) -> String {
+    poses_off(truth, 0.0)
+}
+
+/// The same with attitudes that err by this about each axis, rad rms, as a filter's do: slowly, and
+/// otherwise in each window of 5 s.
+fn poses_off(truth: &Truth, rad: f64) -> String {
+    let wave =
+        |t: f64, axis: f64| (t / (1.1 + 0.17 * axis) + axis).sin() + (t / (2.3 + 0.31 * axis) + 2.0 * axis).sin();
     let mut text = "t_s,x,y,z,qw,qx,qy,qz\n".to_owned();
     for s in truth.samples.iter().step_by(2) {
-        let (p, q) = (s.position_m, s.attitude);
+        let off = Vector3::from_fn(|axis, _| rad * wave(s.time_s, axis as f64));
+        let (p, q) = (s.position_m, UnitQuaternion::from_scaled_axis(off) * s.attitude);
         let _ = writeln!(
             text,
             "{:.6},{:.9},{:.9},{:.9},{:.12},{:.12},{:.12},{:.12}",
@@ -246,6 +263,44 @@ fn elsewhere() -> Result<(), Failed> {
     check(loud > 4.0, format!("three times the noise after a still start gives {loud}"))
 }
 
+/// An attitude that a filter estimates errs by some tenths of a degree, rad.
+const ERRS_RAD: f64 = 3e-3;
+
+fn references() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text);
+    let (here, there) = (truth("kind = \"drone\"\nseed = 4", 200.0)?, truth("kind = \"drone\"\nseed = 5", 200.0)?);
+    write("imu.csv", &readings(&here, 1.0, plain))?;
+    write("imu2.csv", &drawn(&there, 1.0, 21, plain))?;
+    let text = study_text("[5.0]", "").replacen("[gyro]", "fit = [[\"imu2.csv\", \"other.csv\"]]\n[gyro]", 1);
+    for (rad, there_rad) in [(ERRS_RAD, 0.0), (0.0, ERRS_RAD), (0.0, 0.0)] {
+        write("poses.csv", &poses_off(&here, rad))?;
+        write("other.csv", &poses_off(&there, there_rad))?;
+        let found = compared(folder.path(), &text)?;
+        let inflation = found.inflation.ok_or("no inflation")?;
+        let (windows, own) = (found.lengths[0].windows.len(), inflation.own.ok_or("no word of whose reference it is")?);
+        check(own == windows, format!("{own} of {windows} windows"))?;
+        // A spread of 1/√(2·3·38) = 7 % by as many errors, and two waves of slightly different
+        // weights in each axis: a third.
+        let [low, high] = inflation.interval[0];
+        // Where the other flight's errs, its gyros' share is uncertain by N√5 = 0.7 mrad, and this
+        // one's makes up for it.
+        let (most, least) = (1.33 * rad + NOISE[0] * 5f64.sqrt(), 0.67 * rad);
+        check(
+            low <= most && (least..=2.0 * most).contains(&high),
+            format!("{rad}: the reference errs by {low} to {high}"),
+        )?;
+        // Errors that a sensor and its reference make are as large as predicted. As waves are less
+        // evenly spread than normal numbers, twice the standard error of `elsewhere`.
+        let inflated = together(&found, &Sensor::Inflated)?;
+        near(&format!("here {rad}, there {there_rad}"), inflated, 1.0, 0.8)?;
+        // Control: the sensor as it truly is, without its reference, is not.
+        let stated = together(&found, &Sensor::Stated)?;
+        check((stated > 4.0) == (rad > 0.0), format!("{rad}: the stated sensor alone gives {stated}"))?;
+    }
+    Ok(())
+}
+
 fn bad_input() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let truth = truth("kind = \"drone\"\nseed = 4", 60.0)?;
@@ -381,4 +436,49 @@ fn euroc(data: &Path) -> Result<(), Failed> {
         check(of("roll", "nees") > 3.0, "the stated sensor explains the flight")?;
     }
     Ok(())
+}
+
+/// Share of the errors of one flight's windows of 5 and 10 s inside the 90 % bands: of the stated
+/// sensor, and of the one whose noise is of the other flight.
+fn held(data: &Path, [flight, other]: [&str; 2]) -> Result<[f64; 2], Failed> {
+    let folder = tempfile::tempdir()?;
+    let of = |flight: &str, file: &str| data.join(flight).join(file).display().to_string();
+    let (imu, poses) = ("imu0.csv", "ground_truth.csv");
+    let text = format!(
+        "members = 64\nduration_s = 10.0\n[sensor]\nsample_rate_hz = 200.0\n[earth]\nlatitude_deg = 47.4\n[trajectory]\n\
+         kind = \"file\"\nfile = {:?}\nup = \"z\"\n[trajectory.compare]\nimu = {:?}\nwindows_s = [5.0, 10.0]\n\
+         fit = [[{:?}, {:?}]]\n[gyro]\nangle_random_walk_deg_rth = 0.58332\n[accelerometer]\n\
+         velocity_random_walk_m_s_rth = 0.12\n",
+        of(flight, poses),
+        of(flight, imu),
+        of(other, imu),
+        of(other, poses)
+    );
+    let found = compared(folder.path(), &text)?;
+    let share = |sensor: &Sensor| {
+        let place = found.sensors.iter().position(|s| s == sensor).ok_or_else(|| format!("no {sensor:?}"))?;
+        let mut inside = [0; 2];
+        for length in &found.lengths {
+            let errors = length.errors();
+            for error in 0..9 {
+                inside[0] += score::axis(&errors, &length.expected[place], error).inside[1];
+                inside[1] += errors.len();
+            }
+        }
+        Ok::<_, Failed>(inside[0] as f64 / inside[1] as f64)
+    };
+    Ok([share(&Sensor::Stated)?, share(&Sensor::Inflated)?])
+}
+
+fn held_out(data: &Path) -> Result<(), Failed> {
+    // A 90 % band should hold 85 to 95 %. With the reference's error of the other flight as well it
+    // held 68 % of V1_02, whose motion capture errs by more than the laser tracker of MH_04.
+    let [stated, inflated] = held(data, ["euroc_v102", "euroc_mh04"])?;
+    check((0.85..=0.95).contains(&inflated), format!("V1_02: {inflated} inside the bands"))?;
+    check(stated < 0.2, format!("V1_02: the stated sensor alone holds {stated}"))?;
+    // MH_04 turns half as quickly, and its reference has its heading from this very gyro: bands of
+    // V1_02's noise are too wide for it.
+    let [stated, inflated] = held(data, ["euroc_mh04", "euroc_v102"])?;
+    check(inflated >= 0.85, format!("MH_04: {inflated} inside the bands"))?;
+    check(stated < 0.5, format!("MH_04: the stated sensor alone holds {stated}"))
 }

@@ -21,7 +21,9 @@ pub struct Compare {
     /// the biases that `bias = "others"` subtracts.
     pub files: Option<Vec<[PathBuf; 2]>>,
     /// Other flights, each its IMU's log and its reference, that the inflation is fitted on; left
-    /// out, it is fitted on the windows that it is then judged by.
+    /// out, it is fitted on the windows that it is then judged by. The attitude error of the
+    /// reference is this flight's either way: beside other flights, of windows that share no time
+    /// with the one that is judged.
     pub fit: Option<Vec<[PathBuf; 2]>>,
     /// Further sensors shown beside the stated one: files with `[accelerometer]` and `[gyro]`, such
     /// as a repaired.toml.

@@ -70,6 +70,9 @@ pub(super) fn section(page: &mut Page, compared: &Compared) {
              inflated.toml is the stated sensor with these figures, for a study or `proofmass export`.",
             inflation.windows, compared.lengths[0].seconds,
         ));
+        if let Some(own) = inflation.own {
+            page.paragraph(&of_which_flight(own));
+        }
         page.table(&inflated(compared, inflation));
     }
     page.list(&compared.findings);
@@ -120,8 +123,22 @@ pub(super) fn sentences(compared: &Compared) -> Vec<String> {
                 if row[4].is_empty() { String::new() } else { format!(", {} × the stated {}", row[4], row[3]) };
             all.push(format!("  {}: {} ({}){factor}", row[0], row[1], row[2]));
         }
+        all.extend(inflation.own.map(of_which_flight));
     }
     all
+}
+
+/// Which flight the coefficients are of, where not all are of the one that is compared.
+fn of_which_flight(own: usize) -> String {
+    if own == 0 {
+        return "All of them are of other flights: this one has too few windows to tell how far its own reference errs."
+            .into();
+    }
+    format!(
+        "Those windows are of other flights. The attitude error of the reference is not the sensor's and may differ \
+         from flight to flight: it is estimated from {own} windows of this one, and for each band from those that do not \
+         overlap it."
+    )
 }
 
 /// The causes as a table.

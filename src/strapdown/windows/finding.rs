@@ -58,6 +58,14 @@ pub enum Finding {
         /// Number of windows of that length.
         windows: usize,
     },
+    /// Windows of a length with too few others beside them to take the reference's attitude error
+    /// from.
+    ReferenceOfOthers {
+        /// The length, s.
+        seconds: f64,
+        /// Number of windows of that length.
+        windows: usize,
+    },
     /// Where the still stretch was found.
     Still {
         /// Its begin on the reference's clock, s.
@@ -111,6 +119,11 @@ impl fmt::Display for Finding {
             Self::NoOther { seconds, windows } => write!(
                 f,
                 "{windows} windows of {seconds} s have no other beside them to take biases from, and were left out"
+            ),
+            Self::ReferenceOfOthers { seconds, windows } => write!(
+                f,
+                "{windows} windows of {seconds} s have too few others beside them: in their inflated bands the \
+                 reference errs as those of the other flights do"
             ),
             Self::Still { from_s, seconds } => {
                 write!(

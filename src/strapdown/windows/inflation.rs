@@ -55,6 +55,9 @@ pub struct Inflation {
     pub interval: [[f64; 2]; CAUSES.len()],
     /// Windows that it was fitted on.
     pub windows: usize,
+    /// Where these are of other flights: windows of this one, which its reference's attitude error
+    /// is of; 0 where they are too few and it is that of the other flights too.
+    pub own: Option<usize>,
 }
 
 /// The causes in a window.
@@ -100,7 +103,7 @@ const FLOOR: [f64; 3] = [1e-4, 1e-4, 1e-5];
 /// Steps of a search, and of one within a profile.
 const STEPS: [usize; 2] = [1000, 150];
 /// Half of χ²'s 95 % with one degree of freedom.
-const DROP: f64 = 1.920_729;
+pub(super) const DROP: f64 = 1.920_729;
 /// Coefficients below this share of what alone would explain everything are zero.
 const NOTHING: f64 = 1e-3;
 /// Fewest windows from which an inflation is estimated.
@@ -120,7 +123,7 @@ pub fn fit(windows: &Recorded) -> Option<Inflation> {
         true => best[cause].sqrt(),
         false => 0.0,
     };
-    Some(Inflation { coefficients: std::array::from_fn(coefficient), interval, windows: windows.len() })
+    Some(Inflation { coefficients: std::array::from_fn(coefficient), interval, windows: windows.len(), own: None })
 }
 
 /// The squared coefficient with which each cause alone would make that error as large as recorded
@@ -144,7 +147,7 @@ fn root(split: &Split, squares: &[f64; CAUSES.len()]) -> Option<nalgebra::Choles
 }
 
 /// Logarithm of the likelihood, but for a constant.
-fn likelihood(windows: &Recorded, squares: &[f64; CAUSES.len()]) -> f64 {
+pub(super) fn likelihood(windows: &Recorded, squares: &[f64; CAUSES.len()]) -> f64 {
     let one = |(error, split): &(Nine, Split)| {
         let Some(root) = root(split, squares) else { return f64::NEG_INFINITY };
         let off = error - split.rest.mean;

@@ -1,0 +1,92 @@
+//! The attitude error of the reference, from the flight that it is the reference of: an error of a
+//! sensor goes with it from flight to flight, one of a laser tracker does not go into a room with
+//! motion capture. The sensor's coefficients are those of other flights; this one is of windows
+//! that share no time with the one it is used in.
+
+use super::inflation::{CAUSES, Cause, DROP, FEWEST, Split, likelihood};
+use super::window::Nine;
+
+/// A window as it was recorded.
+#[derive(Debug, Clone, Copy)]
+pub struct Seen {
+    /// When it begins and ends, s.
+    pub span_s: [f64; 2],
+    /// The error at its end, and its covariance by cause.
+    pub end: (Nine, Split),
+}
+
+/// Attitude errors that are tried, rad: from the least to the largest, each by this factor more.
+const LEAST_RAD: f64 = 1e-5;
+const LARGEST_RAD: f64 = 1.0;
+const FACTOR: f64 = 1.05;
+
+/// How likely each attitude error of the reference makes each window.
+pub struct Reference {
+    /// What is tried, rad; the first is none.
+    tried_rad: Vec<f64>,
+    /// Per window, its time and the logarithm of its likelihood at each of them.
+    windows: Vec<([f64; 2], Vec<f64>)>,
+}
+
+/// An attitude error of the reference.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Attitude {
+    /// The most likely one, rad about each axis.
+    pub value_rad: f64,
+    /// Its 95 % interval by the likelihood.
+    pub ci95_rad: [f64; 2],
+    /// Windows that it is fitted on.
+    pub windows: usize,
+}
+
+impl Reference {
+    /// Of windows that do not overlap, the squared coefficients of the other causes as given.
+    pub fn new(windows: &[Seen], squares: &[f64; CAUSES.len()]) -> Self {
+        let mut tried_rad = vec![0.0];
+        let mut next = LEAST_RAD;
+        while next < LARGEST_RAD {
+            tried_rad.push(next);
+            next *= FACTOR;
+        }
+        let at = |seen: &Seen, rad: f64| likelihood(&[seen.end], &with(squares, rad));
+        let curve = |seen: &Seen| (seen.span_s, tried_rad.iter().map(|rad| at(seen, *rad)).collect());
+        let windows = windows.iter().map(curve).collect();
+        Self { tried_rad, windows }
+    }
+
+    /// What the windows outside this time say; `None` where they are too few.
+    pub fn outside(&self, span_s: [f64; 2]) -> Option<Attitude> {
+        let meets = |[from, to]: [f64; 2]| from < span_s[1] && span_s[0] < to;
+        self.of(|span| !meets(span))
+    }
+
+    /// What all windows say; `None` where they are too few.
+    pub fn everywhere(&self) -> Option<Attitude> {
+        self.of(|_| true)
+    }
+
+    fn of(&self, counts: impl Fn([f64; 2]) -> bool) -> Option<Attitude> {
+        let mut sum = vec![0.0; self.tried_rad.len()];
+        let mut windows = 0;
+        for (_, curve) in self.windows.iter().filter(|(span, _)| counts(*span)) {
+            windows += 1;
+            sum.iter_mut().zip(curve).for_each(|(sum, one)| *sum += one);
+        }
+        if windows < FEWEST {
+            return None;
+        }
+        let best = (0..sum.len()).max_by(|a, b| sum[*a].total_cmp(&sum[*b]))?;
+        let holds = |place: &usize| sum[*place] > sum[best] - DROP;
+        let (low, high) = ((0..best).find(holds).unwrap_or(best), (best..sum.len()).rev().find(holds).unwrap_or(best));
+        Some(Attitude {
+            value_rad: self.tried_rad[best],
+            ci95_rad: [self.tried_rad[low], self.tried_rad[high]],
+            windows,
+        })
+    }
+}
+
+/// Squared coefficients with this attitude error of the reference.
+pub fn with(squares: &[f64; CAUSES.len()], rad: f64) -> [f64; CAUSES.len()] {
+    std::array::from_fn(|place| if CAUSES[place] == Cause::Attitude { rad * rad } else { squares[place] })
+}
