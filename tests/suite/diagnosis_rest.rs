@@ -33,6 +33,7 @@ pub fn tests() -> Vec<Trial> {
         test("static: every planted effect is found alone, with intervals that cover", planted),
         test("static: a filter in the sensor is a finding, not an effect, and hides none", band_limit),
         test("static: the same pole twice is a filter, and no memory of the bias", near::filters),
+        test("static: a moving average of white noise is a filter, and no drift", near::averages),
         test("static: powers of time have no cause in common, what settles in two speeds is no walk", near::courses),
         test("static: a density near 1/f has one name, with its exponent", near::exponents),
         test("static: a pickup whose frequency wanders is no rounding", near::wandering_pickup),

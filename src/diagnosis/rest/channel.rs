@@ -108,6 +108,24 @@ impl Fitted {
         self.strengths.log_likelihood
     }
 
+    /// Twice the log-likelihood that a model gains by one of its terms. A slow law counts only where
+    /// the model without it has more than leakage: where a filter stops nearly all, what is there
+    /// comes from the two ends of the log, and a law that takes it up has not been seen.
+    pub(super) fn gain_over(&self, without: &Fitted, term: usize) -> f64 {
+        let slow = matches!(self.terms[term].addition, Addition::Law(law) if law.is_slow());
+        if !slow || !without.has(Cause::BandLimit) {
+            return 2.0 * (self.log_likelihood() - without.log_likelihood());
+        }
+        let safe = without.safe_variances();
+        let told = |of: &Fitted| {
+            let seen = of.bins.iter().zip(&of.variances).zip(without.variances.iter().zip(&safe));
+            let (bins, variances): (Vec<Bin>, Vec<f64>) =
+                seen.filter(|(_, (v, safe))| v >= safe).map(|((bin, v), _)| (*bin, *v)).unzip();
+            spectrum::log_likelihood(&bins, &variances, Part::All)
+        };
+        2.0 * (told(self) - told(without))
+    }
+
     pub(super) fn laws(&self) -> Vec<Law> {
         laws(&self.terms)
     }

@@ -7,6 +7,7 @@ use super::channel::{Channel, Fitted};
 use super::hump;
 use super::jump;
 pub(super) use super::jump::TOLERANCE;
+use super::spectrum::Bin;
 use super::telegraph::Telegraph;
 use crate::diagnosis::remainder::REAL;
 use crate::diagnosis::verdict::Stretch;
@@ -200,6 +201,14 @@ fn named(p_values: &[f64], at: impl Fn(usize) -> Stretch) -> Vec<Stretch> {
     out
 }
 
+/// Bins with the variance modelled, without those where a filter leaves so little that leakage
+/// decides: it comes from a few readings at either end of the log, so that neighbouring
+/// coefficients are large or small together, and a mean of them scatters as one.
+fn in_band(fitted: &Fitted) -> impl Iterator<Item = (&Bin, &f64)> {
+    let safe = fitted.safe_variances();
+    fitted.bins.iter().zip(&fitted.variances).zip(safe).filter(|((_, v), safe)| **v >= *safe).map(|(of, _)| of)
+}
+
 /// All coefficients below an angle together.
 struct FromBelow {
     /// Of the first one that is not in.
@@ -214,7 +223,7 @@ struct FromBelow {
 fn from_below(fitted: &Fitted, tolerance: f64) -> Vec<FromBelow> {
     let (mut sum, mut count, mut next) = (0.0, 0.0, 16.0);
     let mut out = Vec::new();
-    for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {
+    for (bin, variance) in in_band(fitted) {
         sum += (bin.sum[0] + bin.sum[1]) / variance;
         count += bin.count[0] + bin.count[1];
         if count >= next {
@@ -231,7 +240,7 @@ fn from_below(fitted: &Fitted, tolerance: f64) -> Vec<FromBelow> {
 fn bands(channel: &Channel, fitted: &Fitted, tolerance: f64) -> (Vec<f64>, Vec<f64>, Vec<Stretch>) {
     // Bands of at least eight coefficients, a third wide.
     let mut bands: Vec<(usize, usize, f64, f64)> = Vec::new();
-    for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {
+    for (bin, variance) in in_band(fitted) {
         let power = (bin.sum[0] + bin.sum[1]) / variance;
         match bands.last_mut() {
             Some((from, to, sum, count)) if *count < 8.0 || (bin.to as f64) < 1.33 * *from as f64 => {

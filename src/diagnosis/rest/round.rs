@@ -23,7 +23,6 @@ pub(super) fn try_all(
     control: &Control,
     wanted: impl Fn(&Standing) -> bool,
 ) -> Result<Tried, Stopped> {
-    let before = current.log_likelihood();
     let held_out_before = current.held_out(&channel.promised);
     let mut tried = Tried { standings: Vec::new(), best: None };
     let offer = Offer { channel, current, environment, control };
@@ -31,7 +30,7 @@ pub(super) fn try_all(
         control.go_on()?;
         for fitted in (row(cause).offer)(&offer)? {
             let last = fitted.terms.len() - 1;
-            let gain = 2.0 * (fitted.log_likelihood() - before);
+            let gain = fitted.gain_over(current, last);
             let held_out = match fitted.terms[last].addition {
                 Addition::Law(_) => HeldOut::LogLikelihood(fitted.held_out(&channel.promised) - held_out_before),
                 Addition::Curves(_) => HeldOut::MeanSquare(channel.held_out_share(&fitted, last)),

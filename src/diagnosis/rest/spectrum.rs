@@ -77,6 +77,11 @@ impl Filter {
 }
 
 impl Law {
+    /// Whether it makes the bias wander slowly.
+    pub(super) fn is_slow(self) -> bool {
+        matches!(self, Law::Flicker | Law::Walk | Law::Markov(_) | Law::Power(_))
+    }
+
     /// At θ = πk/(2N), half the angular frequency per sample.
     pub(super) fn variance(self, theta: f64) -> f64 {
         let s = 2.0 * theta.sin();

@@ -90,8 +90,7 @@ pub(super) fn probability(cause: Cause, gain: f64, channel: &Channel) -> f64 {
 
 /// Corrected probability, by chance, of what a model gains by one of its terms.
 pub(super) fn worth(channel: &Channel, fitted: &Fitted, without: &Fitted, index: usize, correction: f64) -> f64 {
-    let gain = 2.0 * (fitted.log_likelihood() - without.log_likelihood());
-    probability(fitted.terms[index].cause, gain, channel) * correction
+    probability(fitted.terms[index].cause, fitted.gain_over(without, index), channel) * correction
 }
 
 /// Drops what the others have made superfluous.

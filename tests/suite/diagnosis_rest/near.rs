@@ -198,3 +198,36 @@ pub(super) fn filters() -> Result<(), Failed> {
     let found = (0..20).into_par_iter().filter(|s| remembers(*s)).count();
     check(found >= 16, format!("a long memory behind a filter found in {found} of 20"))
 }
+
+/// White noise behind a moving average of 5, 8 or 16 readings is a finding and no drift: what the
+/// two ends of the log leak into the zeros of the filter is no evidence of one. A walk beneath the
+/// average keeps its name (control).
+pub(super) fn averages() -> Result<(), Failed> {
+    const READINGS: [usize; 3] = [5, 8, 16];
+    const SEEDS: u64 = 16;
+    let averaged = |readings: usize, rng: &mut Philox| -> Vec<f64> {
+        let noise = white(COUNT + readings - 1, rng);
+        let size = (readings as f64).sqrt();
+        noise.windows(readings).map(|w| w.iter().sum::<f64>() / size).collect()
+    };
+    let cases: Vec<(usize, u64)> = READINGS.iter().flat_map(|m| (0..SEEDS).map(|s| (*m, s))).collect();
+    let alarm = |(readings, seed): &(usize, u64)| -> Option<String> {
+        let mut rng = Philox::new(48, *seed, Stream::Host);
+        let verdict = judged(vec![averaged(*readings, &mut rng), averaged(*readings, &mut rng)], None).ok()?;
+        let is_right = verdict.verdict == Outcome::Adequate && verdict.findings.iter().any(|f| f.contains("filter"));
+        (!is_right).then(|| format!("{readings} readings, {seed}: {}", verdict.sentence))
+    };
+    let alarms: Vec<String> = cases.par_iter().filter_map(alarm).collect();
+    // One in a hundred is the aim; of 48, more than 3 come less than once in 500.
+    check(alarms.len() <= 3, format!("{} of {}: {alarms:?}", alarms.len(), cases.len()))?;
+    let walks = |(readings, seed): &&(usize, u64)| -> bool {
+        let mut rng = Philox::new(49, *seed, Stream::Host);
+        let drift = sized(walk(COUNT, &mut rng), 1.0);
+        let values = averaged(*readings, &mut rng).iter().zip(drift).map(|(n, d)| n + d).collect();
+        let is_walk = |e: &Effect| e.id == "random-walk" || e.confusable_with.iter().any(|c| c == "random-walk");
+        judged(vec![values], None).is_ok_and(|v| v.effects.iter().any(is_walk))
+    };
+    let found = cases.par_iter().filter(walks).count();
+    // 95 %, less two and a half standard errors.
+    check(found >= 42, format!("a walk found in {found} of {}", cases.len()))
+}
