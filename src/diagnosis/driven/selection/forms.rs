@@ -33,11 +33,11 @@ const LEAST_PROMISE: f64 = 8.0;
 const OTHERS: usize = 4;
 /// Share of the variance of what is left from which on one law with a free form is tried in the
 /// place of all.
-const UNDONE: f64 = 0.02;
+pub(super) const UNDONE: f64 = 0.02;
 /// Terms beyond which a model is that of a series.
 const MANY: usize = 3;
 /// Gain on samples that were not fitted below which a departure changes no prediction beyond noise.
-const IMMATERIAL: f64 = 0.02;
+pub(super) const IMMATERIAL: f64 = 0.02;
 
 /// Values of a law's argument on the samples that are fitted.
 pub(crate) fn visits(data: &Data, fit: &Fit, argument: Argument) -> Vec<f64> {
@@ -87,7 +87,7 @@ fn sizes(data: &Data, model: &Fit, law: Freed, stated: &[f64]) -> Option<(f64, f
 }
 
 /// A model with another term in the place of one of its own.
-fn with_instead(model: &Fit, index: usize, term: Term, values: &[f64]) -> (ModelStructure, Vec<f64>) {
+pub(super) fn with_instead(model: &Fit, index: usize, term: Term, values: &[f64]) -> (ModelStructure, Vec<f64>) {
     let mut terms = model.structure.terms.clone();
     terms[index] = term;
     let mut point = model.point.clone();
@@ -146,7 +146,7 @@ pub(crate) fn freed(data: &Data, model: &Fit, index: usize, scales: &Scales, scr
 impl Departing {
     /// Without its terms, other than the one that is free, that are not worth what they cost beside
     /// it.
-    fn pruned(mut self, data: &Data, scales: &Scales, least: f64) -> Self {
+    pub(super) fn pruned(mut self, data: &Data, scales: &Scales, least: f64) -> Self {
         loop {
             let others = (0..self.judged.fit.structure.terms.len()).filter(|j| *j != self.index);
             let reduced = others.filter_map(|j| Some((j, without(data, &self.judged, j, scales)?)));

@@ -1,14 +1,28 @@
 //! Whether a stop is told from a spring of another power than the library's.
 
+use crate::diagnosis::driven::identification::fit::{Fit, OMEGA, ZETA, fit};
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::work::Budget;
-use crate::physics::free_form::{Extent, FreeForm};
+use crate::numerics::moments::rms;
+use crate::physics::cubic_stiffness::CubicStiffness;
+use crate::physics::end_stop::{EndStop, Side};
+use crate::physics::free_form::{Argument, Extent, FreeForm, Freed, VALUES};
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 
-use super::forms::freed;
-use super::judged::{Rival, Selection, judge};
+use super::earned::{ITERATIONS, earned};
+use super::forms::{IMMATERIAL, UNDONE, freed, visits, with_instead};
+use super::held_out::compare;
+use super::judged::{Departing, Judged, Rival, Selection, judge};
+use super::residual_structure::residual_structure;
 use super::rivals::TIE;
+
+/// Powers beyond the cube among which the one nearest to a stop is looked for: from all but a
+/// linear spring to a wall, in steps within which a fit reaches its lowest point.
+const POWERS: [f64; 2] = [-1.9, 3.0];
+const BETWEEN_POWERS: f64 = 0.05;
+/// A fit that moves exponent, strength and the linear spring along each other goes slowly.
+const LONG: usize = 4 * ITERATIONS;
 
 /// A mass that hardly reaches its stop shows no corner: where a spring of some other power than the
 /// cube does as well as the stop, the recording tells neither from the other.
@@ -32,5 +46,149 @@ pub(super) fn settle_stop(data: &Data, selection: &mut Selection, scales: &Scale
     if found.is_some_and(|found| judge(data, found, scales).score() > chosen.score() - TIE) {
         selection.rivals.resize_with(selection.rivals.len().max(1), Vec::new);
         selection.rivals[0].push(Rival { judged: spring, id });
+    }
+}
+
+/// A stop that is not all, or whose form departs, may be the corner by which a spring of some other
+/// power was imitated: from the cube, fits crawl towards such a power and end before they are
+/// there. One that starts where the stop puts its force is nearly there, and where it does better,
+/// with what it leaves idle taken away, it is a spring.
+pub(super) fn settle_power(data: &Data, selection: &mut Selection, scales: &Scales) {
+    let found = selection.departing.as_ref().map_or(&selection.chosen, |d| &d.judged);
+    let terms = &found.fit.structure.terms;
+    let is_done = || terms.len() == 1 && residual_structure(data, &found.fit).r_squared <= UNDONE;
+    let Some(index) = terms.iter().position(|t| stop(t).is_some()) else { return };
+    let is_cube = |t: &Term| matches!(t, Term::CubicStiffness(_));
+    if terms.iter().any(is_cube) || selection.departing.is_none() && is_done() {
+        return;
+    }
+    let Some(power) = in_place(data, &found.fit, index, scales) else { return };
+    let power = Departing { judged: judge(data, power, scales), index };
+    let lead = power.judged.score() - found.score();
+    if lead < -TIE {
+        return;
+    }
+    let power = power.pruned(data, scales, found.score());
+    let Some(stated) = as_cube(data, &power, scales) else { return };
+    let gain = compare(&stated.held_out, &power.judged.held_out).gain;
+    let departs = earned(data, &stated, &power.judged, scales, selection.tried).is_some() && gain >= IMMATERIAL;
+    if !departs {
+        return;
+    }
+    let chosen = &selection.chosen.fit.structure.terms;
+    if lead < TIE {
+        let Some(place) = chosen.iter().position(|t| stop(t).is_some()) else { return };
+        let id = stated.fit.structure.terms[power.index].id();
+        selection.rivals.resize_with(chosen.len(), Vec::new);
+        if !selection.rivals[place].iter().any(|r| r.id == id) {
+            selection.rivals[place].push(Rival { judged: stated, id });
+        }
+        return;
+    }
+    let known = |t: &Term| chosen.iter().position(|c| c.id() == t.id()).and_then(|p| selection.rivals.get(p).cloned());
+    selection.rivals = stated.fit.structure.terms.iter().map(|t| known(t).unwrap_or_default()).collect();
+    selection.chosen = stated;
+    selection.departing = Some(power);
+}
+
+/// A stop on both sides as a free form; none of another term. One on one side is no power of the
+/// displacement.
+fn stop(term: &Term) -> Option<FreeForm> {
+    let as_stated = FreeForm { law: Freed::Stop(Side::Both), size: 1.0, extent: Extent::Wide };
+    match term {
+        Term::EndStop(EndStop(Side::Both)) => Some(as_stated),
+        Term::FreeForm(form) if form.law == as_stated.law => Some(*form),
+        _ => None,
+    }
+}
+
+/// A model with a spring of one power in the place of a stop, fitted from where it comes nearest to
+/// the stop's force on the mass.
+fn in_place(data: &Data, model: &Fit, index: usize, scales: &Scales) -> Option<Fit> {
+    let form = stop(&model.structure.terms[index])?;
+    let at = visits(data, model, Argument::Displacement);
+    let force = Force::of(&form, model.structure.of(index, &model.point), &at);
+    let size = 2.0 * rms(at.iter().copied());
+    let moves = size > 0.0 && size.is_finite();
+    let spring = moves.then_some(FreeForm { law: Freed::CubicSpring, size, extent: Extent::Narrow })?;
+    let count = ((POWERS[1] - POWERS[0]) / BETWEEN_POWERS).round() as usize;
+    let powers = (0..=count).map(|i| POWERS[0] + BETWEEN_POWERS * i as f64);
+    let all = powers.filter_map(|further| force.nearest(&spring, further));
+    let nearest = all.min_by(|a, b| a.rest.total_cmp(&b.rest))?;
+    let values = [nearest.strength, nearest.further];
+    let (structure, mut point) = with_instead(model, index, Term::FreeForm(spring), &values);
+    nearest.move_base(&mut point)?;
+    fit(data, &structure, &point, scales, LONG)
+}
+
+/// The same terms with the cube in the place of the power, fitted.
+fn as_cube(data: &Data, power: &Departing, scales: &Scales) -> Option<Judged> {
+    let (model, index) = (&power.judged.fit, power.index);
+    let Term::FreeForm(form) = model.structure.terms[index] else { return None };
+    let at = visits(data, model, Argument::Displacement);
+    let nearest = Force::of(&form, model.structure.of(index, &model.point), &at).nearest(&form, 0.0)?;
+    let (structure, mut point) = with_instead(model, index, Term::CubicStiffness(CubicStiffness), &[nearest.strength]);
+    nearest.move_base(&mut point)?;
+    Some(judge(data, fit(data, &structure, &point, scales, ITERATIONS)?, scales))
+}
+
+/// What a law pushes at the displacements that were visited.
+struct Force<'a> {
+    at: &'a [f64],
+    force: Vec<f64>,
+}
+
+/// A power of the displacement and a linear spring that come nearest to a force.
+struct Nearest {
+    strength: f64,
+    /// Power beyond the cube.
+    further: f64,
+    linear: f64,
+    /// What is left, as a sum of squares.
+    rest: f64,
+}
+
+impl<'a> Force<'a> {
+    fn of(form: &FreeForm, stated: &[f64], at: &'a [f64]) -> Self {
+        let mut values = [0.0; VALUES];
+        values.iter_mut().zip(stated).for_each(|(v, s)| *v = *s);
+        let force = at.iter().map(|a| form.curve::<f64, false>(&values, *a)).collect();
+        Self { at, force }
+    }
+
+    /// By least squares over the visits, in units of the spring's size.
+    fn nearest(&self, spring: &FreeForm, further: f64) -> Option<Nearest> {
+        let unit = spring.size.powi(3);
+        let (mut pp, mut pl, mut ll, mut pf, mut lf, mut ff) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+        for (a, f) in self.at.iter().zip(&self.force) {
+            let p = spring.curve::<f64, false>(&[1.0, further, 0.0, 0.0], *a) / unit;
+            let l = a / spring.size;
+            pp += p * p;
+            pl += p * l;
+            ll += l * l;
+            pf += p * f;
+            lf += l * f;
+            ff += f * f;
+        }
+        let det = pp * ll - pl * pl;
+        let (power, linear) = ((pf * ll - lf * pl) / det, (lf * pp - pf * pl) / det);
+        let rest = ff - power * pf - linear * lf;
+        let finite = det > 0.0 && rest.is_finite();
+        finite.then(|| Nearest { strength: power / unit, further, linear: linear / spring.size, rest })
+    }
+}
+
+impl Nearest {
+    /// Gives the linear spring to the base model, whose damping stays what it is; `None` where no
+    /// spring would be left.
+    fn move_base(&self, point: &mut [f64]) -> Option<()> {
+        let omega = point.get(OMEGA)?;
+        let (before, after) = (*omega, (omega * omega + self.linear).sqrt());
+        if after.is_nan() || after <= 0.0 {
+            return None;
+        }
+        point[OMEGA] = after;
+        point[ZETA] *= before / after;
+        Some(())
     }
 }

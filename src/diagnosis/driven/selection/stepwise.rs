@@ -13,7 +13,7 @@ use super::earned::{earned, pruned};
 use super::forms;
 use super::identifiability::{Reach, is_linear};
 use super::judged::{Judged, Selection, Trial};
-use super::other_power::settle_stop;
+use super::other_power::{settle_power, settle_stop};
 use super::residual_structure::residual_structure;
 use super::rivals::{Look, TIE};
 use super::round::{SURE, round};
@@ -103,6 +103,7 @@ pub(crate) fn search(
     if data.windows.is_none() {
         let budget = data.work.budget(Stage::Forms, data.hull.len());
         forms::settle(data, &mut selection, scales, budget);
+        settle_power(data, &mut selection, scales);
         settle_stop(data, &mut selection, scales, budget);
     }
     Ok(selection)
