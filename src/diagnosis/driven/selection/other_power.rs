@@ -192,3 +192,26 @@ impl Nearest {
         Some(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // The force of x |x|^0.7 beside 0.3 x is found again: power, strength and linear spring.
+    #[test]
+    fn a_power_beside_a_linear_spring_is_its_own_nearest() {
+        let at: Vec<f64> = (0..400).map(|i| f64::from(i) / 100.0 - 2.0).collect();
+        let force = at.iter().map(|a| a * a.abs().powf(0.7) + 0.3 * a).collect();
+        let spring = FreeForm { law: Freed::CubicSpring, size: 2.0, extent: Extent::Narrow };
+        let force = Force { at: &at, force };
+        let rest = |further: f64| force.nearest(&spring, further).map_or(f64::NAN, |n| n.rest);
+        assert!(rest(-1.3) < 1e-9 && rest(-1.2) > 1e-4 && rest(-1.4) > 1e-4);
+        let nearest = force.nearest(&spring, -1.3).expect("there are visits");
+        assert!((nearest.strength / 2f64.powf(-1.3) - 1.0).abs() < 1e-6, "{}", nearest.strength);
+        assert!((nearest.linear - 0.3).abs() < 1e-6, "{}", nearest.linear);
+        // 2ζω is the damping, and ω² is stiffer by the linear spring.
+        let mut point = [1.0, 2.0, 0.1];
+        nearest.move_base(&mut point).expect("a spring is left");
+        assert!((point[1] * point[1] - 4.3).abs() < 1e-6 && (point[1] * point[2] - 0.2).abs() < 1e-12);
+    }
+}
