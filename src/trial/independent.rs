@@ -22,6 +22,7 @@ pub mod linear;
 pub mod motion;
 pub mod near;
 pub mod null;
+mod octave;
 pub mod oscillator;
 pub mod piece;
 pub mod readout;

@@ -159,7 +159,12 @@ fn weaker_power() -> Result<(), Failed> {
         .flatten()
         .filter_map(|group| group[0].as_str())
         .collect();
-    check(names == ["cubic-stiffness"], format!("{names:?}"))
+    check(names == ["cubic-stiffness"], format!("{names:?}"))?;
+    // Control: a stop on both sides beside another law is one.
+    let force: Force = |x, v| 0.1 * ((x - 0.9).max(0.0) - (-x - 0.9).max(0.0)) + 0.05 * v * v.abs();
+    let (verdict, mut names, forms) = diagnosed(&recording(force, 35, 0.0))?;
+    names.sort_unstable();
+    check(names == ["end-stop", "quadratic-damping"], format!("{verdict} {names:?} {forms:?}"))
 }
 
 fn late() -> Result<(), Failed> {

@@ -243,7 +243,9 @@ fn bands(channel: &Channel, fitted: &Fitted, tolerance: f64) -> (Vec<f64>, Vec<f
     for (bin, variance) in in_band(fitted) {
         let power = (bin.sum[0] + bin.sum[1]) / variance;
         match bands.last_mut() {
-            Some((from, to, sum, count)) if *count < 8.0 || (bin.to as f64) < 1.33 * *from as f64 => {
+            Some((from, to, sum, count))
+                if bin.from == *to && (*count < 8.0 || (bin.to as f64) < 1.33 * *from as f64) =>
+            {
                 *to = bin.to;
                 *sum += power;
                 *count += bin.count[0] + bin.count[1];

@@ -7,7 +7,7 @@ use crate::report::figure::{Axis, Chart, Figure, Ink, Mark, labelled};
 use crate::report::html::Page;
 use crate::report::table::Table;
 use crate::strapdown::windows::document::{AXES, TOGETHER};
-use crate::strapdown::windows::inflation::Inflation;
+use crate::strapdown::windows::inflation::{FEWEST, Inflation};
 use crate::strapdown::windows::score::{self, BANDS};
 use crate::strapdown::windows::{Compared, Length, Sensor};
 use crate::study::Study;
@@ -136,8 +136,8 @@ fn of_which_flight(own: usize) -> String {
     }
     format!(
         "Those windows are of other flights. The attitude error of the reference is not the sensor's and may differ \
-         from flight to flight: it is estimated from {own} windows of this one, and for each band from those that do not \
-         overlap it."
+         from flight to flight: it is estimated from {own} windows of this one, with the other figures as they stand, and \
+         for each band from the windows that do not overlap it, if at least {FEWEST} are left."
     )
 }
 
@@ -178,9 +178,11 @@ pub(super) fn inflated_toml(study: &Study, compared: &Compared) -> Option<String
         let [low, high] = inflation.interval[place].map(of);
         format!("{key} = {:e} # {unit}; 95 %: {low} to {high}\n", inflation.coefficients[place] / size)
     };
+    let own = inflation.own.filter(|own| *own > 0);
+    let of = own.map_or_else(String::new, |own| format!(", from {own} windows of this flight"));
     Some(format!(
         "# {}: what {} windows of {} s justify, by maximum likelihood; the stated figures of the same causes are replaced.\n\
-         # Attitude of the reference: {}° (95 %: {} to {}).\n\
+         # Attitude of the reference{of}: {}° (95 %: {} to {}).\n\
          [sensor]\nsample_rate_hz = {:?}\n\n[gyro]\n{}{}\n[accelerometer]\n{}{}",
         study.name,
         inflation.windows,

@@ -33,7 +33,7 @@ pub struct Reference {
 pub struct Attitude {
     /// The most likely one, rad about each axis.
     pub value_rad: f64,
-    /// Its 95 % interval by the likelihood.
+    /// Its 95 % interval by the likelihood, the other causes as given.
     pub ci95_rad: [f64; 2],
     /// Windows that it is fitted on.
     pub windows: usize,
@@ -78,9 +78,11 @@ impl Reference {
         let best = (0..sum.len()).max_by(|a, b| sum[*a].total_cmp(&sum[*b]))?;
         let holds = |place: &usize| sum[*place] > sum[best] - DROP;
         let (low, high) = ((0..best).find(holds).unwrap_or(best), (best..sum.len()).rev().find(holds).unwrap_or(best));
+        // The ends lie between two that were tried: of them, the outer ones.
+        let most_rad = self.tried_rad.get(high + 1).copied().unwrap_or(f64::INFINITY);
         Some(Attitude {
             value_rad: self.tried_rad[best],
-            ci95_rad: [self.tried_rad[low], self.tried_rad[high]],
+            ci95_rad: [self.tried_rad[low.saturating_sub(1)], most_rad],
             windows,
         })
     }

@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 
 use super::draw::Draw;
 use super::linear::left_by;
-use super::piece::{coloured_evidence, octaves};
+use super::octave::departure_from_flicker;
+use super::piece::coloured_evidence;
 use super::readout::Noise;
 use super::stage::Size;
 use super::still::{Filter, Process, Still};
@@ -286,27 +287,6 @@ fn departure(still: &Still) -> Option<f64> {
     };
     let of = |channel: usize| courses.iter().map(|c| residual_sum(channel, c)).fold(f64::INFINITY, f64::min);
     Some((0..still.sigma.len()).map(of).sum())
-}
-
-/// Twice the log-likelihood by which octaves of white noise of variance one and this process depart
-/// from white and 1/f noise: an octave of Haar details of 1/f noise has the same variance as every
-/// other.
-fn departure_from_flicker(process: &[f64]) -> f64 {
-    let levels: Vec<[f64; 2]> = octaves(process).into_iter().map(|(n, level)| [n, 1.0 + level]).collect();
-    let apart = |white: f64, flicker: f64| -> f64 {
-        let of = |[n, level]: &[f64; 2]| {
-            let ratio = level / (white + flicker);
-            n * (ratio - 1.0 - ratio.ln())
-        };
-        levels.iter().map(of).sum()
-    };
-    let grid = |n: i32| 10f64.powf(-4.0 + 6.0 * f64::from(n) / 60.0);
-    let best = (0..=60)
-        .flat_map(|f| (0..=40).map(move |w| (0.7 + 0.02 * f64::from(w), f)))
-        .map(|(white, f)| apart(white, grid(f)))
-        .fold(f64::INFINITY, f64::min);
-    // Each octave scatters by its own degrees of freedom: one unit each in the mean.
-    (best - levels.len() as f64).max(0.0)
 }
 
 fn null(sub: &str, draw: &mut Draw, size: Size) -> Made {

@@ -213,7 +213,10 @@ pub(super) fn averages() -> Result<(), Failed> {
     let cases: Vec<(usize, u64)> = READINGS.iter().flat_map(|m| (0..SEEDS).map(|s| (*m, s))).collect();
     let alarm = |(readings, seed): &(usize, u64)| -> Option<String> {
         let mut rng = Philox::new(48, *seed, Stream::Host);
-        let verdict = judged(vec![averaged(*readings, &mut rng), averaged(*readings, &mut rng)], None).ok()?;
+        let verdict = match judged(vec![averaged(*readings, &mut rng), averaged(*readings, &mut rng)], None) {
+            Ok(verdict) => verdict,
+            Err(error) => return Some(format!("{readings} readings, {seed}: {error:?}")),
+        };
         let is_right = verdict.verdict == Outcome::Adequate && verdict.findings.iter().any(|f| f.contains("filter"));
         (!is_right).then(|| format!("{readings} readings, {seed}: {}", verdict.sentence))
     };

@@ -26,7 +26,7 @@ use super::residual_structure::residual_structure;
 
 /// Log-likelihood that a law's free form must gain, beyond what its values cost, to be told from
 /// the stated one.
-const LEAST_LEAD: f64 = 3.0;
+pub(super) const LEAST_LEAD: f64 = 3.0;
 /// Log-likelihood that one linear step must promise for the free form of a law to be fitted.
 const LEAST_PROMISE: f64 = 8.0;
 /// Laws beside the chosen ones that are tried alone with a free form.
@@ -35,7 +35,7 @@ const OTHERS: usize = 4;
 /// place of all.
 pub(super) const UNDONE: f64 = 0.02;
 /// Terms beyond which a model is that of a series.
-const MANY: usize = 3;
+pub(super) const MANY: usize = 3;
 /// Gain on samples that were not fitted below which a departure changes no prediction beyond noise.
 pub(super) const IMMATERIAL: f64 = 0.02;
 
@@ -239,7 +239,8 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
         .iter()
         .map(|term| {
             let place = chosen.fit.structure.terms.iter().position(|t| t.id() == term.id());
-            place.and_then(|p| selection.rivals.get(p).cloned()).unwrap_or_default()
+            let rivals = place.and_then(|p| selection.rivals.get(p)).into_iter().flatten();
+            rivals.filter(|rival| !stated.has(rival.id)).cloned().collect()
         })
         .collect();
     selection.chosen = stated;

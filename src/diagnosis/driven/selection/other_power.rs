@@ -11,7 +11,7 @@ use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 
 use super::earned::{ITERATIONS, earned};
-use super::forms::{IMMATERIAL, UNDONE, freed, visits, with_instead};
+use super::forms::{IMMATERIAL, LEAST_LEAD, MANY, UNDONE, freed, visits, with_instead};
 use super::held_out::compare;
 use super::judged::{Departing, Judged, Rival, Selection, judge};
 use super::residual_structure::residual_structure;
@@ -49,26 +49,36 @@ pub(super) fn settle_stop(data: &Data, selection: &mut Selection, scales: &Scale
     }
 }
 
-/// A stop that is not all, or whose form departs, may be the corner by which a spring of some other
-/// power was imitated: from the cube, fits crawl towards such a power and end before they are
-/// there. One that starts where the stop puts its force is nearly there, and where it does better,
-/// with what it leaves idle taken away, it is a spring.
-pub(super) fn settle_power(data: &Data, selection: &mut Selection, scales: &Scales) {
+/// A fit of the power that starts at the cube ends before it gets there, and a stop whose gap lies
+/// within the motion imitates it. Started where its force is nearest to the stop's, the fit gets
+/// there; where it then does better than the stop, the law is a spring, and where it does as well,
+/// the recording tells neither from the other.
+pub(super) fn settle_power(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let found = selection.departing.as_ref().map_or(&selection.chosen, |d| &d.judged);
     let terms = &found.fit.structure.terms;
-    let is_done = || terms.len() == 1 && residual_structure(data, &found.fit).r_squared <= UNDONE;
     let Some(index) = terms.iter().position(|t| stop(t).is_some()) else { return };
-    let is_cube = |t: &Term| matches!(t, Term::CubicStiffness(_));
-    if terms.iter().any(is_cube) || selection.departing.is_none() && is_done() {
+    // One law at a time is given freedom in its form.
+    let mut others = terms.iter().enumerate().filter(|(i, _)| *i != index);
+    if others.any(|(_, t)| matches!(t, Term::CubicStiffness(_) | Term::FreeForm(_))) {
+        return;
+    }
+    let leaves = |judged: &Judged| residual_structure(data, &judged.fit).r_squared > UNDONE;
+    let is_done = selection.departing.is_none() && terms.len() == 1 && !leaves(found);
+    if is_done || data.work.is_spent(budget) {
         return;
     }
     let Some(power) = in_place(data, &found.fit, index, scales) else { return };
     let power = Departing { judged: judge(data, power, scales), index };
+    if data.work.is_spent(budget) || terms.len() > MANY && leaves(&power.judged) {
+        return;
+    }
+    // What the spring leaves idle costs it nothing.
+    let power = power.pruned(data, scales, found.score());
+    let fewer = power.judged.fit.structure.terms.len() < terms.len();
     let lead = power.judged.score() - found.score();
     if lead < -TIE {
         return;
     }
-    let power = power.pruned(data, scales, found.score());
     let Some(stated) = as_cube(data, &power, scales) else { return };
     let gain = compare(&stated.held_out, &power.judged.held_out).gain;
     let departs = earned(data, &stated, &power.judged, scales, selection.tried).is_some() && gain >= IMMATERIAL;
@@ -76,7 +86,8 @@ pub(super) fn settle_power(data: &Data, selection: &mut Selection, scales: &Scal
         return;
     }
     let chosen = &selection.chosen.fit.structure.terms;
-    if lead < TIE {
+    let is_better = lead >= if fewer { -LEAST_LEAD } else { TIE };
+    if !is_better {
         let Some(place) = chosen.iter().position(|t| stop(t).is_some()) else { return };
         let id = stated.fit.structure.terms[power.index].id();
         selection.rivals.resize_with(chosen.len(), Vec::new);
@@ -85,8 +96,12 @@ pub(super) fn settle_power(data: &Data, selection: &mut Selection, scales: &Scal
         }
         return;
     }
-    let known = |t: &Term| chosen.iter().position(|c| c.id() == t.id()).and_then(|p| selection.rivals.get(p).cloned());
-    selection.rivals = stated.fit.structure.terms.iter().map(|t| known(t).unwrap_or_default()).collect();
+    let known = |t: &Term| chosen.iter().position(|c| c.id() == t.id()).and_then(|p| selection.rivals.get(p));
+    let rivals_of = |t: &Term| -> Vec<Rival> {
+        let all = known(t).into_iter().flatten();
+        all.filter(|rival| !stated.has(rival.id)).cloned().collect()
+    };
+    selection.rivals = stated.fit.structure.terms.iter().map(rivals_of).collect();
     selection.chosen = stated;
     selection.departing = Some(power);
 }
@@ -106,14 +121,15 @@ fn stop(term: &Term) -> Option<FreeForm> {
 /// the stop's force on the mass.
 fn in_place(data: &Data, model: &Fit, index: usize, scales: &Scales) -> Option<Fit> {
     let form = stop(&model.structure.terms[index])?;
-    let at = visits(data, model, Argument::Displacement);
+    let at = some(visits(data, model, Argument::Displacement));
     let force = Force::of(&form, model.structure.of(index, &model.point), &at);
     let size = 2.0 * rms(at.iter().copied());
     let moves = size > 0.0 && size.is_finite();
     let spring = moves.then_some(FreeForm { law: Freed::CubicSpring, size, extent: Extent::Narrow })?;
     let count = ((POWERS[1] - POWERS[0]) / BETWEEN_POWERS).round() as usize;
     let powers = (0..=count).map(|i| POWERS[0] + BETWEEN_POWERS * i as f64);
-    let all = powers.filter_map(|further| force.nearest(&spring, further));
+    let leaves_a_spring = |n: &Nearest| n.move_base(&mut model.point.clone()).is_some();
+    let all = powers.filter_map(|further| force.nearest(&spring, further)).filter(leaves_a_spring);
     let nearest = all.min_by(|a, b| a.rest.total_cmp(&b.rest))?;
     let values = [nearest.strength, nearest.further];
     let (structure, mut point) = with_instead(model, index, Term::FreeForm(spring), &values);
@@ -121,11 +137,20 @@ fn in_place(data: &Data, model: &Fit, index: usize, scales: &Scales) -> Option<F
     fit(data, &structure, &point, scales, LONG)
 }
 
+/// Displacements from which a force is known well enough.
+const ENOUGH: usize = 4096;
+
+/// As many of these as are enough, evenly spread.
+fn some(visits: Vec<f64>) -> Vec<f64> {
+    let every = visits.len() / ENOUGH + 1;
+    visits.into_iter().step_by(every).collect()
+}
+
 /// The same terms with the cube in the place of the power, fitted.
 fn as_cube(data: &Data, power: &Departing, scales: &Scales) -> Option<Judged> {
     let (model, index) = (&power.judged.fit, power.index);
     let Term::FreeForm(form) = model.structure.terms[index] else { return None };
-    let at = visits(data, model, Argument::Displacement);
+    let at = some(visits(data, model, Argument::Displacement));
     let nearest = Force::of(&form, model.structure.of(index, &model.point), &at).nearest(&form, 0.0)?;
     let (structure, mut point) = with_instead(model, index, Term::CubicStiffness(CubicStiffness), &[nearest.strength]);
     nearest.move_base(&mut point)?;

@@ -103,7 +103,7 @@ pub(crate) fn search(
     if data.windows.is_none() {
         let budget = data.work.budget(Stage::Forms, data.hull.len());
         forms::settle(data, &mut selection, scales, budget);
-        settle_power(data, &mut selection, scales);
+        settle_power(data, &mut selection, scales, budget);
         settle_stop(data, &mut selection, scales, budget);
     }
     Ok(selection)
