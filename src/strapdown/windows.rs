@@ -4,8 +4,8 @@
 //! `recorded` (with `accord`): log and reference on one clock · `cut` → `window`: where windows
 //! lie, and the error at the end of each · `linear` → `predict`: what each error of a sensor makes
 //! of that end · `bias` (with `median`): what is taken off the readings · `inflation` →
-//! `reference`: how large errors would have to be for the windows to be consistent · `score`:
-//! fractions inside the bands, normalised errors squared. Bands are of the linear model, window by
+//! `length` → `reference`: how large errors would have to be for the windows to be consistent ·
+//! `score`: fractions inside the bands, normalised errors squared. Bands are of the linear model, window by
 //! window: exact for errors this small, and the ensemble's own check of it stands beside every
 //! study. Not for logs at rest: that is `drift::windows`.
 
@@ -15,6 +15,7 @@ mod cut;
 pub mod document;
 pub mod finding;
 pub mod inflation;
+pub mod length;
 pub mod linear;
 mod median;
 pub mod predict;
@@ -36,12 +37,12 @@ use crate::study::flown::Flown;
 use crate::study::in_motion::InMotion;
 use bias::{Base, Still, Taken};
 use finding::Finding;
-use inflation::{CAUSES, Cause, Inflation, Split, Units};
+use inflation::{CAUSES, Cause, Inflation, Split, Units, Whose};
+use length::{Length, Reckoned};
 use linear::{Kind, Linear, Part};
 use predict::{Expected, Place, expected};
 use recorded::Recorded;
-use reference::{Reference, Seen};
-use window::{Asked, Biases, Nine, Window};
+use window::{Asked, Nine, Window};
 
 /// A sensor that the recording is laid beside.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -78,46 +79,6 @@ pub struct Compared {
     pub stated: [f64; CAUSES.len()],
     /// What was found and survived.
     pub findings: Vec<String>,
-}
-
-/// Windows of one length.
-#[derive(Debug, Clone)]
-pub struct Length {
-    /// Length of the windows, s.
-    pub seconds: f64,
-    /// Seconds of the overlap that lie in no window.
-    pub unused_s: f64,
-    /// The windows, in order.
-    pub windows: Vec<Reckoned>,
-    /// Per sensor, what each window's end is expected to be.
-    pub expected: Vec<Vec<Expected>>,
-    /// Per window, the covariance of its end by cause.
-    splits: Vec<Split>,
-}
-
-/// A window after dead reckoning, with its errors at the end.
-#[derive(Debug, Clone, Copy)]
-pub struct Reckoned {
-    /// When it begins and ends on the reference's clock, s.
-    pub span_s: [f64; 2],
-    /// The rows of the log at its ends.
-    pub rows: [usize; 2],
-    /// The biases that were taken off.
-    pub biases: Biases,
-    /// The error at its end.
-    pub error: Nine,
-}
-
-impl Length {
-    /// The errors at the ends.
-    pub fn errors(&self) -> Vec<Nine> {
-        self.windows.iter().map(|w| w.error).collect()
-    }
-
-    fn seen(&self) -> Vec<Seen> {
-        let pairs = self.windows.iter().zip(&self.splits);
-        pairs.map(|(window, split)| Seen { span_s: window.span_s, end: (window.error, *split) }).collect()
-    }
 }
 
 /// One sensor, with its parts in each base.
@@ -239,7 +200,7 @@ pub fn compare(motion: &InMotion, control: &Control) -> Result<Option<Compared>>
         ));
     }
     let inflation = inflate(flown, motion, &lengths[0])?;
-    let inflation = inflation.map(|inflation| inflated(inflation, &mut lengths, &mut found));
+    let inflation = inflation.map(|inflation| reference::lay(inflation, &mut lengths, &mut found));
     sensors.extend(inflation.map(|_| Sensor::Inflated));
     findings.extend(found.iter().map(ToString::to_string));
     Ok(Some(Compared {
@@ -355,34 +316,7 @@ fn inflate(flown: &Flown, motion: &InMotion, own: &Length) -> Result<Option<Infl
         let beside = Beside::new(Biased::Others(bases), vec![stated]);
         all.extend(pairs(&length(motion, &beside, (flown.windows_s[0], windows), recorded.seconds())?));
     }
-    Ok(inflation::fit(&all).map(|fitted| Inflation { own: Some(0), ..fitted }))
-}
-
-/// Adds the inflated sensor to every length. Where it is of other flights, the attitude error of
-/// the reference is still this flight's.
-fn inflated(mut inflation: Inflation, lengths: &mut [Length], found: &mut Vec<Finding>) -> Inflation {
-    let squares = inflation.coefficients.map(|c| c * c);
-    let reference = inflation.own.map(|_| Reference::new(&lengths[0].seen(), &squares));
-    for length in lengths {
-        let mut without = 0;
-        let one = |seen: Seen| {
-            let attitude = reference.as_ref().map(|reference| reference.outside(seen.span_s));
-            without += usize::from(attitude == Some(None));
-            let squares = attitude.flatten().map_or(squares, |own| reference::with(&squares, own.value_rad));
-            seen.end.1.expected(&squares)
-        };
-        let expected = length.seen().into_iter().map(one).collect();
-        length.expected.push(expected);
-        if without > 0 {
-            found.push(Finding::ReferenceOfOthers { seconds: length.seconds, windows: without });
-        }
-    }
-    if let Some(own) = reference.and_then(|reference| reference.everywhere()) {
-        let place = CAUSES.iter().position(|cause| *cause == Cause::Attitude).unwrap_or_default();
-        (inflation.coefficients[place], inflation.interval[place]) = (own.value_rad, own.ci95_rad);
-        inflation.own = Some(own.windows);
-    }
-    inflation
+    Ok(inflation::fit(&all).map(|fitted| Inflation { whose: Whose::Others, ..fitted }))
 }
 
 /// The coefficients of the causes as the study states them: root mean square over the axes.

@@ -112,7 +112,7 @@ impl Fitted {
     /// the model without it has more than leakage: where a filter stops nearly all, what is there
     /// comes from the two ends of the log, and a law that takes it up has not been seen.
     pub(super) fn gain_over(&self, without: &Fitted, term: usize) -> f64 {
-        let slow = matches!(self.terms[term].addition, Addition::Law(law) if law.is_slow());
+        let slow = matches!(self.terms[term].addition, Addition::Law(law) if law.is_low_frequency());
         if !slow || !without.has(Cause::BandLimit) {
             return 2.0 * (self.log_likelihood() - without.log_likelihood());
         }

@@ -77,8 +77,8 @@ impl Filter {
 }
 
 impl Law {
-    /// Whether it makes the bias wander slowly.
-    pub(super) fn is_slow(self) -> bool {
+    /// Whether its power lies at low frequencies.
+    pub(super) fn is_low_frequency(self) -> bool {
         matches!(self, Law::Flicker | Law::Walk | Law::Markov(_) | Law::Power(_))
     }
 

@@ -377,8 +377,7 @@ fn ranking(effects: &[Effect], selection: &Selection) -> Vec<Ranked> {
         let is_effect = effects.iter().any(|e| e.id == standing.term.id());
         row(standing, is_effect, if is_effect { beside() } else { Note::LagOf(LOWPASS.id) })
     });
-    // A clock offset that cancels the lag of a low-pass makes the total lag zero: it is named although
-    // the search had no use for its term.
+    // A clock that cancels the lag of a low-pass is named although the search had no use for its term.
     let beside_lowpass = |s: &Standing| s.term.id() == TIME_OFFSET.id && effects.iter().any(|e| e.id == TIME_OFFSET.id);
     named.chain(selection.others.iter().map(|s| row(s, beside_lowpass(s), beside()))).collect()
 }

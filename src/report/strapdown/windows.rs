@@ -7,9 +7,10 @@ use crate::report::figure::{Axis, Chart, Figure, Ink, Mark, labelled};
 use crate::report::html::Page;
 use crate::report::table::Table;
 use crate::strapdown::windows::document::{AXES, TOGETHER};
-use crate::strapdown::windows::inflation::{FEWEST, Inflation};
+use crate::strapdown::windows::inflation::{FEWEST, Inflation, Whose};
+use crate::strapdown::windows::length::Length;
 use crate::strapdown::windows::score::{self, BANDS};
-use crate::strapdown::windows::{Compared, Length, Sensor};
+use crate::strapdown::windows::{Compared, Sensor};
 use crate::study::Study;
 use crate::units::{DEGREE, DEGREE_PER_HOUR_PER_ROOT_HOUR, DEGREE_PER_ROOT_HOUR, MICRO_G};
 
@@ -70,8 +71,8 @@ pub(super) fn section(page: &mut Page, compared: &Compared) {
              inflated.toml is the stated sensor with these figures, for a study or `proofmass export`.",
             inflation.windows, compared.lengths[0].seconds,
         ));
-        if let Some(own) = inflation.own {
-            page.paragraph(&of_which_flight(own));
+        if let Some(said) = of_which_flight(inflation.whose) {
+            page.paragraph(&said);
         }
         page.table(&inflated(compared, inflation));
     }
@@ -123,22 +124,26 @@ pub(super) fn sentences(compared: &Compared) -> Vec<String> {
                 if row[4].is_empty() { String::new() } else { format!(", {} × the stated {}", row[4], row[3]) };
             all.push(format!("  {}: {} ({}){factor}", row[0], row[1], row[2]));
         }
-        all.extend(inflation.own.map(of_which_flight));
+        all.extend(of_which_flight(inflation.whose));
     }
     all
 }
 
 /// Which flight the coefficients are of, where not all are of the one that is compared.
-fn of_which_flight(own: usize) -> String {
-    if own == 0 {
-        return "All of them are of other flights: this one has too few windows to tell how far its own reference errs."
-            .into();
+fn of_which_flight(whose: Whose) -> Option<String> {
+    match whose {
+        Whose::Own => None,
+        Whose::OwnReference { windows } => Some(format!(
+            "Those windows are of other flights. The attitude error of the reference is not the sensor's and may differ \
+             from flight to flight: it is estimated from {windows} windows of this one, with the other figures as they \
+             stand, and for each band from the windows that do not overlap it, if at least {FEWEST} are left."
+        )),
+        Whose::Others => Some(
+            "Those windows are of other flights, and so is the attitude error of the reference: this flight has too few \
+             windows to tell how far its own reference errs."
+                .into(),
+        ),
     }
-    format!(
-        "Those windows are of other flights. The attitude error of the reference is not the sensor's and may differ \
-         from flight to flight: it is estimated from {own} windows of this one, with the other figures as they stand, and \
-         for each band from the windows that do not overlap it, if at least {FEWEST} are left."
-    )
 }
 
 /// The causes as a table.
@@ -178,8 +183,10 @@ pub(super) fn inflated_toml(study: &Study, compared: &Compared) -> Option<String
         let [low, high] = inflation.interval[place].map(of);
         format!("{key} = {:e} # {unit}; 95 %: {low} to {high}\n", inflation.coefficients[place] / size)
     };
-    let own = inflation.own.filter(|own| *own > 0);
-    let of = own.map_or_else(String::new, |own| format!(", from {own} windows of this flight"));
+    let of = match inflation.whose {
+        Whose::OwnReference { windows } => format!(", from {windows} windows of this flight"),
+        Whose::Own | Whose::Others => String::new(),
+    };
     Some(format!(
         "# {}: what {} windows of {} s justify, by maximum likelihood; the stated figures of the same causes are replaced.\n\
          # Attitude of the reference{of}: {}° (95 %: {} to {}).\n\

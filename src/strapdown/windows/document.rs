@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use super::inflation::Inflation;
+use super::length::Length;
 use super::score::{self, Nees};
-use super::{Compared, Length, Sensor};
+use super::{Compared, Sensor};
 
 /// One axis of one sensor, over all windows of a length.
 #[derive(Debug, Clone, Serialize)]

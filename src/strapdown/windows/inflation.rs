@@ -46,6 +46,21 @@ pub struct Split {
     pub rest: Expected,
 }
 
+/// Which flight the coefficients are of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Whose {
+    /// The one that is compared.
+    Own,
+    /// Other flights, but for the attitude error of the reference: that is of windows of the one
+    /// that is compared.
+    OwnReference {
+        /// Number of these windows.
+        windows: usize,
+    },
+    /// Other flights, as the one that is compared has too few windows.
+    Others,
+}
+
 /// What fits the windows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inflation {
@@ -55,9 +70,8 @@ pub struct Inflation {
     pub interval: [[f64; 2]; CAUSES.len()],
     /// Windows that it was fitted on.
     pub windows: usize,
-    /// Where these are of other flights: windows of this one, which its reference's attitude error
-    /// is of; 0 where they are too few and it is that of the other flights too.
-    pub own: Option<usize>,
+    /// Which flight the coefficients are of.
+    pub whose: Whose,
 }
 
 /// The causes in a window.
@@ -123,7 +137,12 @@ pub fn fit(windows: &Recorded) -> Option<Inflation> {
         true => best[cause].sqrt(),
         false => 0.0,
     };
-    Some(Inflation { coefficients: std::array::from_fn(coefficient), interval, windows: windows.len(), own: None })
+    Some(Inflation {
+        coefficients: std::array::from_fn(coefficient),
+        interval,
+        windows: windows.len(),
+        whose: Whose::Own,
+    })
 }
 
 /// The squared coefficient with which each cause alone would make that error as large as recorded

@@ -3,16 +3,36 @@
 //! motion capture. The sensor's coefficients are those of other flights; this one is of windows
 //! that share no time with the one it is used in.
 
-use super::inflation::{CAUSES, Cause, DROP, FEWEST, Split, likelihood};
-use super::window::Nine;
+use super::finding::Finding;
+use super::inflation::{CAUSES, Cause, DROP, FEWEST, Inflation, Whose, likelihood};
+use super::length::{Length, Seen};
 
-/// A window as it was recorded.
-#[derive(Debug, Clone, Copy)]
-pub struct Seen {
-    /// When it begins and ends, s.
-    pub span_s: [f64; 2],
-    /// The error at its end, and its covariance by cause.
-    pub end: (Nine, Split),
+/// Adds the inflated sensor to every length. Where it is of other flights, the attitude error of
+/// the reference is still this flight's.
+pub(super) fn lay(mut inflation: Inflation, lengths: &mut [Length], found: &mut Vec<Finding>) -> Inflation {
+    let squares = inflation.coefficients.map(|c| c * c);
+    let reference = (inflation.whose != Whose::Own).then(|| Reference::new(&lengths[0].seen(), &squares));
+    for length in lengths {
+        let mut without = 0;
+        let one = |seen: Seen| {
+            let attitude = reference.as_ref().map(|reference| reference.outside(seen.span_s));
+            without += usize::from(attitude == Some(None));
+            let squares = attitude.flatten().map_or(squares, |own| with(&squares, own.value_rad));
+            seen.end.1.expected(&squares)
+        };
+        let expected = length.seen().into_iter().map(one).collect();
+        length.expected.push(expected);
+        if without > 0 {
+            found.push(Finding::ReferenceOfOthers { seconds: length.seconds, windows: without });
+        }
+    }
+    if let Some(own) = reference.and_then(|reference| reference.everywhere()) {
+        for place in (0..CAUSES.len()).filter(|place| CAUSES[*place] == Cause::Attitude) {
+            (inflation.coefficients[place], inflation.interval[place]) = (own.value_rad, own.ci95_rad);
+        }
+        inflation.whose = Whose::OwnReference { windows: own.windows };
+    }
+    inflation
 }
 
 /// Attitude errors that are tried, rad: from the least to the largest, each by this factor more.
@@ -21,7 +41,7 @@ const LARGEST_RAD: f64 = 1.0;
 const FACTOR: f64 = 1.05;
 
 /// How likely each attitude error of the reference makes each window.
-pub struct Reference {
+struct Reference {
     /// What is tried, rad; the first is none.
     tried_rad: Vec<f64>,
     /// Per window, its time and the logarithm of its likelihood at each of them.
@@ -30,18 +50,18 @@ pub struct Reference {
 
 /// An attitude error of the reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Attitude {
+struct Attitude {
     /// The most likely one, rad about each axis.
-    pub value_rad: f64,
+    value_rad: f64,
     /// Its 95 % interval by the likelihood, the other causes as given.
-    pub ci95_rad: [f64; 2],
+    ci95_rad: [f64; 2],
     /// Windows that it is fitted on.
-    pub windows: usize,
+    windows: usize,
 }
 
 impl Reference {
     /// Of windows that do not overlap, the squared coefficients of the other causes as given.
-    pub fn new(windows: &[Seen], squares: &[f64; CAUSES.len()]) -> Self {
+    fn new(windows: &[Seen], squares: &[f64; CAUSES.len()]) -> Self {
         let mut tried_rad = vec![0.0];
         let mut next = LEAST_RAD;
         while next < LARGEST_RAD {
@@ -55,13 +75,13 @@ impl Reference {
     }
 
     /// What the windows outside this time say; `None` where they are too few.
-    pub fn outside(&self, span_s: [f64; 2]) -> Option<Attitude> {
+    fn outside(&self, span_s: [f64; 2]) -> Option<Attitude> {
         let meets = |[from, to]: [f64; 2]| from < span_s[1] && span_s[0] < to;
         self.of(|span| !meets(span))
     }
 
     /// What all windows say; `None` where they are too few.
-    pub fn everywhere(&self) -> Option<Attitude> {
+    fn everywhere(&self) -> Option<Attitude> {
         self.of(|_| true)
     }
 
@@ -89,6 +109,6 @@ impl Reference {
 }
 
 /// Squared coefficients with this attitude error of the reference.
-pub fn with(squares: &[f64; CAUSES.len()], rad: f64) -> [f64; CAUSES.len()] {
+fn with(squares: &[f64; CAUSES.len()], rad: f64) -> [f64; CAUSES.len()] {
     std::array::from_fn(|place| if CAUSES[place] == Cause::Attitude { rad * rad } else { squares[place] })
 }

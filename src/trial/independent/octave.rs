@@ -42,7 +42,8 @@ mod tests {
         flicker(ROWS, alpha, &mut Draw::new(3, case, 0)).into_iter().map(|v| size * v).collect()
     }
 
-    // From the white noise's tenth to more than all of it.
+    // 1/f noise of a tenth of the white noise to twice it. A quarter of what counts as seen: of a dozen
+    // octaves the sum scatters by √(2·12) = 5, and relaxations, one per octave, are no exact 1/f.
     #[test]
     fn flicker_does_not_depart_from_itself_and_other_exponents_do() {
         for case in 0..4 {

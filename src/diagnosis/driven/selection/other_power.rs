@@ -121,7 +121,7 @@ fn stop(term: &Term) -> Option<FreeForm> {
 /// the stop's force on the mass.
 fn in_place(data: &Data, model: &Fit, index: usize, scales: &Scales) -> Option<Fit> {
     let form = stop(&model.structure.terms[index])?;
-    let at = some(visits(data, model, Argument::Displacement));
+    let at = thinned(visits(data, model, Argument::Displacement));
     let force = Force::of(&form, model.structure.of(index, &model.point), &at);
     let size = 2.0 * rms(at.iter().copied());
     let moves = size > 0.0 && size.is_finite();
@@ -141,7 +141,7 @@ fn in_place(data: &Data, model: &Fit, index: usize, scales: &Scales) -> Option<F
 const ENOUGH: usize = 4096;
 
 /// As many of these as are enough, evenly spread.
-fn some(visits: Vec<f64>) -> Vec<f64> {
+fn thinned(visits: Vec<f64>) -> Vec<f64> {
     let every = visits.len() / ENOUGH + 1;
     visits.into_iter().step_by(every).collect()
 }
@@ -150,7 +150,7 @@ fn some(visits: Vec<f64>) -> Vec<f64> {
 fn as_cube(data: &Data, power: &Departing, scales: &Scales) -> Option<Judged> {
     let (model, index) = (&power.judged.fit, power.index);
     let Term::FreeForm(form) = model.structure.terms[index] else { return None };
-    let at = some(visits(data, model, Argument::Displacement));
+    let at = thinned(visits(data, model, Argument::Displacement));
     let nearest = Force::of(&form, model.structure.of(index, &model.point), &at).nearest(&form, 0.0)?;
     let (structure, mut point) = with_instead(model, index, Term::CubicStiffness(CubicStiffness), &[nearest.strength]);
     nearest.move_base(&mut point)?;
