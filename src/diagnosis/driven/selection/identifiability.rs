@@ -81,7 +81,8 @@ impl Reach {
 
 /// Whether a law changes how the reading answers the input at each frequency, and nothing else.
 pub(super) fn is_linear(term: &Term) -> bool {
-    matches!(term.role(), Role::InputDelay | Role::LowPass | Role::Mode | Role::Readout(Place::Input))
+    use Role::{InputDelay, InputLead, LowPass, Mode, Readout};
+    matches!(term.role(), InputDelay | InputLead | LowPass | Mode | Readout(Place::Input))
         || matches!(term, Term::CoupledMode(_))
 }
 
@@ -129,6 +130,7 @@ mod tests {
     use crate::numerics::least_squares::Linear;
     use crate::physics::cubic_stiffness::CubicStiffness;
     use crate::physics::feedthrough::Feedthrough;
+    use crate::physics::input_lag::InputLag;
     use crate::physics::parasitic_mode::ParasiticMode;
     use crate::physics::readout_delay::ReadoutDelay;
 
@@ -205,6 +207,8 @@ mod tests {
         let lines = |n: usize| Reach { lines_hz: vec![1.0; n], few_cycles: None };
         // One line, two numbers, four parameters; two lines, four numbers, four parameters; three
         // lines, six numbers.
+        let lag = Term::InputLag(InputLag);
+        assert!(lines(1).class(&[lag]).contains(&"readout-delay") && lines(1).class(&[delay]).contains(&"input-lag"));
         assert!(lines(1).class(&[delay]).len() > 3 && lines(2).class(&[delay]).len() > 3);
         assert!(lines(3).class(&[delay]).is_empty());
         // A mode has three parameters: with three lines it is one with what has as many, and no
