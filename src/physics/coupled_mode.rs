@@ -3,10 +3,9 @@
 //!
 //! Linear, and so close to `parasitic_mode`: two masses with light damping are two modes side by
 //! side up to how their damping is shared out, and no input that both models hear alike tells them
-//! apart. It is therefore no candidate of its own in the search ([`Law::tried`]): beside a second
-//! mode it would only make undecidable what is decided. It can be simulated and fitted by name.
-//! Where the first mass is damped strongly the two are not alike, and a diagnosis leaves what it
-//! sees without a name.
+//! apart. It is therefore no candidate of its own in the search ([`Law::tried`]); a diagnosis looks
+//! for it from the two modes that it would be, where a mode stands or nothing simpler ends the
+//! matter. It can be simulated and fitted by name.
 
 use std::f64::consts::TAU;
 

@@ -11,6 +11,7 @@ pub mod identifiability;
 pub mod independence;
 pub mod input_line;
 pub mod judged;
+mod kept_back;
 pub mod known;
 pub mod lattice;
 pub mod noise_character;

@@ -22,6 +22,8 @@ pub enum Stage {
     SearchAgain,
     /// Candidates in the place of others.
     Rivals,
+    /// Linear laws that the search keeps back.
+    KeptBack,
     /// Laws with a free form.
     Forms,
     /// Final fits, what each term is worth, intervals and profiles.
@@ -32,7 +34,7 @@ impl Stage {
     fn steps_per_sample(self) -> u64 {
         match self {
             Stage::Search => 5000,
-            Stage::SearchAgain => 2500,
+            Stage::SearchAgain | Stage::KeptBack => 2500,
             Stage::Forms => 3000,
             Stage::Rivals | Stage::Conclusion => 4000,
         }

@@ -63,7 +63,7 @@ mod tests {
         assert_eq!(series(&laws), Some(Series::ManyLaws));
         let late = [
             Term::ReadoutDelay(ReadoutDelay),
-            Term::ReadoutLowpass(ReadoutLowpass),
+            Term::ReadoutLowpass(ReadoutLowpass::default()),
             Term::ParasiticMode(ParasiticMode),
         ];
         assert_eq!(series(&late), Some(Series::LookAlikes));

@@ -13,6 +13,7 @@ use super::earned::{earned, pruned};
 use super::forms;
 use super::identifiability::{Reach, is_linear};
 use super::judged::{Judged, Selection, Trial};
+use super::kept_back::settle_kept_back;
 use super::other_power::{settle_power, settle_stop};
 use super::residual_structure::residual_structure;
 use super::rivals::{Look, TIE};
@@ -101,6 +102,8 @@ pub(crate) fn search(
     selection.rivals_left_out = look.left_out;
     // In windows a form has too little of the motion at a time.
     if data.windows.is_none() {
+        let budget = data.work.budget(Stage::KeptBack, data.hull.len());
+        settle_kept_back(data, &mut selection, scales, budget, control)?;
         let budget = data.work.budget(Stage::Forms, data.hull.len());
         forms::settle(data, &mut selection, scales, budget);
         settle_power(data, &mut selection, scales, budget);

@@ -15,6 +15,7 @@ use crate::physics::dimension::Units;
 use crate::physics::law::Noise;
 use crate::physics::library::Term;
 use crate::physics::one_sided_stop::OneSidedStop;
+use crate::physics::readout_lowpass::{Poles, ReadoutLowpass};
 use crate::physics::warm_stiffness::WarmStiffness;
 use crate::sensor::{Accelerometer, ProofMass, Sensor};
 use crate::units::key::Sign;
@@ -150,6 +151,7 @@ fn why_not(term: &Term) -> &'static str {
              recording (sensor.stiffness_per_k)"
         }
         Term::ReadoutSaturation(_) => "a study's range is the same on both sides of zero",
+        Term::ReadoutLowpass(_) => "a study's low-pass has one pole",
         Term::InputLag(_) => "it belongs to what recorded the input, not to the sensor",
         _ => "a study has no key for it",
     }
@@ -177,7 +179,7 @@ fn at_the_readout(accelerometer: &mut Accelerometer, term: &Term, p: &[f64], per
         }
         Term::Feedthrough(_) => accelerometer.feedthrough = p[0] * per_unit,
         Term::ReadoutDelay(_) => accelerometer.readout_delay_s = p[0],
-        Term::ReadoutLowpass(_) => accelerometer.readout_lowpass_s = p[0],
+        Term::ReadoutLowpass(ReadoutLowpass(Poles::One)) => accelerometer.readout_lowpass_s = p[0],
         Term::ReadoutQuantisation(_) => accelerometer.quantisation_m_s2 = p[0] * per_unit.abs(),
         Term::ReadoutSaturation(_) if (p[0] + p[1]).abs() < LOPSIDED * (p[1] - p[0]) => {
             accelerometer.range_m_s2 = 0.5 * (p[1] - p[0]) * per_unit.abs();

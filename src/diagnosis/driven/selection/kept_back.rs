@@ -1,0 +1,287 @@
+//! Linear laws that the search keeps back, because beside a simpler one that does as well they would
+//! only make undecidable what is decided: a low-pass with a second pole, and a second mass on the
+//! first. Where nothing simpler ends the matter, they are looked for in the place of all linear
+//! terms together: what one of them takes up is no delay, no lag and no second effect.
+
+use crate::control::{Control, Stopped};
+use crate::diagnosis::driven::identification::fit::{Fit, GAIN, OMEGA, ZETA, fit as fitted};
+use crate::diagnosis::driven::identification::refined_scales::refined;
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::intake::work::Budget;
+use crate::numerics::order;
+use crate::physics::coupled_mode::CoupledMode;
+use crate::physics::library::Term;
+use crate::physics::parasitic_mode::ParasiticMode;
+use crate::physics::readout_lowpass::{Poles, ReadoutLowpass};
+use crate::physics::scales::Scales;
+
+use super::earned::{ITERATIONS, earned, without};
+use super::forms::{LEAST_LEAD, UNDONE, with_instead};
+use super::identifiability::is_linear;
+use super::judged::{Judged, Rival, Selection, judge};
+use super::residual_structure::residual_structure;
+use super::rivals::TIE;
+use super::round::round;
+
+const TWO_POLES: Term = Term::ReadoutLowpass(ReadoutLowpass(Poles::Two));
+const MODE: Term = Term::ParasiticMode(ParasiticMode);
+const TWO_MASSES: Term = Term::CoupledMode(CoupledMode);
+/// Iterations of poles, or of masses and springs, that move along each other.
+const HEAT: usize = 3 * ITERATIONS;
+/// Most heats of one fit.
+const HEATS: usize = 4;
+
+/// Looks for them where the chosen model leaves something, or is made of several linear terms, or of
+/// a low-pass that a second pole may extend; and for a second mass beside a mode, which another
+/// sharing of the damping alone tells from it.
+///
+/// # Errors
+/// Stopped.
+pub(super) fn settle_kept_back(
+    data: &Data,
+    selection: &mut Selection,
+    scales: &Scales,
+    budget: Budget,
+    control: &Control,
+) -> Result<(), Stopped> {
+    let chosen = &selection.chosen;
+    let linear = chosen.fit.structure.terms.iter().filter(|t| is_linear(t)).count();
+    let is_plain = linear <= 1 && !chosen.has(TWO_POLES.id());
+    let is_done = is_plain && residual_structure(data, &chosen.fit).r_squared <= UNDONE;
+    if data.input.is_none() || selection.reach.tells_nothing_linear_apart() {
+        return Ok(());
+    }
+    let search = KeptBack { data, chosen, budget };
+    let mut all: Vec<Judged> = Vec::new();
+    if is_done {
+        let mode = the_mode(selection);
+        all.extend(mode.and_then(|mode| search.two_masses(mode, &refined(data, &mode.fit, scales))));
+    } else {
+        for reduced in reduced(data, &selection.base, chosen, scales) {
+            if data.work.is_spent(budget) {
+                break;
+            }
+            let here = refined(data, &reduced.fit, scales);
+            let alone = |term: Term| -> Result<Option<Judged>, Stopped> {
+                let found = round(data, &reduced, &[term], &here, 1, control)?.into_iter().find_map(|t| t.judged);
+                Ok(found.map(|f| search.rested(f, &here)))
+            };
+            let mode = alone(MODE)?;
+            let masses = mode.as_ref().and_then(|mode| search.two_masses(mode, &here));
+            let found = [alone(TWO_POLES)?, mode, masses].into_iter().flatten();
+            all.extend(found.filter(|f| earned(data, &reduced, f, scales, selection.tried).is_some()));
+        }
+        if let Some(mode) = own_mode(data, chosen, scales) {
+            all.extend(search.two_masses(&mode, scales));
+            all.push(mode);
+        }
+    }
+    all.retain(|f| !f.fit.at_bound(&refined(data, &f.fit, scales)));
+    order::sort_by_key(&mut all, |j| -worth(j));
+    for found in all {
+        weigh(selection, found);
+    }
+    Ok(())
+}
+
+/// The model with a mode where that is chosen, or would do as well.
+fn the_mode(selection: &Selection) -> Option<&Judged> {
+    if selection.chosen.has(MODE.id()) {
+        return Some(&selection.chosen);
+    }
+    selection.rivals.iter().flatten().find(|r| r.id == MODE.id()).map(|r| &r.judged)
+}
+
+/// What fits of a law that is kept back are measured by.
+struct KeptBack<'a> {
+    data: &'a Data,
+    chosen: &'a Judged,
+    budget: Budget,
+}
+
+impl KeptBack<'_> {
+    /// A fit that had not come to rest, taken further as long as what it gained last would bring it
+    /// to the chosen model.
+    fn rested(&self, mut found: Judged, scales: &Scales) -> Judged {
+        let goal = worth(self.chosen) - TIE;
+        let mut gained = f64::INFINITY;
+        for heat in 1..=HEATS {
+            let reach = worth(&found) + gained * (HEATS - heat + 1) as f64;
+            if found.fit.converged || reach < goal || self.data.work.is_spent(self.budget) {
+                break;
+            }
+            let fit = &found.fit;
+            let Some(further) = fitted(self.data, &fit.structure, &fit.point, scales, HEAT) else { break };
+            let further = judge(self.data, further, scales);
+            gained = worth(&further) - worth(&found);
+            found = further;
+        }
+        found
+    }
+
+    /// A second mass on the first, fitted from the two modes of a model that come nearest to it.
+    fn two_masses(&self, modes: &Judged, scales: &Scales) -> Option<Judged> {
+        let fit = &modes.fit;
+        let index = fit.structure.terms.iter().position(|t| *t == MODE)?;
+        let (base, values) = masses(fit, index)?;
+        let (structure, mut point) = with_instead(fit, index, TWO_MASSES, &values);
+        point[GAIN..GAIN + base.len()].copy_from_slice(&base);
+        let found = judge(self.data, fitted(self.data, &structure, &point, scales, ITERATIONS)?, scales);
+        Some(self.rested(found, scales))
+    }
+}
+
+/// Models without any linear term: the base; the chosen one where it has other terms; and the chosen
+/// one with everything else where it is, as a base model that is fitted without its linear terms may
+/// go where no other finds its place.
+fn reduced(data: &Data, base: &Judged, chosen: &Judged, scales: &Scales) -> Vec<Judged> {
+    let mut all = vec![base.clone()];
+    let linear = |fit: &Fit| fit.structure.terms.iter().position(is_linear);
+    if linear(&chosen.fit).is_none() {
+        return all;
+    }
+    let mut there = Some(chosen.fit.clone());
+    while let Some((fit, index)) = there.as_ref().and_then(|f| Some((f, linear(f)?))) {
+        let (structure, point) = fit.without(index);
+        there = fitted(data, &structure, &point, scales, 0);
+    }
+    all.extend(there.map(|fit| judge(data, fit, scales)));
+    if chosen.fit.structure.terms.iter().any(|t| !is_linear(t)) {
+        let mut rest = Some(chosen.clone());
+        while let Some(index) = rest.as_ref().and_then(|r| linear(&r.fit)) {
+            rest = rest.and_then(|r| without(data, &r, index, scales));
+        }
+        all.extend(rest);
+    }
+    all
+}
+
+/// The chosen model with its mode alone of all linear terms, from where it is.
+fn own_mode(data: &Data, chosen: &Judged, scales: &Scales) -> Option<Judged> {
+    let mut there = chosen.fit.clone();
+    there.structure.terms.iter().position(|t| *t == MODE)?;
+    while let Some(index) = there.structure.terms.iter().position(|t| is_linear(t) && *t != MODE) {
+        let (structure, point) = there.without(index);
+        there = fitted(data, &structure, &point, scales, 0)?;
+    }
+    Some(judge(data, fitted(data, &there.structure, &there.point, scales, HEAT)?, scales))
+}
+
+/// Gain, ω₀ and ζ of the first mass, and μ, ω₂, ζ₂ of a second one on it, whose two modes are nearly
+/// these; `None` where no two masses have them. The first mass takes up a push alone, at the sum of
+/// both modes' gains; it stands still where the second one absorbs, between the modes; and the
+/// squares of the pair's frequencies sum up to ω₀² + (1 + μ)ω₂² and multiply to ω₀²ω₂².
+fn masses(modes: &Fit, index: usize) -> Option<([f64; 3], [f64; 5])> {
+    let p = &modes.point;
+    let [g2, omega2, zeta2, ..] = *modes.structure.of(index, p) else { return None };
+    let (g1, omega1, zeta1) = (p[GAIN], p[OMEGA], p[ZETA]);
+    let gain = g1 + g2;
+    let share = g1 / gain;
+    if !(share > 0.0 && share < 1.0) {
+        return None;
+    }
+    let squares = [omega1 * omega1, omega2 * omega2];
+    let dampings = [2.0 * zeta1 * omega1, 2.0 * zeta2 * omega2];
+    let own = share * squares[1] + (1.0 - share) * squares[0];
+    let first = squares[0] * squares[1] / own;
+    let ratio = (squares[0] + squares[1] - first) / own - 1.0;
+    let slows = share * dampings[1] + (1.0 - share) * dampings[0];
+    let left = dampings[0] + dampings[1] - (1.0 + ratio) * slows;
+    let (omega, own) = (first.sqrt(), own.sqrt());
+    let zeta = (0.5 * left / omega).max(0.1 * zeta1.min(zeta2));
+    (ratio > 0.0).then_some(([gain, omega, zeta], [ratio, own, (0.5 * slows / own).clamp(1e-4, 0.6), 0.0, 0.0]))
+}
+
+/// Log-likelihood less the penalty of the parameters, without that of initial values: a second
+/// state's fades, so that more samples do not tell more of it, and Schwarz's penalty is of what they
+/// do.
+pub(super) fn worth(model: &Judged) -> f64 {
+    let fit = &model.fit;
+    let beginnings = fit.structure.all_beginnings();
+    let parameters = fit.free.iter().filter(|i| !beginnings.contains(i)).count();
+    fit.log_likelihood() - 0.5 * parameters as f64 * (fit.linear.residual.len().max(2) as f64).ln()
+}
+
+/// A model with one linear term against the chosen one: in its place, tied with it, or nothing.
+fn weigh(selection: &mut Selection, found: Judged) {
+    let chosen = &selection.chosen;
+    let terms = &chosen.fit.structure.terms;
+    let Some(kept) = found.fit.structure.terms.iter().copied().find(is_linear) else { return };
+    let lead = worth(&found) - worth(chosen);
+    let is_lean = found.fit.structure.terms.len() < terms.len();
+    let is_same = terms.iter().all(|t| found.has(t.id()));
+    let replaces = lead
+        > if is_lean {
+            -LEAST_LEAD
+        } else if is_same {
+            LEAST_LEAD
+        } else {
+            TIE
+        };
+    if !replaces {
+        // Neither is ahead.
+        let place = terms.iter().position(is_linear).filter(|_| !is_same && lead > -TIE);
+        if let Some(place) = place {
+            selection.rivals.resize_with(terms.len(), Vec::new);
+            if !selection.rivals[place].iter().any(|r| r.id == kept.id()) && !chosen.has(kept.id()) {
+                selection.rivals[place].push(Rival { judged: found, id: kept.id() });
+            }
+        }
+        return;
+    }
+    // What stood there, and what does as well alone.
+    let before = terms.iter().filter(|t| is_linear(t)).map(|t| Rival { judged: chosen.clone(), id: t.id() });
+    let alone = selection.alone.iter().filter(|t| is_linear(&t.term));
+    let alone = alone.filter_map(|t| Some(Rival { judged: t.judged.clone()?, id: t.term.id() }));
+    let mut tied: Vec<Rival> = Vec::new();
+    for rival in before.chain(alone) {
+        let is_new = !found.has(rival.id) && tied.iter().all(|r| r.id != rival.id);
+        if is_new && worth(&found) - worth(&rival.judged) < TIE {
+            tied.push(rival);
+        }
+    }
+    let of_term = |t: &Term| {
+        if is_linear(t) {
+            return tied.clone();
+        }
+        let place = terms.iter().position(|c| c.id() == t.id());
+        place.and_then(|p| selection.rivals.get(p)).cloned().unwrap_or_default()
+    };
+    selection.rivals = found.fit.structure.terms.iter().map(of_term).collect();
+    selection.chosen = found;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::driven::base::BASE;
+    use crate::diagnosis::driven::simulation::structure::ModelStructure;
+    use crate::numerics::least_squares::Linear;
+
+    fn modes(base: [f64; 3], mode: [f64; 3]) -> Fit {
+        let mut point = vec![0.0; BASE];
+        point[GAIN..GAIN + 3].copy_from_slice(&base);
+        point.extend(mode);
+        point.resize(BASE + MODE.values(), 0.0);
+        let linear = Linear { residual: Vec::new(), columns: Vec::new() };
+        let structure = ModelStructure::new(&[MODE]);
+        Fit { structure, point, steps: 2, linear, free: Vec::new(), slopes: Vec::new(), variance: 1.0, converged: true }
+    }
+
+    // Tuned alike, ω₂ = ω₀: Ω² = ω₀²(1 + μ/2 ∓ √(μ + μ²/4)) (Den Hartog, § 3.2), and the gain of a
+    // mode is the residue (ω₂² − Ω²)/(Ω'² − Ω²) of (ω₂² − Ω²) over both modes.
+    #[test]
+    fn the_modes_of_a_tuned_pair_lead_back_to_it() {
+        let (omega, mu) = (4.0f64, 0.05f64);
+        let square = |side: f64| omega * omega * (1.0 + 0.5 * mu + side * (mu + 0.25 * mu * mu).sqrt());
+        let (low, high) = (square(-1.0), square(1.0));
+        let share = (omega * omega - low) / (high - low);
+        let found =
+            |share: f64| masses(&modes([3.0 * share, low.sqrt(), 0.01], [3.0 * (1.0 - share), high.sqrt(), 0.01]), 0);
+        let ([gain, first, _], [ratio, own, ..]) = found(share).expect("a pair");
+        for (got, want) in [(gain, 3.0), (first, omega), (ratio, mu), (own, omega)] {
+            assert!((got / want - 1.0).abs() < 1e-9, "{got} {want}");
+        }
+        assert!(found(1.2).is_none() && found(-0.2).is_none(), "modes against each other have no common mass");
+    }
+}
