@@ -39,6 +39,7 @@ use intake::stretches::{self, Stretches};
 use intake::work::{Budget, Stage};
 use selection::base_model::{self, NoOscillator};
 use selection::folds::{self, Fold};
+use selection::held_input;
 use selection::judged::{self, Judged, Selection};
 use selection::stepwise;
 use simulation::run;
@@ -243,6 +244,14 @@ impl Course {
             self.budget = self.budget.or(self.narrow.work.budget(Stage::SearchAgain, self.narrow.hull.len()));
             selection = stepwise::search(&self.narrow, base, scales, &candidates, self.budget, control)?;
         }
+        if let Some(smooth) = held_input::smooth_input(&self.narrow, &selection) {
+            let base = base_again(&smooth, &selection, scales);
+            if let Some(other) = held_input::on_a_smooth_one(&smooth, base, &selection, scales, control)? {
+                let held = base_model::interpolated(Interpolation::Hold);
+                self.notes.findings.retain(|finding| *finding != held);
+                (self.narrow, selection) = (smooth, other);
+            }
+        }
         if !self.follows {
             // No resonance is known whose cycles could be counted.
             selection.base_follows = false;
@@ -288,9 +297,7 @@ impl Course {
         }
         let how = base_model::other_input(&mut self.narrow, &selection.chosen, scales)?;
         self.notes.findings.push(base_model::interpolated(how));
-        let base = &selection.base.fit;
-        let again = fit::fit(&self.narrow, &base.structure, &base.point, scales, 25);
-        Some(judged::judge(&self.narrow, again.unwrap_or_else(|| base.clone()), scales))
+        Some(base_again(&self.narrow, selection, scales))
     }
 
     fn note_what_was_not_tried(&mut self, selection: &Selection) {
@@ -331,4 +338,11 @@ impl Course {
         self.notes.report_jumps(&self.data, &errors);
         conclusion
     }
+}
+
+/// The base model of a search on another input.
+fn base_again(data: &Data, selection: &Selection, scales: &Scales) -> Judged {
+    let base = &selection.base.fit;
+    let again = fit::fit(data, &base.structure, &base.point, scales, 25);
+    judged::judge(data, again.unwrap_or_else(|| base.clone()), scales)
 }

@@ -6,6 +6,7 @@ pub mod coloured_noise;
 pub mod earned;
 pub mod folds;
 pub mod forms;
+pub mod held_input;
 pub mod held_out;
 pub mod identifiability;
 pub mod independence;
