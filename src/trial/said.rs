@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::diagnosis::verdict::{Outcome, Verdict};
+use crate::diagnosis::verdict::{Effect, Outcome, Verdict};
 
 /// A fitted number with its interval.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -64,7 +64,7 @@ impl From<Outcome> for Ending {
 pub struct Said {
     /// Verdict, or an error.
     pub outcome: Ending,
-    /// Named effects; under "undecidable" those that tie stand in one group.
+    /// Named effects; those of a tie stand in one group.
     pub groups: Vec<Vec<String>>,
     /// Fitted numbers of the named effects.
     pub numbers: Vec<Number>,
@@ -79,21 +79,7 @@ pub struct Said {
 impl Said {
     /// From the public document.
     pub fn from_verdict(verdict: &Verdict, seconds: f64) -> Self {
-        let mut groups: Vec<Vec<String>> = Vec::new();
-        for effect in &verdict.effects {
-            let mut group = vec![effect.id.clone()];
-            if verdict.verdict == Outcome::Undecidable {
-                group.extend(effect.confusable_with.iter().cloned());
-            }
-            // Groups that share a member are one.
-            let (touching, apart): (Vec<_>, Vec<_>) =
-                groups.into_iter().partition(|g| g.iter().any(|id| group.contains(id)));
-            groups = apart;
-            group.extend(touching.into_iter().flatten());
-            group.sort();
-            group.dedup();
-            groups.push(group);
-        }
+        let groups = grouped(verdict.verdict, &verdict.effects);
         let numbers = verdict
             .effects
             .iter()
@@ -139,9 +125,66 @@ impl Said {
     }
 }
 
+/// Names in groups: a tie is one group, as the words have it, also where something else remains
+/// unexplained. What is explained has no ties.
+fn grouped(outcome: Outcome, effects: &[Effect]) -> Vec<Vec<String>> {
+    let mut groups: Vec<(&[String], Vec<String>)> = Vec::new();
+    for effect in effects {
+        let mut group = vec![effect.id.clone()];
+        if outcome != Outcome::Explained {
+            group.extend(effect.confusable_with.iter().cloned());
+        }
+        // Groups of the same columns that share a member are one. A name that is sure in one column
+        // is no part of a tie in another.
+        let (touching, apart): (Vec<_>, Vec<_>) = groups
+            .into_iter()
+            .partition(|(channels, g)| *channels == effect.channels && g.iter().any(|id| group.contains(id)));
+        groups = apart;
+        group.extend(touching.into_iter().flat_map(|(_, g)| g));
+        group.sort();
+        group.dedup();
+        groups.push((&effect.channels, group));
+    }
+    let mut said: Vec<Vec<String>> = Vec::new();
+    for (_, group) in groups {
+        // The same said of several columns is said once.
+        if !said.contains(&group) {
+            said.push(group);
+        }
+    }
+    said
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::verdict::Evidence;
+
+    #[test]
+    fn a_tie_is_one_group_also_where_something_else_is_left_and_a_sure_name_is_no_part_of_it() {
+        let effect = |id: &str, channel: &str, rival: Option<&str>| Effect {
+            id: id.into(),
+            statement: String::new(),
+            equation: String::new(),
+            parameters: Vec::new(),
+            channels: vec![channel.into()],
+            form: None,
+            evidence: Evidence { held_out_gain: 1.0, p_value: 0.0 },
+            confusable_with: rival.into_iter().map(str::to_owned).collect(),
+        };
+        let tied = effect("gauss-markov", "x", Some("random-walk"));
+        let of = |outcome, effects: &[&Effect]| {
+            grouped(outcome, &effects.iter().map(|e| (*e).clone()).collect::<Vec<Effect>>())
+        };
+        for outcome in [Outcome::Unexplained, Outcome::Undecidable] {
+            assert_eq!(of(outcome, &[&tied]), [["gauss-markov", "random-walk"]]);
+            // Another column's sure name, and the same tie in another column.
+            let (sure, again) = (effect("gauss-markov", "y", None), effect("random-walk", "y", Some("gauss-markov")));
+            assert_eq!(of(outcome, &[&tied, &sure]), [vec!["gauss-markov", "random-walk"], vec!["gauss-markov"]]);
+            assert_eq!(of(outcome, &[&tied, &again]), [["gauss-markov", "random-walk"]]);
+        }
+        assert_eq!(of(Outcome::Explained, &[&tied]), [["gauss-markov"]], "nothing tied is explained");
+    }
 
     #[test]
     fn an_ending_is_written_as_its_name_and_read_back() {

@@ -117,8 +117,11 @@ pub fn judge(case: &Case, said: &Said) -> Mark {
                 () => Mark::Right,
             }
         }
-        Ending::Unexplained if !ids.iter().all(|id| truth.tolerates(id)) => Mark::FalseName,
-        Ending::Undecidable if !said.groups.iter().all(|g| g.iter().any(|id| truth.tolerates(id))) => Mark::FalseName,
+        Ending::Unexplained | Ending::Undecidable
+            if !said.groups.iter().all(|g| g.iter().any(|id| truth.tolerates(id))) =>
+        {
+            Mark::FalseName
+        }
         Ending::Unexplained | Ending::Undecidable if !ids.is_empty() => Mark::HonestNamed,
         Ending::Unexplained if truth.effects.is_empty() => Mark::Right,
         Ending::Unexplained | Ending::Undecidable => Mark::Honest,

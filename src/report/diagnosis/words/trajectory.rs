@@ -1,7 +1,7 @@
 //! The verdict on an IMU in motion, in plain words.
 
 use crate::diagnosis::model::Half;
-use crate::diagnosis::trajectory::account::{Account, Hidden, Manoeuvre, Untold};
+use crate::diagnosis::trajectory::account::{Account, Hidden, Manoeuvre, NamedEffect, Untold};
 use crate::diagnosis::trajectory::candidate::Measure;
 use crate::diagnosis::trajectory::detail::Detail;
 use crate::diagnosis::verdict::Outcome;
@@ -43,16 +43,24 @@ pub(super) fn sentence(outcome: Outcome, detail: &Detail) -> String {
         ),
         Outcome::Unexplained => format!(
             "The model left out {}, and something else: the error on held-out parts is still {after} times the noise.",
-            names.join(", ")
+            account.named.iter().map(or_its_rivals).collect::<Vec<_>>().join(", ")
         ),
         Outcome::Undecidable => {
             let tied = account.named.iter().filter(|n| !n.rivals.is_empty());
-            let pairs: Vec<String> = tied.map(|n| format!("{} (or {})", n.phrase, n.rivals.join(", "))).collect();
+            let pairs: Vec<String> = tied.map(or_its_rivals).collect();
             match pairs.is_empty() {
                 true => "This motion cannot decide whether anything is missing.".into(),
                 false => format!("Something is missing, but this motion cannot tell what: {}.", pairs.join("; ")),
             }
         }
+    }
+}
+
+/// What was named, with what cannot be told from it.
+fn or_its_rivals(named: &NamedEffect) -> String {
+    match named.rivals.is_empty() {
+        true => named.phrase.clone(),
+        false => format!("{} (or {})", named.phrase, named.rivals.join(", ")),
     }
 }
 
