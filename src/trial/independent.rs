@@ -9,6 +9,7 @@
 //! Imports run `draw` → `wave` → `law` → `readout` → `oscillator` → `motion` → `simulate` →
 //! `driven` → `stage` → `piece` → `letter` → `near` → `case` → `stated` → `judge` → `run` → `score`.
 
+mod beside;
 pub mod case;
 pub mod columns;
 pub mod draw;
@@ -25,6 +26,7 @@ pub mod null;
 mod octave;
 pub mod oscillator;
 pub mod piece;
+mod posed;
 pub mod readout;
 pub mod rest;
 pub mod run;

@@ -3,6 +3,7 @@
 
 use std::f64::consts::TAU;
 
+use super::beside;
 use super::draw::Draw;
 use super::linear::left_by;
 use super::octave::departure_from_flicker;
@@ -329,6 +330,12 @@ pub(crate) fn draw(family: Family, nth: usize, draw: &mut Draw, size: Size) -> M
         Family::Null => null(NULL[nth % NULL.len()], draw, size),
     };
     truth.evidence = truth.effects.iter().map(|e| e.evidence).sum::<f64>() + 0.0;
+    // That something is there is seen in all together; what it is, beside the others.
+    if still.processes.len() > 1 {
+        for (n, effect) in truth.effects.iter_mut().enumerate() {
+            effect.evidence = beside::evidence(&still, n);
+        }
+    }
     truth.parameters = still.parameters();
     (sub, still, truth)
 }

@@ -96,15 +96,21 @@ fn gauss_markov(rows: usize, correlation: f64, draw: &mut Draw) -> Vec<f64> {
         .collect()
 }
 
-/// Noise ∝ f^−alpha: Gauss–Markov terms an octave apart from the sample to twenty times the
-/// recording. For alpha = 1 their sum has the density size²/(πf): each has variance ln 2/π (Σ
-/// 4τ/(1 + (ωτ)²) → 1/(f·ln 2)).
-pub(crate) fn flicker(rows: usize, alpha: f64, draw: &mut Draw) -> Vec<f64> {
+/// Correlation times, in rows, and sizes of the Gauss–Markov terms that noise ∝ f^−alpha is made
+/// of: an octave apart from the sample to twenty times the recording. For alpha = 1 their sum has
+/// the density size²/(πf): each has variance ln 2/π (Σ 4τ/(1 + (ωτ)²) → 1/(f·ln 2)).
+pub(crate) fn relaxations(rows: usize, alpha: f64) -> impl Iterator<Item = [f64; 2]> {
     let octaves = ((20.0 * rows as f64).log2().ceil() as i32).max(1);
-    let mut sum = vec![0.0; rows];
-    for k in -2..=octaves {
+    (-2..=octaves).map(move |k| {
         let tau = 2f64.powi(k);
-        let size = (LN_2 / PI * tau.powf(alpha - 1.0)).sqrt();
+        [tau, (LN_2 / PI * tau.powf(alpha - 1.0)).sqrt()]
+    })
+}
+
+/// Noise ∝ f^−alpha.
+pub(crate) fn flicker(rows: usize, alpha: f64, draw: &mut Draw) -> Vec<f64> {
+    let mut sum = vec![0.0; rows];
+    for [tau, size] in relaxations(rows, alpha) {
         let series = gauss_markov(rows, (-1.0 / tau).exp(), draw);
         sum.iter_mut().zip(series).for_each(|(s, v)| *s += size * v);
     }

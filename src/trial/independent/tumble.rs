@@ -2,6 +2,7 @@
 //! nulls.
 
 use super::draw::Draw;
+use super::posed;
 use super::readout::Noise;
 use super::stage::Size;
 use super::truth::{Effect, Family, SEEN, Truth};
@@ -86,13 +87,14 @@ fn ordinary(turned: &mut Turned, draw: &mut Draw) {
     }
 }
 
-/// Means of rests tell a force to σ/√n; what is wrong by `size` m/s² in each pose is seen so well.
+/// Means of rests tell a force to σ/√n; what is wrong by `size` m/s² in each pose is so large. Its
+/// evidence is found when all effects are known.
 fn effect(turned: &Turned, right: &[&str], size: f64) -> Effect {
     let sigma = turned.accelerometer.sigma / turned.accelerometer.scale[0];
     let samples = 4.5 * turned.rate_hz;
     let over_noise = size * samples.sqrt() / sigma;
     let right = right.iter().map(|r| (*r).to_owned()).collect();
-    Effect { right, evidence: turned.poses as f64 * over_noise * over_noise, over_noise }
+    Effect { right, evidence: 0.0, over_noise }
 }
 
 fn spread(values: &[f64]) -> f64 {
@@ -134,8 +136,7 @@ fn letter(sub: &str, draw: &mut Draw) -> (Turned, Truth) {
             }
             let sigma = turned.gyro.sigma / turned.gyro.scale[0];
             let over_noise = size * GRAVITY * (4.5 * turned.rate_hz).sqrt() / sigma;
-            let evidence = turned.poses as f64 * over_noise * over_noise;
-            truth.effects.push(Effect { right: vec!["g-sensitivity".into()], evidence, over_noise });
+            truth.effects.push(Effect { right: vec!["g-sensitivity".into()], evidence: 0.0, over_noise });
         }
         "ordinary, one pose knocked" => turned.knock = Some((1 + draw.below(poses - 2), draw.log_between(0.2, 2.0))),
         "ordinary with flicker" => {
@@ -219,7 +220,12 @@ pub(crate) fn draw(family: Family, nth: usize, draw: &mut Draw, _: Size) -> Made
         Family::Near | Family::Foreign => near(sub, draw),
         Family::Null => null(sub, draw),
     };
-    truth.evidence = truth.effects.iter().map(|e| e.evidence).sum::<f64>() + 0.0;
+    if !truth.effects.is_empty() {
+        let names: Vec<&str> = truth.effects.iter().map(|e| e.right[0].as_str()).collect();
+        let (each, all) = posed::evidence(&turned, &names);
+        truth.evidence = all;
+        truth.effects.iter_mut().zip(each).for_each(|(effect, evidence)| effect.evidence = evidence);
+    }
     debug_assert!(family == Family::Null || truth.evidence > SEEN);
     (sub.to_owned(), turned, truth)
 }

@@ -11,8 +11,8 @@ use super::truth::Parameter;
 /// Gravity where it is turned, m/s².
 pub(super) const GRAVITY: f64 = 9.80665;
 
-type Vector = [f64; 3];
-type Rotation = [[f64; 3]; 3];
+pub(super) type Vector = [f64; 3];
+pub(super) type Rotation = [[f64; 3]; 3];
 
 /// Errors of one three-axis sensor: counts = offset + scale·(v + k₂v² + k₂ₐ|v|v), v = M·true.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -62,11 +62,11 @@ pub struct Turned {
     pub temperature: bool,
 }
 
-fn apply(m: &Rotation, v: Vector) -> Vector {
+pub(super) fn apply(m: &Rotation, v: Vector) -> Vector {
     std::array::from_fn(|i| (0..3).map(|j| m[i][j] * v[j]).sum())
 }
 
-fn product(a: &Rotation, b: &Rotation) -> Rotation {
+pub(super) fn product(a: &Rotation, b: &Rotation) -> Rotation {
     std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum()))
 }
 
@@ -75,7 +75,7 @@ fn transposed(m: &Rotation) -> Rotation {
 }
 
 /// Rotation by a vector (Rodrigues).
-fn rotation(v: Vector) -> Rotation {
+pub(super) fn rotation(v: Vector) -> Rotation {
     let angle = v.iter().map(|x| x * x).sum::<f64>().sqrt();
     let (a, b) = if angle < 1e-8 { (1.0, 0.5) } else { (angle.sin() / angle, (1.0 - angle.cos()) / (angle * angle)) };
     let k = [[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]];
@@ -194,6 +194,11 @@ impl Turned {
         24.0 + 6.0 * (1.0 - (-2.5 * part).exp())
     }
 
+    /// How far the offsets have drifted at a part of the recording.
+    pub(super) fn course(&self, part: f64) -> f64 {
+        if self.temperature { (Self::temperature(part) - 24.0) / 6.0 } else { part }
+    }
+
     fn counts(&self, sensor: &Sensor, truth: &[Vector], purpose: u64) -> [Vec<f64>; 3] {
         let rows = truth.len();
         let flat = vec![0.0; rows];
@@ -203,8 +208,7 @@ impl Turned {
             let slow = if sensor.flicker > 0.0 { super::still::flicker(rows, 1.0, &mut draw) } else { flat.clone() };
             (0..rows)
                 .map(|n| {
-                    let part = n as f64 / rows as f64;
-                    let course = if self.temperature { (Self::temperature(part) - 24.0) / 6.0 } else { part };
+                    let course = self.course(n as f64 / rows as f64);
                     let v: f64 = (0..3).map(|j| sensor.skew[axis][j] * truth[n][j]).sum();
                     let bent =
                         v + sensor.square[axis] * v * v + sensor.bend[axis] * v.abs() * v + sensor.drift[axis] * course;
