@@ -47,6 +47,7 @@ mod search;
 mod selection;
 mod sensor;
 mod shape;
+mod shared_exponent;
 mod shared_lag;
 mod slow;
 mod spectrum;

@@ -15,6 +15,7 @@ use super::near_law::{self, Judged};
 use super::residual::{Residual, TOLERANCE, residual};
 use super::score::{fit, ranking};
 use super::selection::Selection;
+use super::shared_exponent::{self, Member};
 use super::spectrum::{self, Law};
 use super::standing::correction;
 use super::statement::Statement;
@@ -139,6 +140,23 @@ impl<'a> Draft<'a> {
         }) {
             self.departures[i] = found;
         }
+        self.share_exponent(&steady);
+    }
+
+    /// What one exponent for all channels that drift by noise says of each.
+    fn share_exponent(&mut self, steady: &[usize]) {
+        let member = |i: &usize| Member {
+            channel: &self.channels[*i],
+            chosen: &self.selected[*i].chosen,
+            departure: self.departures[*i],
+        };
+        let (places, members): (Vec<usize>, Vec<Member<'_>>) =
+            steady.iter().map(|i| (*i, member(i))).filter(|(_, m)| shared_exponent::may_share(m)).unzip();
+        let Some(shared) = shared_exponent::of(&members) else { return };
+        let told: Vec<Option<Departure>> = members.iter().map(|m| m.told(shared)).collect();
+        for (i, told) in places.into_iter().zip(told) {
+            self.departures[i] = told;
+        }
     }
 
     /// Where one power law f^−α fits a channel's drift as well as its slow laws together, one effect
@@ -149,7 +167,12 @@ impl<'a> Draft<'a> {
             let Some(departure) = self.departures[place] else { continue };
             let (channel, selection) = (&self.channels[place], &self.selected[place]);
             let judged = Judged { place, channel, selection, departure: &departure, count, unit: self.unit };
-            let Some(one) = near_law::one_for_all(&judged) else { continue };
+            let Some(one) = near_law::one_for_all(&judged) else {
+                if let Some((own, ties)) = near_law::ties(&selection.chosen, &departure) {
+                    self.effects.iter_mut().filter(|e| e.is(own, place)).for_each(|e| e.tie(&ties));
+                }
+                continue;
+            };
             self.effects.retain(|e| !(e.channels == [place] && departure.concerns(e.cause)));
             self.effects.push(one);
         }

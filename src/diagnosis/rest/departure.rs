@@ -28,7 +28,9 @@ const DOUBTED: f64 = 3.84;
 /// thousand by chance.
 const REFUTED: f64 = 10.8;
 /// Exponents of a spectrum that are tried. A smooth course has a spectrum steeper than any noise's.
-const SPECTRAL: [f64; 2] = [0.2, 4.4];
+pub(super) const SPECTRAL: [f64; 2] = [0.2, 4.4];
+/// How many, before the best is refined.
+pub(super) const POINTS: usize = 22;
 /// Values that a drift in time is judged on, at most.
 const MOST: usize = 2048;
 
@@ -89,7 +91,7 @@ pub(super) fn is_power_of_time(channel: &Channel, chosen: &Fitted) -> bool {
 
 /// What is said of one whole exponent: an interval that is merely wide speaks against no law. Which
 /// of the whole ones fits is settled before (`laws`).
-fn whole(law: f64, free: Profiled, gain: f64) -> Option<Ruling> {
+pub(super) fn whole(law: f64, free: Profiled, gain: f64) -> Option<Ruling> {
     let is_material = (free.value - law).abs() > NEAR * law;
     if is_material && gain > REFUTED {
         Some(Ruling::Refuted)
@@ -101,7 +103,7 @@ fn whole(law: f64, free: Profiled, gain: f64) -> Option<Ruling> {
 }
 
 /// What is said of another description, by how much better it is.
-fn rival(better_by: f64) -> Option<Ruling> {
+pub(super) fn rival(better_by: f64) -> Option<Ruling> {
     if better_by > CLOSE {
         Some(Ruling::Refuted)
     } else if better_by > -CLOSE {
@@ -160,15 +162,17 @@ fn in_spectrum(channel: &Channel, chosen: &Fitted, correction: f64) -> Option<De
 
 /// The best exponent of one law in place of all slow ones on this spectrum, and its log-likelihood.
 fn free_exponent(channel: &Channel, chosen: &Fitted, bins: &[Bin]) -> (Profiled, f64) {
+    profile(SPECTRAL, POINTS, |exponent: f64| in_place(channel, chosen, bins, Law::Power(exponent)))
+}
+
+/// Log-likelihood of one law in place of all slow ones on this spectrum.
+pub(super) fn in_place(channel: &Channel, chosen: &Fitted, bins: &[Bin], law: Law) -> f64 {
     let kept = chosen.terms.iter().filter(|t| !SLOW.contains(&t.cause)).filter_map(|t| match t.addition {
         Addition::Law(law) => Some(law),
         Addition::Curves(_) => None,
     });
-    let laws: Vec<Law> = std::iter::once(Law::White).chain(kept).collect();
-    profile(SPECTRAL, 22, |exponent: f64| {
-        let all: Vec<Law> = laws.iter().copied().chain([Law::Power(exponent)]).collect();
-        spectrum::fit(bins, &all, &channel.promised, Part::All).log_likelihood
-    })
+    let all: Vec<Law> = std::iter::once(Law::White).chain(kept).chain([law]).collect();
+    spectrum::fit(bins, &all, &channel.promised, Part::All).log_likelihood
 }
 
 fn term(cause: Cause, curves: Vec<Curve>) -> Term {

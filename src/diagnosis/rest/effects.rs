@@ -41,7 +41,7 @@ pub(super) struct Found {
     pub(super) channels: Vec<usize>,
     pub(super) parameters: Vec<Estimate>,
     pub(super) evidence: Evidence,
-    /// Candidates that do as well, the best first.
+    /// Candidates that do as well, the best first: of those that fit in its place the best alone.
     pub(super) rivals: Vec<Cause>,
     pub(super) basis: Basis,
 }
@@ -58,8 +58,14 @@ impl Found {
             channels: self.channels.iter().map(|i| channels[*i].name.clone()).collect(),
             form: None,
             evidence: self.evidence,
-            confusable_with: self.rivals.iter().take(1).filter_map(|c| Some(row(*c).entry?.id.to_owned())).collect(),
+            confusable_with: self.rivals.iter().filter_map(|c| Some(row(*c).entry?.id.to_owned())).collect(),
         })
+    }
+
+    /// Ties it with these before what it is tied with already.
+    pub(super) fn tie(&mut self, others: &[Cause]) {
+        let known = self.rivals.iter().filter(|r| !others.contains(r));
+        self.rivals = others.iter().chain(known).copied().collect();
     }
 
     /// Whether it is this cause in this channel.
@@ -98,7 +104,7 @@ pub(super) fn of_terms(place: usize, channel: &Channel, selection: &Selection, s
             channels: vec![place],
             parameters: (row(term.cause).parameters)(&Placed { channel, fitted, index, unit }),
             evidence: Evidence { held_out_gain: named.held_out_gain, p_value: named.p_value },
-            rivals: named.rivals.clone(),
+            rivals: named.rivals.iter().take(1).copied().collect(),
             basis: if term.cause == Cause::TemperatureSensitivity { Basis::Witness } else { Basis::Shape },
         })
         .collect()
@@ -145,7 +151,7 @@ pub(super) fn of_common(common: &Common, channels: &[Channel], finals: &mut [Fit
         channels: places,
         parameters,
         evidence: Evidence { held_out_gain: r_squared, p_value },
-        rivals: common.rivals.clone(),
+        rivals: common.rivals.iter().take(1).copied().collect(),
         basis: Basis::Witness,
     }
 }

@@ -39,6 +39,18 @@ fn may_be_another(cause: Cause, ci95: [f64; 2]) -> bool {
     ci95.iter().any(|end| nearest(*end).is_some_and(|(other, _)| other != cause))
 }
 
+/// The one slow law of a channel that may as well be a power law, and the laws that this one is
+/// near, nearest first: the name is one of several, and never said alone.
+pub(super) fn ties(chosen: &Fitted, departure: &Departure) -> Option<(Cause, Vec<Cause>)> {
+    let exponent = departure.exponent.filter(|_| departure.of == Of::Spectrum && departure.ruling == Ruling::Open)?;
+    let [own] = slow_laws(chosen)[..] else { return None };
+    let mut near: Vec<Cause> = Vec::new();
+    for value in [exponent.value, exponent.ci95[0], exponent.ci95[1]] {
+        near.extend(nearest(value).map(|(cause, _)| cause).filter(|c| *c != own && !near.contains(c)));
+    }
+    Some((own, near))
+}
+
 /// One channel among those judged.
 pub(super) struct Judged<'a> {
     pub(super) place: usize,
@@ -97,7 +109,7 @@ pub(super) fn one_for_all(of: &Judged<'_>) -> Option<Found> {
             held_out_gain: (own / possible.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0),
             p_value: worth(channel, &free, &without, index, correction(count)).min(1.0),
         },
-        rivals: if open { rivals.collect() } else { Vec::new() },
+        rivals: if open { rivals.take(1).collect() } else { Vec::new() },
         basis: Basis::Exponent,
     })
 }
@@ -105,6 +117,31 @@ pub(super) fn one_for_all(of: &Judged<'_>) -> Option<Found> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::rest::profile::Profiled;
+
+    #[test]
+    fn a_law_that_may_be_a_power_law_ties_with_those_that_this_is_near() {
+        let rows: Vec<f64> = (0..512).map(|n| f64::from(n * 7919 % 512) / 512.0).collect();
+        let channel = Channel::new("x", &rows, 1.0);
+        let chosen =
+            |cause, law| channel.fit(vec![Term { cause, addition: Addition::Law(law), searched: 0.0, column: None }]);
+        let open = |value, ci95| Departure {
+            ruling: Ruling::Open,
+            of: Of::Spectrum,
+            exponent: Some(Profiled { value, ci95 }),
+            better_by: -1.0,
+            takes_courses: false,
+        };
+        let memory = chosen(Cause::GaussMarkov, Law::Markov(30.0));
+        let flicker = chosen(Cause::FlickerNoise, Law::Flicker);
+        let tied = |of: &Fitted, departure: &Departure| ties(of, departure).map(|t| t.1);
+        assert_eq!(tied(&memory, &open(1.3, [1.1, 1.45])), Some(vec![Cause::FlickerNoise]));
+        assert_eq!(tied(&memory, &open(1.6, [1.3, 1.9])), Some(vec![Cause::RandomWalk, Cause::FlickerNoise]));
+        assert_eq!(tied(&flicker, &open(1.3, [1.1, 1.6])), Some(vec![Cause::RandomWalk]));
+        assert_eq!(tied(&flicker, &open(1.2, [1.1, 1.4])), Some(Vec::new()), "near its own alone: control");
+        let refuted = Departure { ruling: Ruling::Refuted, ..open(1.3, [1.1, 1.45]) };
+        assert_eq!(tied(&memory, &refuted), None, "what is refuted is no tie: control");
+    }
 
     // Half way from 1/f to 1/f² lies 1.5: an interval on both sides of it says neither. Beyond 2.5
     // there is no law that it could be mistaken for.
