@@ -295,7 +295,9 @@ impl Course {
         if self.narrow.windows.is_some() || settled {
             return None;
         }
-        let how = base_model::other_input(&mut self.narrow, &selection.chosen, scales)?;
+        // A stated form that departs bends what stands beside it: half a sample is seen where it is free.
+        let best = selection.departing.as_ref().map_or(&selection.chosen, |d| &d.judged);
+        let how = base_model::other_input(&mut self.narrow, best, scales)?;
         self.notes.findings.push(base_model::interpolated(how));
         Some(base_again(&self.narrow, selection, scales))
     }

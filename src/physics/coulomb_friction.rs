@@ -73,7 +73,11 @@ impl Law for CoulombFriction {
         Role::Friction
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
-        vec![Coordinate::Linear(0.1 * s.zeta * s.omega_rad_s * s.velocity); self.values()]
+        let scale = 0.1 * s.zeta * s.omega_rad_s * s.velocity;
+        // Below zero it would feed the motion. The difference of the sides has either sign.
+        let mut all = vec![Coordinate::Bounded(scale, 0.0, f64::MAX), Coordinate::Linear(scale)];
+        all.truncate(self.values());
+        all
     }
     fn starts(&self, _: &Scales) -> Vec<Vec<f64>> {
         vec![vec![0.0; self.values()]]

@@ -10,13 +10,13 @@ use crate::numerics::exponential;
 
 use super::candidate::Candidate;
 use super::end_stop::Side;
-use super::law::{Law, Role};
+use super::law::{Law, Place, Role};
 use super::scales::{Coordinate, Scales};
 use super::side_by_side::each;
 use super::state::{Instant, Instants, MOST_STAGED, MOST_VALUES};
 use super::{
     coulomb_friction, cubic_stiffness, drive_nonlinearity, end_stop, quadratic_damping, quadratic_stiffness,
-    squeeze_film_damping, stiffness_drift,
+    readout_nonlinearity, squeeze_film_damping, stiffness_drift,
 };
 
 /// Law whose form is freed.
@@ -38,6 +38,8 @@ pub enum Freed {
     Stop(Side),
     /// κt of the stiffness, along another course of time.
     Drift,
+    /// k₂x² + k₃x³ of the reading: with a bend about zero besides, down to a dead zone.
+    Readout,
 }
 
 /// Quantity that a law depends on.
@@ -59,8 +61,10 @@ pub enum Argument {
 /// 0.7) + h sgn a), s = |a|/size, values c, d, e, h; the stated law is d = e = h = 0. Time has one
 /// sign: a drift has h (s − 0.7)² instead. Friction:
 /// tanh(x′/v_s)(f + g e^(−|x′|/v_g)), values f, v_s, g, v_g. A stop: k δ (δ/size)ᵈ for a depth δ
-/// beyond the gap, values k, gap, d, and by how much the other side's gap is wider. With one value
-/// free only d, or v_s, is; the values after it are zero.
+/// beyond the gap, values k, gap, d, and by how much the other side's gap is wider. A readout:
+/// k₂x² + k₃x³ − b s(x/w), values k₂, k₃, b, w, of which none is ever kept: where narrow, s is tanh
+/// and rounds the bend, where wide, it has the corners of a dead zone. With one value free only d,
+/// or v_s, is; the values after it are zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeForm {
     /// The law whose form is freed.
@@ -96,7 +100,9 @@ impl Freed {
     /// What it depends on.
     pub fn argument(self) -> Argument {
         match self {
-            Self::CubicSpring | Self::QuadraticSpring | Self::Film | Self::Stop(_) => Argument::Displacement,
+            Self::CubicSpring | Self::QuadraticSpring | Self::Film | Self::Stop(_) | Self::Readout => {
+                Argument::Displacement
+            }
             Self::Drag | Self::Friction => Argument::Velocity,
             Self::Drive => Argument::Input,
             Self::Drift => Argument::Time,
@@ -114,12 +120,13 @@ impl Freed {
             Self::Friction => "sgn v",
             Self::Stop(_) => "(x - gap)+",
             Self::Drift => "t",
+            Self::Readout => "k2 x^2 + k3 x^3",
         }
     }
 
     /// Whether it is the stated form times a function of its argument.
     fn is_power(self) -> bool {
-        !matches!(self, Self::Friction | Self::Stop(_))
+        !matches!(self, Self::Friction | Self::Stop(_) | Self::Readout)
     }
 
     /// The stated form at an argument, of strength 1.
@@ -165,6 +172,14 @@ impl FreeForm {
                 let upper = if side == Side::Lower { zero } else { self.push([first, third], a - second) };
                 let lower = if side == Side::Upper { zero } else { self.push([first, third], -a - gap) };
                 upper - lower
+            }
+            Freed::Readout => {
+                let s = a / fourth.max(T::of(1e-300));
+                let step = match self.extent {
+                    Extent::Narrow => by(s, exponential::tanh),
+                    Extent::Wide => s.max(T::of(-1.0)).min(T::of(1.0)),
+                };
+                a * a * fma::<T, FMA>(second, a, first) - third * step
             }
             law => {
                 let s = (a.abs() / T::of(self.size)).max(T::of(LEAST));
@@ -215,6 +230,7 @@ impl FreeForm {
             Freed::Stop(Side::Lower) => Freed::Stop(Side::Lower),
             Freed::Stop(Side::Upper) => Freed::Stop(Side::Upper),
             Freed::Drift => Freed::Drift,
+            Freed::Readout => Freed::Readout,
         }
     }
 
@@ -227,12 +243,17 @@ impl FreeForm {
                 let (k, gap) = (stated[0], stated[1]);
                 vec![vec![k, gap, 0.0], vec![1.3 * k, gap - 0.3 * self.size, 0.5]]
             }
+            Freed::Readout => [0.05, 0.2, 0.7].map(|w| vec![stated[0], stated[1], 0.0, w * typical]).to_vec(),
             _ => vec![vec![stated[0], 0.0]],
         }
     }
 
     /// Values of the wide form at, or next to, these of the narrow one.
     pub fn wide_starts(&self, narrow: &[f64], typical: f64) -> Vec<Vec<f64>> {
+        if self.law == Freed::Readout {
+            let dead = vec![0.0, 0.0, narrow[2], narrow[2].abs().max(0.01 * typical)];
+            return vec![narrow.to_vec(), dead];
+        }
         let more: Vec<[f64; 2]> = match self.law {
             Freed::Friction => [0.1, 0.6].map(|more| [more * narrow[0], 0.3 * typical]).to_vec(),
             Freed::Stop(_) => vec![[0.0; 2]],
@@ -253,14 +274,18 @@ impl Law for FreeForm {
             Freed::Friction => &coulomb_friction::CANDIDATE,
             Freed::Stop(_) => &end_stop::CANDIDATE,
             Freed::Drift => &stiffness_drift::CANDIDATE,
+            Freed::Readout => &readout_nonlinearity::CANDIDATE,
         }
     }
     fn role(&self) -> Role {
-        Role::Force
+        match self.law {
+            Freed::Readout => Role::Readout(Place::Nonlinearity),
+            _ => Role::Force,
+        }
     }
     fn values(&self) -> usize {
         match (self.extent, self.law) {
-            (Extent::Wide, _) => VALUES,
+            (Extent::Wide, _) | (_, Freed::Readout) => VALUES,
             (Extent::Narrow, Freed::Stop(_)) => 3,
             (Extent::Narrow, _) => 2,
         }
@@ -277,6 +302,7 @@ impl Law for FreeForm {
             Freed::Friction => 0.1 * zeta * omega * s.velocity,
             Freed::Stop(_) => spring,
             Freed::Drift => 0.1 / s.duration_s,
+            Freed::Readout => 0.1 / s.output,
         };
         let linear = Coordinate::Linear(strength);
         let mut all = match self.law {
@@ -289,6 +315,12 @@ impl Law for FreeForm {
                 Coordinate::Log(0.1 * s.output, 10.0 * s.output),
                 Coordinate::Bounded(0.1, -0.7, 6.0),
                 Coordinate::Linear(0.1 * s.output),
+            ],
+            Freed::Readout => vec![
+                linear,
+                Coordinate::Linear(0.1 / s.output.powi(2)),
+                Coordinate::Linear(0.1 * s.output),
+                Coordinate::Log(0.003 * s.output, 2.0 * s.output),
             ],
             // A spring that drifts begins as it is at rest: not slower than as t^0.1.
             Freed::Drift => vec![linear, Coordinate::Bounded(0.1, -0.9, 4.0), linear, linear],
@@ -330,7 +362,15 @@ impl Law for FreeForm {
             Freed::Film => fma::<T, FMA>(-self.curve::<T, FMA>(p, at.x), at.v, sum),
             Freed::Drag | Freed::Friction => sum - self.curve::<T, FMA>(p, at.v),
             Freed::Drift => fma::<T, FMA>(-(at.stiffness * self.curve::<T, FMA>(p, at.time)), at.x, sum),
+            Freed::Readout => sum,
             _ => sum - self.curve::<T, FMA>(p, at.x),
+        }
+    }
+    #[inline(always)]
+    fn reading(&self, _: &Instant<'_, f64>, p: &[f64; MOST_VALUES], _: &[f64; MOST_STAGED], y: f64) -> f64 {
+        match self.law {
+            Freed::Readout => y + self.curve::<f64, false>(p, y),
+            _ => y,
         }
     }
     fn tried(_: usize) -> Vec<Self> {

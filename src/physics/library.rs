@@ -151,7 +151,9 @@ impl Term {
 mod tests {
     use std::f64::consts::TAU;
 
+    use super::super::scales::{Coordinate, Scales};
     use super::*;
+    use crate::units::key::Sign;
 
     #[test]
     fn ids_are_unique_and_confusable_ones_exist() {
@@ -162,6 +164,41 @@ mod tests {
             }
         }
         assert!(Term::all().iter().zip(CANDIDATES).all(|(t, c)| t.candidate() == c));
+    }
+
+    // What a study refuses below zero, as damping that feeds the motion, no fit may name there.
+    #[test]
+    fn what_no_study_takes_below_zero_no_fit_goes_below() {
+        let scales = Scales {
+            output: 1.0,
+            output_range: (-2.0, 2.0),
+            velocity: 2.0,
+            input: 1.0,
+            omega_rad_s: 2.0,
+            zeta: 0.1,
+            gain: 1.0,
+            interval_s: 0.1,
+            duration_s: 100.0,
+            residual: 0.1,
+            lines_hz: Vec::new(),
+            environment: Vec::new(),
+            centre: 0.0,
+            fineness: 1.0,
+            lag_samples: 0.0,
+        };
+        let (mut bound, mut free) = (0, 0);
+        for term in Term::all() {
+            for (given, coordinate) in term.study().iter().zip(term.coordinates(&scales)) {
+                let least = match coordinate {
+                    Coordinate::Log(low, _) | Coordinate::Bounded(_, low, _) => low,
+                    Coordinate::Linear(_) => f64::NEG_INFINITY,
+                };
+                let refused = given.key.sign != Sign::Any;
+                assert!(!refused || least >= 0.0, "{}: {}", term.id(), given.key.path);
+                (bound, free) = (bound + usize::from(refused), free + usize::from(least < 0.0));
+            }
+        }
+        assert!(bound > 5 && free > 1, "both kinds are there: {bound} {free}");
     }
 
     #[test]

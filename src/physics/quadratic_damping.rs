@@ -38,7 +38,8 @@ impl Law for QuadraticDamping {
         Role::Force
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
-        vec![Coordinate::Linear(s.zeta * s.omega_rad_s / s.velocity)]
+        // Below zero it would feed the motion: no gas does.
+        vec![Coordinate::Bounded(s.zeta * s.omega_rad_s / s.velocity, 0.0, f64::MAX)]
     }
     fn starts(&self, _: &Scales) -> Vec<Vec<f64>> {
         vec![vec![0.0]]

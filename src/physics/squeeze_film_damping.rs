@@ -44,7 +44,8 @@ impl Law for SqueezeFilmDamping {
         Role::Force
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
-        vec![Coordinate::Linear(s.zeta * s.omega_rad_s / s.output.powi(2))]
+        // Below zero it would feed the motion: no film does.
+        vec![Coordinate::Bounded(s.zeta * s.omega_rad_s / s.output.powi(2), 0.0, f64::MAX)]
     }
     fn starts(&self, _: &Scales) -> Vec<Vec<f64>> {
         vec![vec![0.0]]

@@ -25,6 +25,8 @@ pub fn tests() -> Vec<Trial> {
         test("near laws: a low-pass with two poles is one law, and a mode or a delay is no such", two_poles),
         test("near laws: a second mass on the first is no mode and no lag beside it, and a mode is one", two_masses),
         test("near laws: what the library says of a held input does not make a smoothed reading early", held_or_late),
+        test("near laws: a held input beside a spring of another power is no late reading", held),
+        test("near laws: a readout with a dead zone is a readout that bends, and departs", dead_zone),
         test("near laws: a measured input that comes late is named as that", late),
         test("near laws: what a smoothed friction or a saturation leaves is not called noise", not_noise),
         test("near laws: a drift along a power of time is no random walk, and a walk is one", not_a_walk),
@@ -208,6 +210,30 @@ fn held_or_late() -> Result<(), Failed> {
     check(taus.as_array().is_some_and(|t| t.len() == 2), format!("another case stands under this number: {taus}"))?;
     let late = |group: &Vec<String>| group.iter().any(|id| id == "readout-lowpass" || id == "readout-delay");
     check(!groups.is_empty() && groups.iter().all(late), format!("{verdict} {groups:?}"))
+}
+
+/// An input that is held between its samples looks late by half of one, and beside a spring of
+/// another power than the library's that is seen only where the power is free. A reading that is
+/// late has its name in `late` (control).
+fn held() -> Result<(), Failed> {
+    let (verdict, groups, mass) = told(131, 195)?;
+    let is_meant = mass["held"] == true && mass["laws"][0]["law"] == "odd-spring";
+    check(is_meant, format!("another case stands under this number: {mass}"))?;
+    check(groups == [["cubic-stiffness"]], format!("{verdict} {groups:?}"))
+}
+
+/// A readout that does not see the middle of the motion has a corner there, which no square and no
+/// cube has. One that bends by a cube is explained and departs by nothing (control).
+fn dead_zone() -> Result<(), Failed> {
+    let dead = read_out(&recording(|_, _| 0.0, 15, 0.0), |_, y| y - y.clamp(-0.3, 0.3))?;
+    let (verdict, names, forms) = diagnosed(&dead)?;
+    let departs = forms.iter().all(|f| f[1] > 0.05);
+    let said = format!("dead zone: {verdict} {names:?} {forms:?}");
+    check(verdict == "unexplained" && names == ["readout-nonlinearity"] && departs, said)?;
+    let bent = read_out(&recording(|_, _| 0.0, 16, 0.0), |_, y| y - 0.02 * y.powi(3))?;
+    let (verdict, names, forms) = diagnosed(&bent)?;
+    let said = format!("cube: {verdict} {names:?} {forms:?}");
+    check(verdict == "explained" && names == ["readout-nonlinearity"] && forms.iter().all(|f| f[1] == 0.0), said)
 }
 
 fn late() -> Result<(), Failed> {

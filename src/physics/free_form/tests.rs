@@ -69,3 +69,26 @@ fn a_stop_with_half_a_power_more_is_that_of_hertz() {
     assert!((at(-0.75) + 3.0 * 0.25f64.powf(1.5)).abs() < 1e-12, "its other gap is wider");
     assert_eq!([at(0.4), at(-0.5)], [0.0, 0.0]);
 }
+
+// x − 0.3 clip(x/0.3) is a reading that stays where it is within ±0.3; with a rounded bend it is
+// 1 − 0.3/0.3 = 0 in slope at zero alone, and further out both are 0.3 less.
+#[test]
+fn a_readout_may_have_a_dead_zone_with_corners_or_a_rounded_one() {
+    let corners = form(Freed::Readout, 1.0);
+    let rounded = FreeForm { extent: Extent::Narrow, ..corners };
+    let reading = |f: &FreeForm, p: [f64; 4], x: f64| {
+        let mut values = [0.0; MOST_VALUES];
+        values[..4].copy_from_slice(&p);
+        f.reading(&Instant::default(), &values, &[0.0; MOST_STAGED], x)
+    };
+    let dead = [0.0, 0.0, 0.3, 0.3];
+    for x in [-0.2, 0.0, 0.29] {
+        assert!(reading(&corners, dead, x).abs() < 1e-15);
+    }
+    assert!((reading(&rounded, dead, 0.2) - (0.2 - 0.3 * (2f64 / 3.0).tanh())).abs() < 1e-12);
+    for f in [corners, rounded] {
+        assert!((reading(&f, dead, 9.0) - 8.7).abs() < 1e-12 && (reading(&f, dead, -9.0) + 8.7).abs() < 1e-12);
+        assert!((reading(&f, [0.1, 0.02, 0.0, 0.3], 2.0) - (2.0 + 0.4 + 0.16)).abs() < 1e-12, "the stated form");
+        assert_eq!(f.force::<f64, false>(&Instant::default(), &[1.0; MOST_VALUES], &[0.0; MOST_STAGED], 0.5), 0.5);
+    }
+}

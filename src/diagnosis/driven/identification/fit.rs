@@ -228,7 +228,9 @@ impl Fit {
         }
         term.noise().is_none()
             && term.coordinates(scales).iter().zip(values).any(|(c, v)| match *c {
-                Coordinate::Log(low, high) | Coordinate::Bounded(_, low, high) => *v < 1.01 * low || *v > 0.99 * high,
+                Coordinate::Log(low, high) | Coordinate::Bounded(_, low, high) => {
+                    *v <= low + 0.01 * low.abs() || *v >= high - 0.01 * high.abs()
+                }
                 Coordinate::Linear(_) => false,
             })
     }

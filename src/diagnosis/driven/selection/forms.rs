@@ -21,8 +21,10 @@ use crate::physics::stiffness_drift::StiffnessDrift;
 
 use super::earned::{ITERATIONS, earned, without};
 use super::held_out::compare;
-use super::judged::{Departing, Judged, Selection, judge};
+use super::identifiability::is_linear;
+use super::judged::{Departing, Judged, Rival, Selection, judge};
 use super::residual_structure::residual_structure;
+use super::rivals::TIE;
 
 /// Log-likelihood that a law's free form must gain, beyond what its values cost, to be told from
 /// the stated one.
@@ -67,8 +69,15 @@ fn freed_law(term: &Term) -> Option<Freed> {
         Term::CoulombFriction(_) => Some(Freed::Friction),
         Term::EndStop(stop) => Some(Freed::Stop(stop.0)),
         Term::StiffnessDrift(StiffnessDrift { environment: None }) => Some(Freed::Drift),
+        Term::ReadoutNonlinearity(_) => Some(Freed::Readout),
         _ => None,
     }
+}
+
+/// Whether the stated form may promise nothing where a near one does all: a corner in the middle of
+/// the motion is no square and no cube.
+fn is_unseen_as_stated(term: &Term) -> bool {
+    matches!(term, Term::ReadoutNonlinearity(_))
 }
 
 /// A typical argument of a law, and the size by which its free form is measured; `None` where it
@@ -143,7 +152,48 @@ pub(crate) fn freed(data: &Data, model: &Fit, index: usize, scales: &Scales, scr
     second.filter(better).or(Some(first))
 }
 
+/// Whether what was chosen is one law that brings the error to the noise and may all the same be a
+/// law near another one: a corner of the reading where there is an edge of some other kind, and any
+/// law under one line or two.
+fn may_be_another(selection: &Selection) -> bool {
+    match selection.chosen.fit.structure.terms.as_slice() {
+        [Term::ReadoutSaturation(_)] => true,
+        // Springs and stops are told apart elsewhere (`other_power`).
+        [Term::EndStop(_)] => false,
+        [term] => selection.reach.tells_nothing_linear_apart() && term.noise().is_none() && !is_linear(term),
+        _ => false,
+    }
+}
+
+/// Laws beside the chosen ones whose forms are freed, each alone.
+fn others(selection: &Selection, scales: &Scales) -> Vec<Fit> {
+    let is_free = |fit: &Fit| freed_law(&fit.structure.terms[0]).is_some();
+    let fitted = selection.alone.iter().filter_map(|t| t.judged.as_ref().map(|j| j.fit.clone()));
+    let mut all: Vec<Fit> = fitted.filter(is_free).take(OTHERS).collect();
+    if may_be_another(selection) {
+        let further = selection.stand_ins.iter().map(|r| &r.judged.fit).filter(|fit| is_free(fit));
+        for fit in further {
+            if !all.iter().any(|known| known.structure.terms == fit.structure.terms) {
+                all.push(fit.clone());
+            }
+        }
+    }
+    for term in selection.alone.iter().filter(|t| t.judged.is_none()).map(|t| t.term) {
+        let known = all.iter().any(|fit| fit.structure.terms == [term]);
+        if let Some(start) = term.starts(scales).first().filter(|_| is_unseen_as_stated(&term) && !known) {
+            let (structure, point) = selection.base.fit.with(term, start);
+            all.push(Fit { structure, point, ..selection.base.fit.clone() });
+        }
+    }
+    all
+}
+
 impl Departing {
+    /// Id of the law that is free.
+    fn id(&self) -> &'static str {
+        self.judged.fit.structure.terms[self.index].id()
+    }
+
     /// Without its terms, other than the one that is free, that are not worth what they cost beside
     /// it.
     pub(super) fn pruned(mut self, data: &Data, scales: &Scales, least: f64) -> Self {
@@ -160,7 +210,7 @@ impl Departing {
     /// The same terms with the form as stated, fitted.
     fn as_stated(&self, data: &Data, like: &Fit, scales: &Scales) -> Option<Judged> {
         let freed = &self.judged.fit;
-        let id = freed.structure.terms[self.index].id();
+        let id = self.id();
         let place = like.structure.terms.iter().position(|t| t.id() == id)?;
         let (structure, point) =
             with_instead(freed, self.index, like.structure.terms[place], like.structure.of(place, &like.point));
@@ -199,26 +249,44 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
         let found = Departing { judged: judge(data, found, scales), index }.pruned(data, scales, chosen.score());
         consider(&mut best, found, &chosen.fit);
     }
-    if chosen.fit.structure.terms.len() > 1 || residual_structure(data, &chosen.fit).r_squared > UNDONE {
-        let alone = selection.alone.iter().filter_map(|t| t.judged.as_ref());
-        let alone: Vec<Judged> =
-            alone.filter(|j| freed_law(&j.fit.structure.terms[0]).is_some()).take(OTHERS).cloned().collect();
-        for other in alone {
+    let mut as_good = Vec::new();
+    let is_doubtful = chosen.fit.structure.terms.len() > 1 || may_be_another(selection);
+    if is_doubtful || residual_structure(data, &chosen.fit).r_squared > UNDONE {
+        for other in others(selection, scales) {
             let same = |b: &Departing| {
                 b.judged.fit.structure.terms.len() == 1
-                    && b.judged.fit.structure.terms[0].id() == other.fit.structure.terms[0].id()
+                    && b.judged.fit.structure.terms[0].id() == other.structure.terms[0].id()
             };
             if data.work.is_spent(budget) || best.as_ref().is_some_and(|(b, _)| same(b)) {
                 continue;
             }
-            let Some(found) = freed(data, &other.fit, 0, scales, false) else { continue };
-            consider(&mut best, Departing { judged: judge(data, found, scales), index: 0 }, &other.fit);
+            let Some(found) = freed(data, &other, 0, scales, false) else { continue };
+            let found = Departing { judged: judge(data, found, scales), index: 0 };
+            // At the end of its range a form is that of another law.
+            let is_near = found.judged.score() > chosen.score() - TIE && !found.judged.fit.at_bound(scales);
+            if may_be_another(selection) && !chosen.has(found.id()) && is_near {
+                as_good.extend(found.as_stated(data, &other, scales));
+            }
+            consider(&mut best, found, &other);
+        }
+    }
+    selection.rivals.resize_with(chosen.fit.structure.terms.len(), Vec::new);
+    for judged in as_good {
+        let id = judged.fit.structure.terms[0].id();
+        if !selection.rivals[0].iter().any(|r| r.id == id) {
+            selection.rivals[0].push(Rival { judged, id });
         }
     }
     let Some((found, like)) = best else { return };
     let fewer = found.judged.fit.structure.terms.len() < chosen.fit.structure.terms.len();
     let score_gain = found.judged.score() - chosen.score();
-    if score_gain < if fewer { -LEAST_LEAD } else { LEAST_LEAD } {
+    // In the place of a law that does as well, another one is only its rival.
+    let least = match fewer {
+        true => -LEAST_LEAD,
+        false if chosen.has(found.id()) => LEAST_LEAD,
+        false => TIE,
+    };
+    if score_gain < least {
         return;
     }
     // Of many terms none but the strongest is named: where freedom in one form does not end them,

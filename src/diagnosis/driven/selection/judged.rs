@@ -79,6 +79,8 @@ pub struct Selection {
     pub tried: usize,
     /// For each term of the chosen model, the candidates that would do as well in its place.
     pub rivals: Vec<Vec<Rival>>,
+    /// Where one term was chosen, all other candidates that were fitted in its place.
+    pub stand_ins: Vec<Rival>,
     /// The model with the form of one law free, where that law departs from its stated form.
     pub departing: Option<Departing>,
     /// Whether the search ended because its work was spent, with structure left.

@@ -63,8 +63,7 @@ pub(super) fn settle_power(data: &Data, selection: &mut Selection, scales: &Scal
         return;
     }
     let leaves = |judged: &Judged| residual_structure(data, &judged.fit).r_squared > UNDONE;
-    let is_done = selection.departing.is_none() && terms.len() == 1 && !leaves(found);
-    if is_done || data.work.is_spent(budget) {
+    if data.work.is_spent(budget) {
         return;
     }
     let Some(power) = in_place(data, &found.fit, index, scales) else { return };

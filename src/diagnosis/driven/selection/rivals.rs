@@ -77,6 +77,7 @@ impl Look<'_> {
     pub(super) fn settle(&mut self, selection: &mut Selection) -> Result<(), Stopped> {
         for attempt in 0..=SWAPS {
             let stand_ins = self.stand_ins(selection)?;
+            selection.stand_ins = if let [alone] = stand_ins.as_slice() { alone.clone() } else { Vec::new() };
             let score = selection.chosen.score();
             let ahead = |r: &Rival| r.judged.score() - score;
             let all = stand_ins.iter().enumerate().flat_map(|(i, others)| others.iter().map(move |r| (i, r)));
@@ -123,7 +124,9 @@ impl Look<'_> {
     }
 
     /// Candidates in the place of one chosen term: all that it can be mistaken for, and where it is
-    /// the only one, all.
+    /// the only one, all that were fitted. Under one line or two a law of any kind is seen at one
+    /// amplitude and phase, and by harmonics if these are above the noise: there any can be mistaken
+    /// for any other.
     fn in_place_of(&self, selection: &Selection, index: usize, scales: &Scales) -> Result<Vec<Trial>, Stopped> {
         let (data, candidates) = (self.data, self.candidates);
         let chosen = &selection.chosen;
@@ -132,11 +135,12 @@ impl Look<'_> {
         let reduced = if alone { Some(selection.base.clone()) } else { without(data, chosen, index, scales) };
         let Some(reduced) = reduced else { return Ok(Vec::new()) };
         let mut trials = if alone { selection.alone.clone() } else { Vec::new() };
+        let is_candidate = |t: &Term| alike(t, term) || selection.reach.tells_nothing_linear_apart();
         let fitted = |t: &Term| trials.iter().any(|other| other.judged.is_some() && other.term == *t);
         let open: Vec<Term> = candidates
             .iter()
             .copied()
-            .filter(|t| !reduced.has(t.id()) && t.id() != term.id() && alike(t, term) && !fitted(t))
+            .filter(|t| !reduced.has(t.id()) && t.id() != term.id() && is_candidate(t) && !fitted(t))
             .collect();
         trials.extend(round(data, &reduced, &open, scales, open.len(), self.control)?);
         Ok(trials)

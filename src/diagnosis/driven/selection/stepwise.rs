@@ -90,6 +90,7 @@ pub(crate) fn search(
         alone,
         tried,
         rivals: Vec::new(),
+        stand_ins: Vec::new(),
         departing: None,
         reach,
         cut_short,

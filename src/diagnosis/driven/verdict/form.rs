@@ -117,7 +117,7 @@ fn departure(data: &Data, freely: &Freely<'_>) -> Option<Form> {
 /// A curve as the stated form of some strength, what the base model does besides, and the rest.
 struct Split {
     law: Freed,
-    /// Strength of the stated form and of the base model's part.
+    /// Strengths of the stated form and of the base model's part.
     strengths: Vec<f64>,
     gap: [f64; 2],
     stated: Vec<f64>,
@@ -147,22 +147,30 @@ impl Split {
         let solved = scaled.svd(true, true).solve(&nalgebra::DVector::from_column_slice(whole), 1e-10).ok()?;
         let strengths: Vec<f64> = solved.iter().zip(&sizes).map(|(s, size)| s / size).collect();
         let fitted: Vec<f64> = columns.iter().map(|c| c.iter().zip(&strengths).map(|(c, s)| c * s).sum()).collect();
-        let stated = columns.iter().map(|c| c[0] * strengths[0]).collect();
+        let own = |c: &[f64]| c.iter().zip(&strengths).take(strengths_of(law)).map(|(c, s)| c * s).sum();
+        let stated = columns.iter().map(|c| own(c)).collect();
         let rest = whole.iter().zip(&fitted).map(|(w, f)| w - f).collect();
         Some(Self { law, strengths, gap, stated, rest })
     }
 
     /// What the base model's own parameters do of it.
     fn base(&self, a: f64) -> f64 {
-        functions(self.law, self.gap, a).iter().zip(&self.strengths).skip(1).map(|(f, s)| f * s).sum()
+        let all = functions(self.law, self.gap, a);
+        all.iter().zip(&self.strengths).skip(strengths_of(self.law)).map(|(f, s)| f * s).sum()
     }
 
     fn stated_at(&self, a: f64) -> f64 {
-        functions(self.law, self.gap, a)[0] * self.strengths[0]
+        let all = functions(self.law, self.gap, a);
+        all.iter().zip(&self.strengths).take(strengths_of(self.law)).map(|(f, s)| f * s).sum()
     }
 }
 
-/// The stated form at an argument and the functions of it that the base model has parameters for.
+/// How many strengths a stated form has.
+fn strengths_of(law: Freed) -> usize {
+    if law == Freed::Readout { 2 } else { 1 }
+}
+
+/// The stated form at an argument, for each of its strengths, and the functions of it that the base model has parameters for.
 fn functions(law: Freed, [above, below]: [f64; 2], a: f64) -> Vec<f64> {
     use crate::physics::end_stop::Side;
     let stated = match law {
@@ -170,6 +178,7 @@ fn functions(law: Freed, [above, below]: [f64; 2], a: f64) -> Vec<f64> {
         Freed::QuadraticSpring | Freed::Film | Freed::Drive => a * a,
         Freed::Drag => a.abs() * a,
         Freed::Drift => a,
+        Freed::Readout => a.powi(3),
         Freed::Friction => a.signum(),
         Freed::Stop(side) => {
             let upper = if side == Side::Lower { 0.0 } else { (a - above).max(0.0) };
@@ -179,6 +188,7 @@ fn functions(law: Freed, [above, below]: [f64; 2], a: f64) -> Vec<f64> {
     };
     match (law, law.argument()) {
         (Freed::Film | Freed::Drift, _) => vec![stated, 1.0],
+        (Freed::Readout, _) => vec![stated, a * a, a, 1.0],
         (_, Argument::Velocity) => vec![stated, a],
         _ => vec![stated, a, 1.0],
     }
@@ -241,6 +251,12 @@ mod tests {
         let found = of([1.0, 0.5, 0.0, 0.0]);
         assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
         assert!(of([1.0, 0.0, 0.0, 0.0]) < 1e-9, "the stated law departs by nothing");
+    }
+
+    #[test]
+    fn a_dead_zone_departs_from_a_readout_that_bends_and_two_coefficients_are_none() {
+        assert!(off(Freed::Readout, [0.3, 0.1, 0.0, 0.5]) < 1e-9);
+        assert!(off(Freed::Readout, [0.0, 0.0, 0.2, 0.2]) > 0.1);
     }
 
     #[test]

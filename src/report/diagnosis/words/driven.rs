@@ -2,7 +2,7 @@
 
 use crate::diagnosis::answer::Answer;
 use crate::diagnosis::driven::verdict::detail::{Account, Detail};
-use crate::diagnosis::verdict::{Effect, Outcome};
+use crate::diagnosis::verdict::{Effect, Estimate, Outcome};
 use crate::number::{short, with_uncertainty};
 
 /// One or two plain sentences.
@@ -13,7 +13,7 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
     let named: Vec<String> = effects
         .iter()
         .map(|e| {
-            let p = e.parameters.first();
+            let p = telling(&e.parameters);
             let number = p.map_or(String::new(), |p| {
                 let half = 0.5 * (p.ci95[1] - p.ci95[0]);
                 let unit = p.unit.replace("^2", "²").replace("^3", "³");
@@ -95,10 +95,10 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
         Outcome::Unexplained => {
             let holding = holding(effects, &named);
             format!(
-                "{} hold{}, but do not explain everything: {fall}, and {} % of the remaining residual variance is \
+                "{} {} not explain everything: {fall}, and {} % of the remaining residual variance is \
                  predictable.",
                 listed(&holding, "and"),
-                if holding.len() == 1 { "s" } else { "" },
+                if holding.len() == 1 { "holds, but does" } else { "hold, but do" },
                 short(100.0 * account.predictable)
             )
         }
@@ -114,6 +114,13 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
         ),
     };
     sentence + &doubts(&account.doubts)
+}
+
+/// The parameter that is quoted: the first that is known to better than half its size, as the first of
+/// two rails may lie anywhere beyond the motion.
+fn telling(parameters: &[Estimate]) -> Option<&Estimate> {
+    let known = |p: &&Estimate| 0.5 * (p.ci95[1] - p.ci95[0]) < 0.5 * p.value.abs();
+    parameters.iter().find(known).or(parameters.first())
 }
 
 /// Whether unseen samples tell an effect's law from its stated form.
