@@ -48,7 +48,7 @@ pub(super) fn settle_kept_back(
     let linear = chosen.fit.structure.terms.iter().filter(|t| is_linear(t)).count();
     let is_plain = linear <= 1 && !chosen.has(TWO_POLES.id());
     let is_done = is_plain && residual_structure(data, &chosen.fit).r_squared <= UNDONE;
-    if data.input.is_none() || selection.reach.tells_nothing_linear_apart() {
+    if data.input.is_none() || selection.reach.tells_nothing_linear_apart() || is_of_another_kind(selection) {
         return Ok(());
     }
     let search = KeptBack { data, chosen, budget };
@@ -82,6 +82,13 @@ pub(super) fn settle_kept_back(
         weigh(selection, found);
     }
     Ok(())
+}
+
+/// Whether what alone does best is not linear: the linear terms beside it patch its form, and none
+/// takes its place.
+fn is_of_another_kind(selection: &Selection) -> bool {
+    let mut laws = selection.alone.iter().filter(|t| t.judged.is_some() && t.term.noise().is_none());
+    laws.next().is_some_and(|t| !is_linear(&t.term))
 }
 
 /// The model with a mode where that is chosen, or would do as well.
