@@ -128,7 +128,7 @@ mod tests {
             let products = values.iter().zip(&values[lag..]).map(|(a, b)| a * b);
             products.sum::<f64>() / (values.len() - lag) as f64
         };
-        let white = &whitened(&[noise.clone()], &flicker_parts(2.0))[0];
+        let white = &whitened(std::slice::from_ref(&noise), &flicker_parts(2.0))[0];
         // Four standard errors, √(2/n) of a variance and 1/√n of a correlation.
         let error = 1.0 / (ROWS as f64).sqrt();
         assert!((of(white, 0) - 1.0).abs() < 4.0 * 2f64.sqrt() * error, "{}", of(white, 0));
