@@ -5,6 +5,9 @@ use crate::diagnosis::verdict::Form;
 use super::exhibit::{Exhibit, Part};
 use crate::report::figure::{Axis, Chart, Ink, Mark};
 
+/// Departure from which on a law is no longer called close to the stated one.
+const FAR: f64 = 0.3;
+
 /// One figure per law whose form was freed; each with the id of its effect.
 pub(crate) fn exhibits(forms: &[(&'static str, Form)]) -> Vec<Exhibit> {
     forms.iter().map(|(id, form)| exhibit(id, form)).collect()
@@ -19,17 +22,19 @@ fn exhibit(id: &str, form: &Form) -> Exhibit {
         "t" => "time",
         _ => "displacement",
     };
+    let value = if id.starts_with("readout-") { "added to the reading" } else { "law, per unit mass" };
     let mut chart = Chart::new(
         &format!("Form of {}", id),
         Axis::linear(&format!("{argument} (range visited)")),
-        Axis::linear("law, per unit mass"),
+        Axis::linear(value),
     );
     chart.add(&format!("as stated: {stated}"), Ink::Black, Mark::Dashed, points(&form.stated_curve));
     chart.add("with a free form", Ink::Red, Mark::Line, points(&form.curve));
     let percent = |v: f64| crate::number::short(100.0 * v);
+    let how = if form.departure < FAR { "close to, but not identical to," } else { "not" };
     let said = if form.departs {
         format!(
-            "The free form predicts held-out samples better: the law is close to {stated}, but not identical to it. \
+            "The free form predicts held-out samples better: the law is {how} {stated}. \
              Rms difference, weighted by how often each value is visited: {} % of the stated form (95 % interval {} \
              to {} %).",
             percent(form.departure),
