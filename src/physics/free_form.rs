@@ -62,9 +62,9 @@ pub enum Argument {
 /// sign: a drift has h (s − 0.7)² instead. Friction:
 /// tanh(x′/v_s)(f + g e^(−|x′|/v_g)), values f, v_s, g, v_g. A stop: k δ (δ/size)ᵈ for a depth δ
 /// beyond the gap, values k, gap, d, and by how much the other side's gap is wider. A readout:
-/// k₂x² + k₃x³ − b s(x/w), values k₂, k₃, b, w, of which none is ever kept: where narrow, s is tanh
-/// and rounds the bend, where wide, it has the corners of a dead zone. With one value free only d,
-/// or v_s, is; the values after it are zero.
+/// k₂x² + k₃x³ − b s(x/w), values k₂, k₃, b, w. With one value free only d, or v_s, is; the values
+/// after it are zero. Of a readout all four are free in both extents: where narrow, s is tanh and
+/// rounds the bend, where wide, it has the corners of a dead zone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeForm {
     /// The law whose form is freed.
@@ -78,9 +78,9 @@ pub struct FreeForm {
 /// Part of a form that is free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
-    /// One coefficient: an exponent, or the smoothness of friction.
+    /// One coefficient: an exponent, or the smoothness of friction; of a readout, a rounded bend.
     Narrow,
-    /// All coefficients of the form.
+    /// All coefficients of the form; of a readout, a bend with corners.
     Wide,
 }
 
@@ -305,10 +305,13 @@ impl Law for FreeForm {
             Freed::Readout => 0.1 / s.output,
         };
         let linear = Coordinate::Linear(strength);
+        // Below zero they would feed the motion.
+        let damps = matches!(self.law, Freed::Drag | Freed::Film | Freed::Friction);
+        let own = if damps { Coordinate::Bounded(strength, 0.0, f64::MAX) } else { linear };
         let mut all = match self.law {
             Freed::Friction => {
                 let speed = |low: f64, high: f64| Coordinate::Log(low * s.velocity, high * s.velocity);
-                vec![linear, speed(0.003, 3.0), linear, speed(0.03, 3.0)]
+                vec![own, speed(0.003, 3.0), linear, speed(0.03, 3.0)]
             }
             Freed::Stop(_) => vec![
                 Coordinate::Log(0.01 * spring, 1e4 * spring),
@@ -324,7 +327,7 @@ impl Law for FreeForm {
             ],
             // A spring that drifts begins as it is at rest: not slower than as t^0.1.
             Freed::Drift => vec![linear, Coordinate::Bounded(0.1, -0.9, 4.0), linear, linear],
-            _ => vec![linear, Coordinate::Bounded(0.1, -2.0, 4.0), linear, linear],
+            _ => vec![own, Coordinate::Bounded(0.1, -2.0, 4.0), linear, linear],
         };
         all.truncate(self.values());
         all

@@ -151,6 +151,7 @@ impl Term {
 mod tests {
     use std::f64::consts::TAU;
 
+    use super::super::free_form::{Extent, FreeForm, Freed};
     use super::super::scales::{Coordinate, Scales};
     use super::*;
     use crate::units::key::Sign;
@@ -187,6 +188,11 @@ mod tests {
             lag_samples: 0.0,
         };
         let (mut bound, mut free) = (0, 0);
+        let dampings = [Freed::Drag, Freed::Film, Freed::Friction];
+        for law in dampings {
+            let form = FreeForm { law, size: 1.0, extent: Extent::Wide };
+            assert!(matches!(form.coordinates(&scales)[0], Coordinate::Bounded(_, 0.0, _)), "{law:?}");
+        }
         for term in Term::all() {
             for (given, coordinate) in term.study().iter().zip(term.coordinates(&scales)) {
                 let least = match coordinate {

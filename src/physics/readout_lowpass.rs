@@ -34,7 +34,7 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     equation: "τy′ + y = x",
     parameters: &[Parameter { name: "tau", unit: "s", range: (0.0, 10.0) }],
     acts: "readout",
-    signature: "phase and amplitude fall beyond a corner frequency",
+    signature: "phase and amplitude fall beyond a corner frequency; with a second pole (Q) twice as steeply",
     confusable_with: &["readout-delay", "parasitic-mode", "feedthrough"],
     reference: "IEEE 1293, frequency response",
 };

@@ -24,7 +24,10 @@ pub fn tests() -> Vec<Trial> {
         test("near laws: a spring of a power just below the cube's is a spring and no stop", weaker_power),
         test("near laws: a low-pass with two poles is one law, and a mode or a delay is no such", two_poles),
         test("near laws: a second mass on the first is no mode and no lag beside it, and a mode is one", two_masses),
-        test("near laws: what the library says of a held input does not make a smoothed reading early", held_or_late),
+        test(
+            "near laws: a smoothed reading of a smooth input is not taken for a held input that is late",
+            held_or_late,
+        ),
         test("near laws: a held input beside a spring of another power is no late reading", held),
         test("near laws: a readout with a dead zone is a readout that bends, and departs", dead_zone),
         test("near laws: a measured input that comes late is named as that", late),
@@ -213,8 +216,8 @@ fn held_or_late() -> Result<(), Failed> {
 }
 
 /// An input that is held between its samples looks late by half of one, and beside a spring of
-/// another power than the library's that is seen only where the power is free. A reading that is
-/// late has its name in `late` (control).
+/// another power than the library's that is seen only where the power is free.
+/// A reading that is late is named in `late`.
 fn held() -> Result<(), Failed> {
     let (verdict, groups, mass) = told(131, 195)?;
     let is_meant = mass["held"] == true && mass["laws"][0]["law"] == "odd-spring";

@@ -41,8 +41,8 @@ pub(super) struct Departure {
     pub(super) of: Of,
     /// The free exponent; `None` where a smooth course of no such form does best.
     pub(super) exponent: Option<Profiled>,
-    /// By how much it is better than what was chosen, twice the log-likelihood less what the
-    /// numbers cost.
+    /// By how much it is better than what was chosen, or where channels share it, than one memory or
+    /// one whole law for all: twice the log-likelihood less what the numbers cost.
     pub(super) better_by: f64,
     /// Whether a spectrum of that exponent takes up the straight or settling courses too.
     pub(super) takes_courses: bool,

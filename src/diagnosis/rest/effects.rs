@@ -41,7 +41,7 @@ pub(super) struct Found {
     pub(super) channels: Vec<usize>,
     pub(super) parameters: Vec<Estimate>,
     pub(super) evidence: Evidence,
-    /// Candidates that do as well, the best first: of those that fit in its place the best alone.
+    /// Candidates that do as well, the best first.
     pub(super) rivals: Vec<Cause>,
     pub(super) basis: Basis,
 }

@@ -84,7 +84,8 @@ fn seen(course: &[f64], others: &[Vec<f64>], parts: &[Part]) -> f64 {
     left_by(&free, &white[0]).iter().map(|v| v * v).sum()
 }
 
-/// Evidence of the n-th process beside all others, in all channels.
+/// Evidence of the n-th process in all channels: of a course beside all others, of a random process
+/// beside the courses and white noise.
 pub(super) fn evidence(still: &Still, n: usize) -> f64 {
     let others = || (0..still.processes.len()).filter(|k| *k != n);
     let of = |channel: usize| {

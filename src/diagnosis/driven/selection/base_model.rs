@@ -164,6 +164,7 @@ pub(crate) fn other_input(data: &mut Data, chosen: &Judged, scales: &Scales) -> 
                 | Term::ReadoutLowpass(_)
                 | Term::Feedthrough(_)
                 | Term::ParasiticMode(_)
+                | Term::CoupledMode(_)
         )
     };
     if !chosen.fit.structure.terms.iter().any(mistaken) {

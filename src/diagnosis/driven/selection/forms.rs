@@ -31,7 +31,7 @@ use super::rivals::TIE;
 pub(super) const LEAST_LEAD: f64 = 3.0;
 /// Log-likelihood that one linear step must promise for the free form of a law to be fitted.
 const LEAST_PROMISE: f64 = 8.0;
-/// Laws beside the chosen ones that are tried alone with a free form.
+/// Laws beside the chosen ones that are tried alone with a free form, of those that were fitted alone.
 const OTHERS: usize = 4;
 /// Share of the variance of what is left from which on one law with a free form is tried in the
 /// place of all.
@@ -165,6 +165,18 @@ fn may_be_another(selection: &Selection) -> bool {
     }
 }
 
+/// Ties the first term with these laws.
+fn add_rivals<'r>(selection: &mut Selection, further: impl Iterator<Item = &'r Rival>) {
+    for rival in further {
+        if selection.rivals.is_empty() {
+            selection.rivals.push(Vec::new());
+        }
+        if !selection.rivals[0].iter().any(|r| r.id == rival.id) && !selection.chosen.has(rival.id) {
+            selection.rivals[0].push(rival.clone());
+        }
+    }
+}
+
 /// Laws beside the chosen ones whose forms are freed, each alone.
 fn others(selection: &Selection, scales: &Scales) -> Vec<Fit> {
     let is_free = |fit: &Fit| freed_law(&fit.structure.terms[0]).is_some();
@@ -249,7 +261,10 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
         let found = Departing { judged: judge(data, found, scales), index }.pruned(data, scales, chosen.score());
         consider(&mut best, found, &chosen.fit);
     }
-    let mut as_good = Vec::new();
+    // Ahead of both what was chosen and its own free form, another law may take its place.
+    let mut as_good: Vec<(f64, Rival)> = Vec::new();
+    let (mut other_best, mut left_out): (Option<(Departing, Fit)>, bool) = (None, false);
+    let bar = best.as_ref().map_or(chosen.score(), |(own, _)| own.judged.score().max(chosen.score()));
     let is_doubtful = chosen.fit.structure.terms.len() > 1 || may_be_another(selection);
     if is_doubtful || residual_structure(data, &chosen.fit).r_squared > UNDONE {
         for other in others(selection, scales) {
@@ -257,26 +272,36 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
                 b.judged.fit.structure.terms.len() == 1
                     && b.judged.fit.structure.terms[0].id() == other.structure.terms[0].id()
             };
-            if data.work.is_spent(budget) || best.as_ref().is_some_and(|(b, _)| same(b)) {
+            if best.as_ref().is_some_and(|(b, _)| same(b)) {
                 continue;
+            }
+            if data.work.is_spent(budget) {
+                left_out = may_be_another(selection);
+                break;
             }
             let Some(found) = freed(data, &other, 0, scales, false) else { continue };
             let found = Departing { judged: judge(data, found, scales), index: 0 };
-            // At the end of its range a form is that of another law.
-            let is_near = found.judged.score() > chosen.score() - TIE && !found.judged.fit.at_bound(scales);
-            if may_be_another(selection) && !chosen.has(found.id()) && is_near {
-                as_good.extend(found.as_stated(data, &other, scales));
+            if !may_be_another(selection) {
+                consider(&mut best, found, &other);
+                continue;
             }
-            consider(&mut best, found, &other);
+            // At the end of its range a form is that of another law.
+            let lead = found.judged.score() - bar;
+            if chosen.has(found.id()) || lead < -TIE || found.judged.fit.at_bound(scales) {
+                continue;
+            }
+            let stated = found.as_stated(data, &other, scales);
+            let stated = stated.filter(|s| !s.fit.at_bound(scales));
+            as_good.extend(stated.map(|judged| (found.judged.score(), Rival { id: found.id(), judged })));
+            if lead > TIE {
+                consider(&mut other_best, found, &other);
+            }
         }
     }
+    selection.rivals_left_out |= left_out;
+    best = other_best.or(best);
     selection.rivals.resize_with(chosen.fit.structure.terms.len(), Vec::new);
-    for judged in as_good {
-        let id = judged.fit.structure.terms[0].id();
-        if !selection.rivals[0].iter().any(|r| r.id == id) {
-            selection.rivals[0].push(Rival { judged, id });
-        }
-    }
+    add_rivals(selection, as_good.iter().map(|(_, rival)| rival));
     let Some((found, like)) = best else { return };
     let fewer = found.judged.fit.structure.terms.len() < chosen.fit.structure.terms.len();
     let score_gain = found.judged.score() - chosen.score();
@@ -312,5 +337,7 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
         })
         .collect();
     selection.chosen = stated;
+    let near = as_good.iter().filter(|(score, rival)| *score > found.judged.score() - TIE && rival.id != found.id());
+    add_rivals(selection, near.map(|(_, rival)| rival));
     selection.departing = departs.then_some(found);
 }

@@ -1,6 +1,6 @@
-//! Whether what an input that is held between its samples leaves is its own: held, it looks late by
-//! half a sample and weaker at high frequencies, and a reading that comes late by less asks of a
-//! held input that it come early.
+//! Whether an input is held between its samples or smooth, where the reading is late by less than half
+//! a sample. A held input acts late by half a sample; if the fit has taken it as held and the reading
+//! is late by less, the input seems to have been recorded late.
 
 use crate::control::{Control, Stopped};
 use crate::diagnosis::driven::identification::refined_scales::refined;
@@ -11,7 +11,8 @@ use crate::physics::readout_delay::ReadoutDelay;
 use crate::physics::readout_lowpass::{Poles, ReadoutLowpass};
 use crate::physics::scales::Scales;
 
-use super::judged::{Judged, Rival, Selection};
+use super::earned::earned;
+use super::judged::{Judged, Rival, Selection, Trial};
 use super::kept_back::worth;
 use super::rivals::TIE;
 use super::round::round;
@@ -42,11 +43,13 @@ pub(crate) fn on_a_smooth_one(
     let low_pass = [Poles::One, Poles::Two].map(|poles| Term::ReadoutLowpass(ReadoutLowpass(poles)));
     let readouts = [Term::ReadoutDelay(ReadoutDelay), low_pass[0], low_pass[1]];
     let here = refined(smooth, &base.fit, scales);
-    let alone = round(smooth, &base, &readouts, &here, readouts.len(), control)?;
-    let found = alone.iter().filter_map(|t| Some(Rival { judged: t.judged.clone()?, id: t.term.id() }));
+    let readouts = round(smooth, &base, &readouts, &here, readouts.len(), control)?;
+    let found = readouts.iter().filter_map(|t| Some(Rival { judged: t.judged.clone()?, id: t.term.id() }));
     let found: Vec<Rival> = found.filter(|r| !r.judged.fit.at_bound(&here)).collect();
     let best = found.iter().max_by(|a, b| worth(&a.judged).total_cmp(&worth(&b.judged))).cloned();
-    let Some(best) = best.filter(|best| worth(&best.judged) > worth(&held.chosen) - TIE) else { return Ok(None) };
+    let is_earned = |best: &Rival| earned(smooth, &base, &best.judged, scales, held.tried).is_some();
+    let best = best.filter(|best| worth(&best.judged) > worth(&held.chosen) - TIE && is_earned(best));
+    let Some(best) = best else { return Ok(None) };
     let lag = Rival { judged: held.chosen.clone(), id: held.chosen.fit.structure.terms[0].id() };
     let mut tied: Vec<Rival> = Vec::new();
     for rival in found.into_iter().chain([lag]) {
@@ -55,5 +58,9 @@ pub(crate) fn on_a_smooth_one(
             tied.push(rival);
         }
     }
-    Ok(Some(Selection { base, chosen: best.judged, rivals: vec![tied], alone, departing: None, ..held.clone() }))
+    let is_other = |t: &&Trial| readouts.iter().all(|r| r.term != t.term);
+    let others: Vec<Trial> = held.alone.iter().filter(is_other).cloned().collect();
+    let alone = readouts.iter().cloned().chain(others).collect();
+    let (rivals, stand_ins) = (vec![tied], Vec::new());
+    Ok(Some(Selection { base, chosen: best.judged, rivals, stand_ins, alone, departing: None, ..held.clone() }))
 }

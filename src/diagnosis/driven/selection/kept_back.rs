@@ -52,32 +52,44 @@ pub(super) fn settle_kept_back(
         return Ok(());
     }
     let search = KeptBack { data, chosen, budget };
-    let mut all: Vec<Judged> = Vec::new();
+    let (mut all, mut left_out): (Vec<Judged>, bool) = (Vec::new(), false);
     if is_done {
         let mode = the_mode(selection);
         all.extend(mode.and_then(|mode| search.two_masses(mode, &refined(data, &mode.fit, scales))));
     } else {
-        for reduced in reduced(data, &selection.base, chosen, scales) {
+        let reduced = reduced(data, &selection.base, chosen, scales);
+        let is_mixed = linear > 0 && linear < chosen.fit.structure.terms.len();
+        let plain = reduced.last().filter(|_| is_mixed).unwrap_or(&selection.base);
+        for (place, reduced) in reduced.iter().enumerate() {
             if data.work.is_spent(budget) {
+                left_out = true;
                 break;
             }
+            // A model whose linear terms were taken out and that was not fitted again is where others
+            // begin, and nothing that they could be held against.
+            let against = if place == 0 { &selection.base } else { plain };
+            let is_earned = |f: &Judged| earned(data, against, f, scales, selection.tried).is_some();
             let here = refined(data, &reduced.fit, scales);
             let alone = |term: Term| -> Result<Option<Judged>, Stopped> {
-                let found = round(data, &reduced, &[term], &here, 1, control)?.into_iter().find_map(|t| t.judged);
+                let found = round(data, reduced, &[term], &here, 1, control)?.into_iter().find_map(|t| t.judged);
                 Ok(found.map(|f| search.rested(f, &here)))
             };
             let mode = alone(MODE)?;
             let masses = mode.as_ref().and_then(|mode| search.two_masses(mode, &here));
+            // One mode in the place of one linear term, or of none, the search has had.
+            let mode = mode.filter(|_| linear > 1);
             let found = [alone(TWO_POLES)?, mode, masses].into_iter().flatten();
-            all.extend(found.filter(|f| earned(data, &reduced, f, scales, selection.tried).is_some()));
+            all.extend(found.filter(is_earned));
         }
         if let Some(mode) = own_mode(data, chosen, scales) {
-            all.extend(search.two_masses(&mode, scales));
-            all.push(mode);
+            let masses = search.two_masses(&mode, scales);
+            let found = [Some(mode), masses].into_iter().flatten();
+            all.extend(found.filter(|f| earned(data, plain, f, scales, selection.tried).is_some()));
         }
     }
     all.retain(|f| !f.fit.at_bound(&refined(data, &f.fit, scales)));
     order::sort_by_key(&mut all, |j| -worth(j));
+    selection.rivals_left_out |= left_out;
     for found in all {
         weigh(selection, found);
     }
@@ -216,7 +228,7 @@ fn weigh(selection: &mut Selection, found: Judged) {
     let Some(kept) = found.fit.structure.terms.iter().copied().find(is_linear) else { return };
     let lead = worth(&found) - worth(chosen);
     let is_lean = found.fit.structure.terms.len() < terms.len();
-    let is_same = terms.iter().all(|t| found.has(t.id()));
+    let is_same = !terms.is_empty() && terms.iter().all(|t| found.has(t.id()));
     let replaces = lead
         > if is_lean {
             -LEAST_LEAD
@@ -227,7 +239,8 @@ fn weigh(selection: &mut Selection, found: Judged) {
         };
     if !replaces {
         // Neither is ahead.
-        let place = terms.iter().position(is_linear).filter(|_| !is_same && lead > -TIE);
+        let first = (!terms.is_empty()).then_some(0);
+        let place = terms.iter().position(is_linear).or(first).filter(|_| !is_same && lead > -TIE);
         if let Some(place) = place {
             selection.rivals.resize_with(terms.len(), Vec::new);
             if !selection.rivals[place].iter().any(|r| r.id == kept.id()) && !chosen.has(kept.id()) {

@@ -73,6 +73,10 @@ pub(super) fn settle_power(data: &Data, selection: &mut Selection, scales: &Scal
     }
     // What the spring leaves idle costs it nothing.
     let power = power.pruned(data, scales, found.score());
+    // At the end of its range a power is another law.
+    if power.judged.fit.term_at_bound(power.index, scales) {
+        return;
+    }
     let fewer = power.judged.fit.structure.terms.len() < terms.len();
     let lead = power.judged.score() - found.score();
     if lead < -TIE {

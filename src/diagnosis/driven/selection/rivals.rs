@@ -135,7 +135,8 @@ impl Look<'_> {
         let reduced = if alone { Some(selection.base.clone()) } else { without(data, chosen, index, scales) };
         let Some(reduced) = reduced else { return Ok(Vec::new()) };
         let mut trials = if alone { selection.alone.clone() } else { Vec::new() };
-        let is_candidate = |t: &Term| alike(t, term) || selection.reach.tells_nothing_linear_apart();
+        let any = selection.reach.tells_nothing_linear_apart();
+        let is_candidate = |t: &Term| alike(t, term) || any && t.noise().is_none();
         let fitted = |t: &Term| trials.iter().any(|other| other.judged.is_some() && other.term == *t);
         let open: Vec<Term> = candidates
             .iter()

@@ -170,7 +170,8 @@ fn strengths_of(law: Freed) -> usize {
     if law == Freed::Readout { 2 } else { 1 }
 }
 
-/// The stated form at an argument, for each of its strengths, and the functions of it that the base model has parameters for.
+/// The stated form at an argument, for each of its strengths, and the functions of it that the base
+/// model has parameters for.
 fn functions(law: Freed, [above, below]: [f64; 2], a: f64) -> Vec<f64> {
     use crate::physics::end_stop::Side;
     let stated = match law {

@@ -8,11 +8,10 @@ use crate::diagnosis::driven::selection::judged::Judged;
 use crate::diagnosis::driven::selection::residual_structure::residual_structure_of_noise;
 use crate::diagnosis::driven::selection::term_worth::Named;
 use crate::diagnosis::driven::verdict::dropped::{Dropped, LeftOut};
-use crate::physics::library::Term;
 use crate::physics::scales::Coordinate;
 
 use super::draft::Draft;
-use super::second_resonance::is_beside_the_first;
+use super::second_resonance::{is_beside_the_first, is_second_resonance};
 
 impl Draft<'_> {
     /// Why a term may not stay, if it may not: the test samples speak against it, it is not what
@@ -36,7 +35,7 @@ impl Draft<'_> {
         if follows_input(self.data, fit, named.index) {
             return Some(Dropped::FollowsInput);
         }
-        if matches!(self.term(named.index), Term::ParasiticMode(_)) && !is_beside_the_first(fit) {
+        if is_second_resonance(&self.term(named.index)) && !is_beside_the_first(fit) {
             return Some(Dropped::NoSecondResonance);
         }
         // A law of several strengths is nothing only where each of them may be.

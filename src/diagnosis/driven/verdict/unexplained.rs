@@ -7,10 +7,9 @@ use crate::diagnosis::driven::selection::judged::Judged;
 use crate::diagnosis::driven::selection::residual_structure::residual_structure_of_noise;
 use crate::diagnosis::driven::selection::term_worth::Named;
 use crate::diagnosis::driven::verdict::dropped::Dropped;
-use crate::physics::library::Term;
 
 use super::draft::Draft;
-use super::second_resonance::is_resolved;
+use super::second_resonance::{is_resolved, is_second_resonance};
 use super::standing::FAR_ABOVE;
 
 impl Draft<'_> {
@@ -42,8 +41,7 @@ impl Draft<'_> {
     /// linear dynamics a mode takes up whatever is broad, and only a peak of its own is evidence of
     /// a resonance.
     fn stands_in(&self, named: &Named) -> Option<Dropped> {
-        let is_mode = matches!(self.term(named.index), Term::ParasiticMode(_));
-        let blurred = is_mode && !is_resolved(&self.model.fit, named.index);
+        let blurred = is_second_resonance(&self.term(named.index)) && !is_resolved(&self.model.fit, named.index);
         self.misnamed(named).or(blurred.then_some(Dropped::NoSecondResonance))
     }
 
