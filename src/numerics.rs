@@ -8,6 +8,7 @@ pub mod elementary;
 pub(crate) mod exponential;
 pub mod lagrange;
 pub mod least_squares;
+pub(crate) mod legendre;
 pub(crate) mod log_time;
 pub mod moments;
 pub mod non_negative;

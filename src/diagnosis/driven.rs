@@ -244,11 +244,18 @@ impl Course {
             self.budget = self.budget.or(self.narrow.work.budget(Stage::SearchAgain, self.narrow.hull.len()));
             selection = stepwise::search(&self.narrow, base, scales, &candidates, self.budget, control)?;
         }
-        if let Some(smooth) = held_input::smooth_input(&self.narrow, &selection) {
+        if let Some(smooth) = held_input::smooth_input(&self.narrow, &selection.chosen) {
             let base = base_again(&smooth, &selection, scales);
-            if let Some(other) = held_input::on_a_smooth_one(&smooth, base, &selection, scales, control)? {
-                let held = base_model::interpolated(Interpolation::Hold);
-                self.notes.findings.retain(|finding| *finding != held);
+            let other = if held_input::is_half_a_sample(&self.narrow, &selection) {
+                held_input::on_a_smooth_one(&smooth, base, &selection, scales, control)?
+            } else {
+                self.budget = self.budget.or(self.narrow.work.budget(Stage::SearchAgain, self.narrow.hull.len()));
+                let other = stepwise::search(&smooth, base, scales, &candidates, self.budget, control)?;
+                held_input::is_better(&other, &selection).then_some(other)
+            };
+            if let Some(other) = other {
+                let how = self.narrow.input.as_ref().map(|i| base_model::interpolated(i.interpolation));
+                self.notes.findings.retain(|finding| Some(finding) != how.as_ref());
                 (self.narrow, selection) = (smooth, other);
             }
         }

@@ -3,6 +3,7 @@
 
 use serde::Serialize;
 
+use crate::physics::free_form::Freed;
 use crate::recording::Recording;
 use crate::recording::dropped::Dropped;
 
@@ -89,6 +90,9 @@ pub struct Evidence {
 /// How far a named law departs from the form that its name states.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Form {
+    /// The law whose form was freed.
+    #[serde(skip)]
+    pub law: Freed,
     /// The stated form, as a function of its argument.
     pub stated: String,
     /// Root mean square of the departure over that of the stated form, over the arguments visited.

@@ -158,23 +158,7 @@ mod tests {
     // ½ k (reach − gap)² is the same in every valley.
     #[test]
     fn other_local_minima_take_up_the_same_energy() {
-        let scales = Scales {
-            output: 1.0,
-            output_range: (-1.5, 2.0),
-            velocity: 1.0,
-            input: 1.0,
-            omega_rad_s: 3.0,
-            zeta: 0.1,
-            gain: 1.0,
-            interval_s: 0.1,
-            duration_s: 100.0,
-            residual: 0.1,
-            lines_hz: Vec::new(),
-            environment: Vec::new(),
-            centre: 0.0,
-            fineness: 1.0,
-            lag_samples: 0.0,
-        };
+        let scales = Scales { output_range: (-1.5, 2.0), velocity: 1.0, omega_rad_s: 3.0, ..Scales::of_a_mass() };
         let energy = |p: &[f64], reach: f64| p[0] * (reach - p[1]).powi(2);
         for (side, reach) in [(Side::Both, 2.0), (Side::Upper, 2.0), (Side::Lower, 1.5)] {
             let here = [40.0, 1.2];

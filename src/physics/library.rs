@@ -170,23 +170,7 @@ mod tests {
     // What a study refuses below zero, as damping that feeds the motion, no fit may name there.
     #[test]
     fn what_no_study_takes_below_zero_no_fit_goes_below() {
-        let scales = Scales {
-            output: 1.0,
-            output_range: (-2.0, 2.0),
-            velocity: 2.0,
-            input: 1.0,
-            omega_rad_s: 2.0,
-            zeta: 0.1,
-            gain: 1.0,
-            interval_s: 0.1,
-            duration_s: 100.0,
-            residual: 0.1,
-            lines_hz: Vec::new(),
-            environment: Vec::new(),
-            centre: 0.0,
-            fineness: 1.0,
-            lag_samples: 0.0,
-        };
+        let scales = Scales::of_a_mass();
         let (mut bound, mut free) = (0, 0);
         let dampings = [Freed::Drag, Freed::Film, Freed::Friction];
         for law in dampings {

@@ -52,8 +52,9 @@ pub(crate) const TWO_POLES: Candidate = Candidate {
 
 /// Below this the second pole is a thousandth of the first one's time constant: first order.
 const LEAST_Q: f64 = 0.03;
-/// A filter that rings for longer than this is a resonance and no low-pass.
-const MOST_Q: f64 = 1.0;
+/// A filter that rings for longer than this, and peaks by more than 4 dB, is a resonance and no
+/// low-pass.
+const MOST_Q: f64 = 1.5;
 
 impl Law for ReadoutLowpass {
     fn candidate(&self) -> &'static Candidate {
@@ -66,20 +67,20 @@ impl Law for ReadoutLowpass {
         Role::LowPass
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
-        let mut all = vec![Coordinate::Log(1e-4 / s.omega_rad_s, 100.0 / s.omega_rad_s)];
-        if self.0 == Poles::Two {
-            all.extend([
-                Coordinate::Log(LEAST_Q, MOST_Q),
-                Coordinate::Linear(0.1 * s.output),
-                Coordinate::Linear(0.1 * s.output * s.omega_rad_s),
-            ]);
+        let tau = Coordinate::Log(1e-4 / s.omega_rad_s, 100.0 / s.omega_rad_s);
+        let held = Coordinate::Linear(0.1 * s.output);
+        match self.0 {
+            Poles::One => vec![tau, held],
+            Poles::Two => {
+                let slope = Coordinate::Linear(0.1 * s.output * s.omega_rad_s);
+                vec![tau, Coordinate::Log(LEAST_Q, MOST_Q), held, slope]
+            }
         }
-        all
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
         let constants = [0.005, 0.04, 0.2, 1.0].map(|t| t / s.omega_rad_s);
         match self.0 {
-            Poles::One => constants.map(|t| vec![t]).to_vec(),
+            Poles::One => constants.map(|t| vec![t, 0.0]).to_vec(),
             Poles::Two => {
                 let two = |q: f64| constants.map(|t| vec![t, q, 0.0, 0.0]);
                 [0.2, 0.4, 0.7].map(two).concat()
@@ -92,20 +93,20 @@ impl Law for ReadoutLowpass {
             Poles::Two => 2,
         }
     }
-    /// What a second pole holds beyond a slow reading's lag; one pole begins with that alone.
+    /// What it holds beyond a slow reading's lag: a recording may begin in the middle of a motion.
     fn unknown_beginnings(&self) -> usize {
-        match self.0 {
-            Poles::One => 0,
-            Poles::Two => 2,
-        }
+        self.states()
     }
     fn begin(&self, x: &Lanes, v: &Lanes, p: &[Lanes], own: &mut [Lanes]) {
+        let held = match self.0 {
+            Poles::One => &p[1],
+            Poles::Two => &p[2],
+        };
         for l in 0..LANES {
-            own[0][l] = x[l] - p[0][l] * v[l];
+            own[0][l] = x[l] - p[0][l] * v[l] + held[l];
         }
         if self.0 == Poles::Two {
             for l in 0..LANES {
-                own[0][l] += p[2][l];
                 own[1][l] = v[l] + p[3][l];
             }
         }

@@ -49,3 +49,27 @@ pub struct Scales {
     /// Samples by which the output clearly lags the input; 0 where it does not.
     pub lag_samples: f64,
 }
+
+#[cfg(test)]
+impl Scales {
+    /// Those of a mass at ω₀ = 2 rad/s that moves by about 1, in the tests of laws.
+    pub(super) fn of_a_mass() -> Self {
+        Self {
+            output: 1.0,
+            output_range: (-2.0, 2.0),
+            velocity: 2.0,
+            input: 1.0,
+            omega_rad_s: 2.0,
+            zeta: 0.1,
+            gain: 1.0,
+            interval_s: 0.1,
+            duration_s: 100.0,
+            residual: 0.1,
+            lines_hz: Vec::new(),
+            environment: Vec::new(),
+            centre: 0.0,
+            fineness: 1.0,
+            lag_samples: 0.0,
+        }
+    }
+}

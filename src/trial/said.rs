@@ -128,25 +128,36 @@ impl Said {
 /// Names in groups: a tie is one group, as the words have it, also where something else remains
 /// unexplained. What is explained has no ties.
 fn grouped(outcome: Outcome, effects: &[Effect]) -> Vec<Vec<String>> {
-    let mut groups: Vec<(&[String], Vec<String>)> = Vec::new();
+    /// Effects of the same columns that are tied with each other.
+    struct Tie<'e> {
+        channels: &'e [String],
+        effects: Vec<&'e Effect>,
+    }
+    let name_each_other =
+        |a: &Effect, b: &Effect| a.confusable_with.contains(&b.id) && b.confusable_with.contains(&a.id);
+    let mut ties: Vec<Tie<'_>> = Vec::new();
     for effect in effects {
-        let mut group = vec![effect.id.clone()];
-        if outcome != Outcome::Explained {
-            group.extend(effect.confusable_with.iter().cloned());
-        }
-        // Groups of the same columns that share a member are one. A name that is sure in one column
-        // is no part of a tie in another.
-        let (touching, apart): (Vec<_>, Vec<_>) = groups
-            .into_iter()
-            .partition(|(channels, g)| *channels == effect.channels && g.iter().any(|id| group.contains(id)));
-        groups = apart;
-        group.extend(touching.into_iter().flat_map(|(_, g)| g));
+        // A name that is sure in one column is no part of a tie in another, and a rival that two
+        // effects share ties neither with the other.
+        let (touching, apart): (Vec<_>, Vec<_>) = ties.into_iter().partition(|tie| {
+            outcome != Outcome::Explained
+                && tie.channels == effect.channels
+                && tie.effects.iter().any(|e| e.id == effect.id || name_each_other(e, effect))
+        });
+        ties = apart;
+        let effects = touching.into_iter().flat_map(|tie| tie.effects).chain([effect]).collect();
+        ties.push(Tie { channels: &effect.channels, effects });
+    }
+    let groups = ties.into_iter().map(|tie| {
+        let rivals = |e: &Effect| if outcome == Outcome::Explained { Vec::new() } else { e.confusable_with.clone() };
+        let mut group: Vec<String> =
+            tie.effects.iter().flat_map(|e| [vec![e.id.clone()], rivals(e)].concat()).collect();
         group.sort();
         group.dedup();
-        groups.push((&effect.channels, group));
-    }
+        group
+    });
     let mut said: Vec<Vec<String>> = Vec::new();
-    for (_, group) in groups {
+    for group in groups {
         // The same said of several columns is said once.
         if !said.contains(&group) {
             said.push(group);
@@ -182,6 +193,11 @@ mod tests {
             let (sure, again) = (effect("gauss-markov", "y", None), effect("random-walk", "y", Some("gauss-markov")));
             assert_eq!(of(outcome, &[&tied, &sure]), [vec!["gauss-markov", "random-walk"], vec!["gauss-markov"]]);
             assert_eq!(of(outcome, &[&tied, &again]), [["gauss-markov", "random-walk"]]);
+            let (back, other) =
+                (effect("random-walk", "x", Some("gauss-markov")), effect("ramp", "x", Some("random-walk")));
+            assert_eq!(of(outcome, &[&tied, &back]), [["gauss-markov", "random-walk"]]);
+            // The same rival of two effects ties neither with the other.
+            assert_eq!(of(outcome, &[&tied, &other]), [["gauss-markov", "random-walk"], ["ramp", "random-walk"]]);
         }
         assert_eq!(of(Outcome::Explained, &[&tied]), [["gauss-markov"]], "nothing tied is explained");
     }

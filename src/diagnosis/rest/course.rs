@@ -3,6 +3,7 @@
 
 use super::cause::Cause;
 use super::channel::Curve;
+use crate::numerics::legendre::legendre;
 use crate::numerics::log_time::log_time;
 
 /// Whether it is a course that the library names.
@@ -34,14 +35,4 @@ pub(super) fn smooth(count: usize) -> impl Iterator<Item = (Vec<Curve>, f64)> {
         ((1..=degree).map(curve).collect(), degree as f64)
     });
     kinked.chain(polynomials)
-}
-
-/// Legendre's polynomial of a degree: nearly orthogonal over the recording.
-fn legendre(degree: usize, x: f64) -> f64 {
-    let (mut before, mut now) = (1.0, x);
-    for k in 1..degree {
-        let k = k as f64;
-        (before, now) = (now, ((2.0 * k + 1.0) * x * now - k * before) / (k + 1.0));
-    }
-    if degree == 0 { 1.0 } else { now }
 }

@@ -1,11 +1,13 @@
 //! The form of a law as the recording has it, beside the one that its name states.
 
 use crate::diagnosis::verdict::Form;
+use crate::physics::free_form::{Argument, Freed};
 
 use super::exhibit::{Exhibit, Part};
 use crate::report::figure::{Axis, Chart, Ink, Mark};
 
-/// Departure from which on a law is no longer called close to the stated one.
+/// Rms departure, as a part of the stated form's, from which a law is no longer called close to the
+/// stated one.
 const FAR: f64 = 0.3;
 
 /// One figure per law whose form was freed; each with the id of its effect.
@@ -16,13 +18,13 @@ pub(crate) fn exhibits(forms: &[(&'static str, Form)]) -> Vec<Exhibit> {
 fn exhibit(id: &str, form: &Form) -> Exhibit {
     let points = |curve: &[[f64; 2]]| curve.iter().map(|[a, f]| (*a, *f)).collect::<Vec<_>>();
     let stated = form.stated.replace("^2", "²").replace("^3", "³");
-    let argument = match form.stated.as_str() {
-        "|v| v" | "sgn v" => "velocity",
-        "u^2" => "input",
-        "t" => "time",
-        _ => "displacement",
+    let argument = match form.law.argument() {
+        Argument::Displacement => "displacement",
+        Argument::Velocity => "velocity",
+        Argument::Input => "input",
+        Argument::Time => "time",
     };
-    let value = if id.starts_with("readout-") { "added to the reading" } else { "law, per unit mass" };
+    let value = if form.law == Freed::Readout { "added to the reading" } else { "law, per unit mass" };
     let mut chart = Chart::new(
         &format!("Form of {}", id),
         Axis::linear(&format!("{argument} (range visited)")),

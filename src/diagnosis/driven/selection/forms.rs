@@ -5,6 +5,7 @@
 //! Not for how far it departs (`verdict::form`) and not for what follows for the verdict
 //! (`ruling`).
 
+use crate::diagnosis::driven::base::OFFSET;
 use crate::diagnosis::driven::identification::fit::{Fit, Search, fit};
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::work::Budget;
@@ -190,14 +191,39 @@ fn others(selection: &Selection, scales: &Scales) -> Vec<Fit> {
             }
         }
     }
-    for term in selection.alone.iter().filter(|t| t.judged.is_none()).map(|t| t.term) {
-        let known = all.iter().any(|fit| fit.structure.terms == [term]);
-        if let Some(start) = term.starts(scales).first().filter(|_| is_unseen_as_stated(&term) && !known) {
-            let (structure, point) = selection.base.fit.with(term, start);
-            all.push(Fit { structure, point, ..selection.base.fit.clone() });
+    let is_tied = may_be_another(selection) && selection.rivals.iter().any(|r| !r.is_empty());
+    for term in selection.alone.iter().map(|t| t.term) {
+        let Some(start) = term.starts(scales).first().cloned() else { continue };
+        let from = |base: Fit| {
+            let (structure, point) = base.with(term, &start);
+            Fit { structure, point, ..base }
+        };
+        let is_known = all.iter().any(|fit| fit.structure.terms == [term]);
+        if !is_known && (is_unseen_as_stated(&term) || is_tied && freed_law(&term).is_some()) {
+            all.push(from(selection.base.fit.clone()));
+        }
+        if is_unseen_as_stated(&term) {
+            // Before the others, as these may end in a form that is far from it.
+            all.splice(0..0, at_rails(&selection.chosen.fit, scales).into_iter().map(from));
         }
     }
     all
+}
+
+/// A model that clips, without its terms and with its offset at a rail: what is flat on one side of
+/// the motion may be the middle of a dead zone.
+fn at_rails(clipping: &Fit, scales: &Scales) -> Vec<Fit> {
+    let is_clipped = |t: &Term| matches!(t, Term::ReadoutSaturation(_));
+    let Some(index) = clipping.structure.terms.iter().position(is_clipped) else { return Vec::new() };
+    let structure = ModelStructure::over(&[], clipping.structure.further);
+    let (low, high) = scales.output_range;
+    let visited = clipping.structure.of(index, &clipping.point).iter().filter(|rail| low < **rail && **rail < high);
+    let at = |rail: &f64| {
+        let mut point = clipping.point[..structure.parameters].to_vec();
+        point[OFFSET] = *rail;
+        Fit { structure: structure.clone(), point, ..clipping.clone() }
+    };
+    visited.map(at).collect()
 }
 
 impl Departing {
@@ -220,7 +246,7 @@ impl Departing {
     }
 
     /// The same terms with the form as stated, fitted.
-    fn as_stated(&self, data: &Data, like: &Fit, scales: &Scales) -> Option<Judged> {
+    pub(super) fn as_stated(&self, data: &Data, like: &Fit, scales: &Scales) -> Option<Judged> {
         let freed = &self.judged.fit;
         let id = self.id();
         let place = like.structure.terms.iter().position(|t| t.id() == id)?;
@@ -263,6 +289,11 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
     }
     // Ahead of both what was chosen and its own free form, another law may take its place.
     let mut as_good: Vec<(f64, Rival)> = Vec::new();
+    // What is as likely with more freedom is nothing that parsimony could settle between laws that
+    // are tied in any case.
+    let mut freer: Vec<Rival> = Vec::new();
+    let likelihoods = best.iter().map(|(own, _)| own.judged.fit.log_likelihood());
+    let most_likely = likelihoods.fold(chosen.fit.log_likelihood(), f64::max);
     let (mut other_best, mut left_out): (Option<(Departing, Fit)>, bool) = (None, false);
     let bar = best.as_ref().map_or(chosen.score(), |(own, _)| own.judged.score().max(chosen.score()));
     let is_doubtful = chosen.fit.structure.terms.len() > 1 || may_be_another(selection);
@@ -287,12 +318,18 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
             }
             // At the end of its range a form is that of another law.
             let lead = found.judged.score() - bar;
-            if chosen.has(found.id()) || lead < -TIE || found.judged.fit.at_bound(scales) {
+            let is_as_likely = found.judged.fit.log_likelihood() > most_likely - TIE;
+            if chosen.has(found.id()) || lead < -TIE && !is_as_likely || found.judged.fit.at_bound(scales) {
                 continue;
             }
             let stated = found.as_stated(data, &other, scales);
             let stated = stated.filter(|s| !s.fit.at_bound(scales));
-            as_good.extend(stated.map(|judged| (found.judged.score(), Rival { id: found.id(), judged })));
+            let rival = stated.map(|judged| (found.judged.score(), Rival { id: found.id(), judged }));
+            if lead < -TIE {
+                freer.extend(rival.map(|(_, rival)| rival));
+                continue;
+            }
+            as_good.extend(rival);
             if lead > TIE {
                 consider(&mut other_best, found, &other);
             }
@@ -302,6 +339,9 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
     best = other_best.or(best);
     selection.rivals.resize_with(chosen.fit.structure.terms.len(), Vec::new);
     add_rivals(selection, as_good.iter().map(|(_, rival)| rival));
+    if selection.rivals.iter().any(|rivals| !rivals.is_empty()) {
+        add_rivals(selection, freer.iter());
+    }
     let Some((found, like)) = best else { return };
     let fewer = found.judged.fit.structure.terms.len() < chosen.fit.structure.terms.len();
     let score_gain = found.judged.score() - chosen.score();

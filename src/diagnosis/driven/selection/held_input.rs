@@ -1,6 +1,7 @@
 //! Whether an input is held between its samples or smooth, where the reading is late by less than half
 //! a sample. A held input acts late by half a sample; if the fit has taken it as held and the reading
-//! is late by less, the input seems to have been recorded late.
+//! is late by less, the input seems to have been recorded late, alone or beside the linear law that
+//! makes the reading late.
 
 use crate::control::{Control, Stopped};
 use crate::diagnosis::driven::identification::refined_scales::refined;
@@ -12,19 +13,38 @@ use crate::physics::readout_lowpass::{Poles, ReadoutLowpass};
 use crate::physics::scales::Scales;
 
 use super::earned::earned;
+use super::forms::LEAST_LEAD;
+use super::identifiability::is_linear;
 use super::judged::{Judged, Rival, Selection, Trial};
 use super::kept_back::worth;
 use super::rivals::TIE;
 use super::round::round;
 
-/// The recording with a smooth input, where one that is taken as held comes late, and nothing else,
-/// by less than the half sample that this brings.
-pub(crate) fn smooth_input(data: &Data, held: &Selection) -> Option<Data> {
+/// The recording with a smooth input, where one that is taken otherwise is late, or read late, in the
+/// model chosen: what is held acts late by half a sample, and may have been taken for a reading that
+/// is late.
+pub(crate) fn smooth_input(data: &Data, chosen: &Judged) -> Option<Data> {
+    let input = data.input.as_ref().filter(|i| i.interpolation != Interpolation::BandLimited)?;
+    let is_late = data.windows.is_none() && chosen.fit.structure.terms.iter().any(is_linear);
+    is_late.then(|| Data { input: Some(input.clone().gone(Interpolation::BandLimited)), ..data.clone() })
+}
+
+/// Whether nothing is chosen but a held input that comes late, by less than the half sample that
+/// this brings.
+pub(crate) fn is_half_a_sample(data: &Data, held: &Selection) -> bool {
     let chosen = &held.chosen.fit;
-    let input = data.input.as_ref().filter(|i| i.interpolation == Interpolation::Hold)?;
-    let [Term::InputLag(_)] = chosen.structure.terms[..] else { return None };
-    let is_less = chosen.structure.of(0, &chosen.point)[0] < 0.5 * data.interval_s();
-    is_less.then(|| Data { input: Some(input.clone().gone(Interpolation::BandLimited)), ..data.clone() })
+    let is_held = data.input.as_ref().is_some_and(|i| i.interpolation == Interpolation::Hold);
+    let [Term::InputLag(_)] = chosen.structure.terms[..] else { return false };
+    is_held && chosen.structure.of(0, &chosen.point)[0] < 0.5 * data.interval_s()
+}
+
+/// Whether what was found on a smooth input does better than what was found on another one, or as
+/// well with fewer terms.
+pub(crate) fn is_better(smooth: &Selection, other: &Selection) -> bool {
+    let [here, there] = [smooth, other].map(|s| s.departing.as_ref().map_or(&s.chosen, |d| &d.judged));
+    let [fewer, more] = [here, there].map(|j| j.fit.structure.terms.len());
+    let least = if fewer < more { -LEAST_LEAD } else { LEAST_LEAD };
+    worth(here) - worth(there) > least
 }
 
 /// The readout behind a smooth input, late or smoothed, where that does as well as a held input that

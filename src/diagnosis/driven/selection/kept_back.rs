@@ -57,10 +57,9 @@ pub(super) fn settle_kept_back(
         let mode = the_mode(selection);
         all.extend(mode.and_then(|mode| search.two_masses(mode, &refined(data, &mode.fit, scales))));
     } else {
-        let reduced = reduced(data, &selection.base, chosen, scales);
-        let is_mixed = linear > 0 && linear < chosen.fit.structure.terms.len();
-        let plain = reduced.last().filter(|_| is_mixed).unwrap_or(&selection.base);
-        for (place, reduced) in reduced.iter().enumerate() {
+        let Reduced { starts, plain } = reduced(data, &selection.base, chosen, scales);
+        let plain = plain.as_ref().unwrap_or(&selection.base);
+        for (place, reduced) in starts.iter().enumerate() {
             if data.work.is_spent(budget) {
                 left_out = true;
                 break;
@@ -150,29 +149,36 @@ impl KeptBack<'_> {
     }
 }
 
-/// Models without any linear term: the base; the chosen one where it has other terms; and the chosen
-/// one with everything else where it is, as a base model that is fitted without its linear terms may
-/// go where no other finds its place.
-fn reduced(data: &Data, base: &Judged, chosen: &Judged, scales: &Scales) -> Vec<Judged> {
-    let mut all = vec![base.clone()];
+/// Models without any linear term.
+struct Reduced {
+    /// Where a law that is kept back may begin: the base, and what the chosen model is without its
+    /// linear terms.
+    starts: Vec<Judged>,
+    /// The chosen model fitted without its linear terms, where it has others.
+    plain: Option<Judged>,
+}
+
+/// The base; the chosen model with everything else where it is, as a base model that is fitted
+/// without its linear terms may go where no other finds its place; and the chosen one fitted without
+/// them, where it has other terms.
+fn reduced(data: &Data, base: &Judged, chosen: &Judged, scales: &Scales) -> Reduced {
+    let mut starts = vec![base.clone()];
     let linear = |fit: &Fit| fit.structure.terms.iter().position(is_linear);
     if linear(&chosen.fit).is_none() {
-        return all;
+        return Reduced { starts, plain: None };
     }
     let mut there = Some(chosen.fit.clone());
     while let Some((fit, index)) = there.as_ref().and_then(|f| Some((f, linear(f)?))) {
         let (structure, point) = fit.without(index);
         there = fitted(data, &structure, &point, scales, 0);
     }
-    all.extend(there.map(|fit| judge(data, fit, scales)));
-    if chosen.fit.structure.terms.iter().any(|t| !is_linear(t)) {
-        let mut rest = Some(chosen.clone());
-        while let Some(index) = rest.as_ref().and_then(|r| linear(&r.fit)) {
-            rest = rest.and_then(|r| without(data, &r, index, scales));
-        }
-        all.extend(rest);
+    starts.extend(there.map(|fit| judge(data, fit, scales)));
+    let mut plain = chosen.fit.structure.terms.iter().any(|t| !is_linear(t)).then(|| chosen.clone());
+    while let Some(index) = plain.as_ref().and_then(|r| linear(&r.fit)) {
+        plain = plain.and_then(|r| without(data, &r, index, scales));
     }
-    all
+    starts.extend(plain.clone());
+    Reduced { starts, plain }
 }
 
 /// The chosen model with its mode alone of all linear terms, from where it is.

@@ -2,22 +2,23 @@
 //! A walk has power at all frequencies, falling as their square; what is left of a drift that
 //! goes as another power of time, or settles in two speeds, has its power at the lowest few.
 //!
-//! The errors of the model without the walk are regressed on cosines of time, and of its logarithm,
-//! beside the derivatives of the model's own parameters. The better description is that of the
+//! The errors of the model without the walk are regressed on polynomials of time, and of its logarithm
+//! (cosines would ask for a course that is level at both ends), beside the derivatives of the model's own parameters. The better description is that of the
 //! larger likelihood less the penalty of its parameters (Schwarz, Annals of Statistics 6, 1978).
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::intake::data::Data;
+use crate::numerics::legendre::legendre;
 use crate::numerics::log_time::log_time;
 
-/// Most cosines in a course: beyond, a walk has more power than a course that is smooth.
+/// Highest degree of a course: beyond, a walk has more power than a course that is smooth.
 const MOST: usize = 8;
 /// Log-likelihood by which a smooth course must be better: odds of twenty to one.
 const LEAST_LEAD: f64 = 3.0;
 /// Added to the diagonal of the normal equations, relative to it: a parameter's derivative may be
-/// a sum of the cosines.
+/// a sum of the polynomials.
 const RIDGE: f64 = 1e-9;
 
 /// Whether a smooth course of time describes what a model leaves better than a walk does; `with` is
@@ -39,7 +40,7 @@ fn penalty(rows: usize) -> f64 {
     0.5 * (rows as f64).ln()
 }
 
-/// Log-likelihood, less the penalty, of the best course of cosines of time or of its logarithm,
+/// Log-likelihood, less the penalty, of the best polynomial of time or of its logarithm,
 /// beside other columns; `at` is time, from 0 to 1.
 fn smooth(errors: &[f64], columns: &[Vec<f64>], at: &[f64]) -> f64 {
     let rows = errors.len();
@@ -57,16 +58,17 @@ fn log_likelihood(rows: usize, sum: f64) -> f64 {
     -0.5 * rows as f64 * (sum / rows as f64).max(1e-300).ln()
 }
 
-/// Sum of squares that one, two … cosines leave beside other columns.
+/// Sum of squares that polynomials of degree one, two … leave beside other columns.
 fn left_by(errors: &[f64], columns: &[Vec<f64>], at: &[f64]) -> Vec<f64> {
     let (own, rows) = (columns.len(), errors.len());
     let width = own + MOST;
     let (mut matrix, mut vector) = (DMatrix::zeros(width, width), DVector::zeros(width));
     let sizes: Vec<f64> = columns.iter().map(|c| c.iter().map(|v| v * v).sum::<f64>().sqrt().max(1e-300)).collect();
-    let cosine = |j: usize, t: f64| (std::f64::consts::PI * (j + 1) as f64 * t).cos() / (0.5 * rows as f64).sqrt();
+    // Of length one: the mean square of a polynomial of degree d is 1/(2d + 1).
+    let degree = |d: usize, t: f64| legendre(d, 2.0 * t - 1.0) * ((2 * d + 1) as f64 / rows as f64).sqrt();
     for (i, error) in errors.iter().enumerate() {
         let of_model = columns.iter().zip(&sizes).map(|(c, size)| c[i] / size);
-        let row = DVector::from_iterator(width, of_model.chain((0..MOST).map(|j| cosine(j, at[i]))));
+        let row = DVector::from_iterator(width, of_model.chain((1..=MOST).map(|d| degree(d, at[i]))));
         matrix.ger(1.0, &row, &row, 1.0);
         vector.axpy(*error, &row, 1.0);
     }
@@ -104,7 +106,7 @@ mod tests {
         -0.5 * ROWS as f64 * (sum / ROWS as f64).ln() - 0.5 * log - penalty(ROWS)
     }
 
-    /// By how much the best course of cosines is better than the best walk.
+    /// By how much the best polynomial is better than the best walk.
     fn lead(course: &[f64]) -> f64 {
         let at: Vec<f64> = (0..ROWS).map(|i| (i as f64 + 0.5) / ROWS as f64).collect();
         let steps = (0..40).map(|i| 10f64.powf(-4.0 + 0.1 * f64::from(i)));
@@ -113,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn walks_are_walks_and_what_settles_in_two_speeds_is_smooth() {
+    fn walks_are_walks_and_what_settles_in_two_speeds_or_grows_as_a_power_of_time_is_smooth() {
         let smooth = |seed: u64| {
             let mut rng = Philox::new(seed, 0, Stream::Host);
             let course = |t: f64| 6.0 * (-t / 0.1).exp() + 5.0 * (-t / 0.6).exp();
@@ -127,6 +129,11 @@ mod tests {
             };
             lead(&(0..ROWS).map(|_| next()).collect::<Vec<f64>>())
         };
+        let power = |seed: u64| {
+            let mut rng = Philox::new(seed, 2, Stream::Host);
+            lead(&(0..ROWS).map(|i| 13.0 * (i as f64 / ROWS as f64).powf(2.3) + rng.normal()).collect::<Vec<f64>>())
+        };
+        assert!((0..20).all(|s| power(s) > LEAST_LEAD), "{:?}", (0..20).map(power).collect::<Vec<f64>>());
         assert!((0..20).all(|s| smooth(s) > LEAST_LEAD), "{:?}", (0..20).map(smooth).collect::<Vec<f64>>());
         assert!((0..20).all(|s| walk(s) < LEAST_LEAD), "{:?}", (0..20).map(walk).collect::<Vec<f64>>());
     }

@@ -16,6 +16,7 @@ use super::judged::{Judged, Selection, Trial};
 use super::kept_back::settle_kept_back;
 use super::other_power::{settle_power, settle_stop};
 use super::residual_structure::residual_structure;
+use super::ring_down::settle_ring_down;
 use super::rivals::{Look, TIE};
 use super::round::{SURE, round};
 
@@ -107,6 +108,7 @@ pub(crate) fn search(
         settle_kept_back(data, &mut selection, scales, budget, control)?;
         let budget = data.work.budget(Stage::Forms, data.hull.len());
         forms::settle(data, &mut selection, scales, budget);
+        settle_ring_down(data, &mut selection, scales, budget);
         settle_power(data, &mut selection, scales, budget);
         settle_stop(data, &mut selection, scales, budget);
     }

@@ -105,6 +105,7 @@ fn departure(data: &Data, freely: &Freely<'_>) -> Option<Form> {
     let drawn = curve(&values, &places).iter().zip(&places).map(|(f, a)| [*a, f - split.base(*a)]).collect();
     let stated = places.iter().map(|a| [*a, split.stated_at(*a)]).collect();
     Some(Form {
+        law: form.law,
         stated: form.law.stated().to_owned(),
         departure,
         ci95: [low, high],

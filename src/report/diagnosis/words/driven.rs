@@ -252,6 +252,7 @@ fn listed(items: &[String], last: &str) -> String {
 mod tests {
     use super::*;
     use crate::diagnosis::verdict::{Evidence, Form};
+    use crate::physics::free_form::Freed;
 
     #[test]
     fn effects_that_are_tied_are_said_once_with_an_or() {
@@ -276,6 +277,7 @@ mod tests {
     #[test]
     fn a_form_that_departs_is_said_with_its_interval_and_one_that_holds_with_its_limit() {
         let form = |departs: bool, low: f64| Form {
+            law: Freed::CubicSpring,
             stated: "x^3".into(),
             departure: 0.123,
             ci95: [low, 0.15],
