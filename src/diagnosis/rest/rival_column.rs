@@ -1,4 +1,5 @@
-//! A course in time that an environment column describes as well is tied with that column.
+//! A course in time, or a slow wandering, that an environment column describes as well is tied with
+//! that column.
 //!
 //! Whether a column acts is asked beside a walk whose strength is free (`shape`), where neither a
 //! column that looks like a straight line nor the line itself would gain much. A straight or
@@ -20,7 +21,12 @@ use super::standing::{CLOSE, others};
 use crate::control::{Control, Stopped};
 use crate::parallel;
 
-/// Gives every course that a column describes as well this rival; `selected` are the channels'.
+/// Whether a column could be what it is.
+fn may_be_a_column(cause: Cause) -> bool {
+    is_course(cause) || matches!(cause, Cause::RandomWalk | Cause::GaussMarkov)
+}
+
+/// Gives every term that a column describes as well this rival; `selected` are the channels'.
 ///
 /// # Errors
 /// Stopped.
@@ -43,13 +49,13 @@ pub(super) fn tie(
     Ok(())
 }
 
-/// Places, among a model's terms, of courses that a column describes as well.
+/// Places, among a model's terms, of those that a column describes as well.
 fn tied(channel: &Channel, chosen: &Fitted, columns: &[Column<'_>], control: &Control) -> Result<Vec<usize>, Stopped> {
     let mut found = Vec::new();
-    for (index, term) in chosen.terms.iter().enumerate().filter(|(_, t)| is_course(t.cause)) {
-        let Some(course) = blocks::term(term, coarse::together(channel.values.len())) else { continue };
+    for (index, term) in chosen.terms.iter().enumerate().filter(|(_, t)| may_be_a_column(t.cause)) {
+        let Some(own) = blocks::term(term, coarse::together(channel.values.len())) else { continue };
         let beside = Beside::of(channel, chosen, index);
-        let least = beside.merit(course, row(term.cause).numbers) - CLOSE;
+        let least = beside.merit(own, row(term.cause).numbers) - CLOSE;
         // A column that is followed already is no rival of what is named beside it.
         let other = |column: &&Column<'_>| !chosen.terms.iter().any(|t| t.follows(column.name()));
         for column in columns.iter().filter(other) {
@@ -103,6 +109,7 @@ impl Beside {
 mod tests {
     use super::*;
     use crate::diagnosis::rest::channel::Curve;
+    use crate::diagnosis::rest::spectrum::Law;
     use crate::rng::{Philox, Stream};
 
     const COUNT: usize = 4000;
@@ -111,13 +118,21 @@ mod tests {
         n as f64 / COUNT as f64
     }
 
-    /// Whether a ramp, named in a channel of this and white noise, is tied with a column.
-    fn is_tied(at: &dyn Fn(usize) -> f64, column: &dyn Fn(usize) -> f64, member: u64) -> bool {
+    fn ramp() -> Term {
+        let ramp = Addition::Curves(vec![Curve::new((0..COUNT).map(part).collect())]);
+        Term { cause: Cause::RateRamp, addition: ramp, searched: 0.0, column: None }
+    }
+
+    fn walk() -> Term {
+        Term { cause: Cause::RandomWalk, addition: Addition::Law(Law::Walk), searched: 0.0, column: None }
+    }
+
+    /// Whether this term, named in a channel of a course and white noise, is tied with a column.
+    fn is_tied(named: Term, at: &dyn Fn(usize) -> f64, column: &dyn Fn(usize) -> f64, member: u64) -> bool {
         let mut rng = Philox::new(37, member, Stream::Host);
         let values: Vec<f64> = (0..COUNT).map(|n| at(n) + rng.normal()).collect();
         let channel = Channel::new("x", &values, 1.0);
-        let ramp = Addition::Curves(vec![Curve::new((0..COUNT).map(part).collect())]);
-        let chosen = channel.fit(vec![Term { cause: Cause::RateRamp, addition: ramp, searched: 0.0, column: None }]);
+        let chosen = channel.fit(vec![named]);
         let curve = Curve::new((0..COUNT).map(column).collect());
         let columns: Vec<Column<'_>> = Column::of("t", &curve).into_iter().collect();
         tied(&channel, &chosen, &columns, &Control::silent()).expect("not stopped") == [0]
@@ -128,10 +143,27 @@ mod tests {
         let rising = |n: usize| part(n) + 0.005 * (20.0 * part(n)).sin();
         let swaying = |n: usize| (20.0 * part(n)).sin();
         for member in 0..5 {
-            let ramp = |n: usize| 2.0 * part(n);
-            assert!(is_tied(&ramp, &rising, member), "{member}: it may be the column");
-            assert!(is_tied(&|n| 2.0 * rising(n), &rising, member), "{member}: it is the column");
-            assert!(!is_tied(&ramp, &swaying, member), "{member}: the column sways");
+            let straight = |n: usize| 2.0 * part(n);
+            assert!(is_tied(ramp(), &straight, &rising, member), "{member}: it may be the column");
+            assert!(is_tied(ramp(), &|n| 2.0 * rising(n), &rising, member), "{member}: it is the column");
+            assert!(!is_tied(ramp(), &straight, &swaying, member), "{member}: the column sways");
+        }
+    }
+
+    #[test]
+    fn a_walk_is_tied_with_a_column_that_does_the_same_late_and_not_where_it_walks() {
+        let swaying = |n: usize| (6.0 * part(n)).sin();
+        for member in 0..5 {
+            // Late by a fifteenth of the recording.
+            let late = |n: usize| 0.1 * (6.0 * part(n) - 0.4).sin();
+            assert!(is_tied(walk(), &late, &swaying, member), "{member}: it may be the column");
+            let mut rng = Philox::new(38, member, Stream::Host);
+            let steps = (0..COUNT).scan(0.0, |level, _| {
+                *level += 0.02 * rng.normal();
+                Some(*level)
+            });
+            let steps: Vec<f64> = steps.collect();
+            assert!(!is_tied(walk(), &|n| steps[n], &swaying, member), "{member}: it walks");
         }
     }
 }

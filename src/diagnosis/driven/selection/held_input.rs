@@ -1,7 +1,6 @@
-//! Whether an input is held between its samples or smooth, where the reading is late by less than half
-//! a sample. A held input acts late by half a sample; if the fit has taken it as held and the reading
-//! is late by less, the input seems to have been recorded late, alone or beside the linear law that
-//! makes the reading late.
+//! Whether an input is held between its samples or smooth, where the reading is late. A held input
+//! acts late by half a sample, and may have been taken for a reading that is late; if that is late by
+//! less, the input seems to have been recorded late.
 
 use crate::control::{Control, Stopped};
 use crate::diagnosis::driven::identification::refined_scales::refined;

@@ -9,7 +9,9 @@ use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 use crate::physics::stiffness_drift::StiffnessDrift;
 
-use super::forms::freed;
+use super::earned::earned;
+use super::forms::{IMMATERIAL, freed};
+use super::held_out::compare;
 use super::judged::{Departing, Rival, Selection, judge};
 use super::rivals::TIE;
 
@@ -52,5 +54,8 @@ pub(super) fn settle_ring_down(data: &Data, selection: &mut Selection, scales: &
         selection.rivals[0].push(Rival { judged, id: other.id() });
         return;
     }
-    (selection.chosen, selection.rivals, selection.departing) = (judged, vec![Vec::new()], Some(found));
+    let gain = compare(&judged.held_out, &found.judged.held_out).gain;
+    let departs = gain >= IMMATERIAL && earned(data, &judged, &found.judged, scales, selection.tried).is_some();
+    (selection.chosen, selection.rivals) = (judged, vec![Vec::new()]);
+    selection.departing = departs.then_some(found);
 }
