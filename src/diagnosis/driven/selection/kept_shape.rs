@@ -30,6 +30,8 @@ const AT_REST: f64 = 0.1;
 /// Place of the exponent among the values of a power, and of hysteresis.
 const OF_POWER: usize = 2;
 const OF_MEMORY: usize = 3;
+/// Within so many times its interval an exponent is the one that was found.
+const SAME: f64 = 2.0;
 /// Exponents of a memory from which fits begin, beside the stated one.
 const MEMORIES: [f64; 4] = [0.7, 1.0, 1.6, 2.6];
 
@@ -37,13 +39,9 @@ const MEMORIES: [f64; 4] = [0.7, 1.0, 1.6, 2.6];
 /// tell that shape from others.
 pub(super) fn settle_shape(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let search = Search { data, scales, tried: selection.tried, budget };
-    if let Some(departing) = selection.departing.clone() {
-        if let Some(found) = search.power(&selection.chosen, &departing) {
-            take(selection, found);
-            return;
-        }
-    }
-    if let Some(found) = search.memory(selection) {
+    let departing = selection.departing.as_ref();
+    let power = departing.and_then(|departing| search.power(&selection.chosen, departing));
+    if let Some(found) = power.or_else(|| search.memory(selection)) {
         take(selection, found);
     }
 }
@@ -100,24 +98,27 @@ impl Power {
     /// Of a free form with these values: c a³ s^d of a spring is (c size²) s^(2 + d) a, and c |a|a s^d
     /// of a drag (c size) s^(1 + d) a.
     fn of(form: &FreeForm, values: &[f64]) -> Option<Self> {
-        let (size, further) = (form.size, values.get(1).copied().unwrap_or(0.0));
+        let (size, beyond) = (form.size, values.get(1).copied().unwrap_or(0.0));
         let spring = Self {
             term: stiffness,
             size,
             strength: values[0] * size * size,
-            exponent: (3.0 + further).clamp(1.3, 7.0),
+            exponent: (3.0 + beyond).clamp(1.3, 7.0),
             further: &[1.7, 2.3, 4.0, 5.5],
             known: &[1.0, 3.0],
             beside: &[2.0, 4.0, 5.0, 7.0],
             stated: form.law,
         };
+        // A form of one number is the power already.
+        let further: &[f64] = if form.extent == Extent::Narrow { &[] } else { &[0.5, 1.5, 2.8] };
         match form.law {
+            Freed::CubicSpring if form.extent == Extent::Narrow => Some(Self { further, ..spring }),
             Freed::CubicSpring => Some(spring),
             Freed::Drag => Some(Self {
                 term: damping,
                 strength: values[0] * size,
-                exponent: (2.0 + further).clamp(0.3, 5.0),
-                further: &[0.5, 1.5, 2.8],
+                exponent: (2.0 + beyond).clamp(0.3, 5.0),
+                further,
                 known: &[0.0, 1.0, 2.0],
                 beside: &[0.0, 3.0, 4.0],
                 ..spring
@@ -173,11 +174,10 @@ impl Search<'_> {
         Some(judge(self.data, best, self.scales))
     }
 
-    /// Whether the interval of one value of a law holds none of these.
-    fn is_apart(&self, model: &Fit, index: usize, value: usize, known: &[f64]) -> bool {
-        let place = model.structure.first[index] + value;
+    /// Whether the interval of an exponent, this many times as wide, holds none of these.
+    fn is_apart(&self, model: &Fit, place: usize, times: f64, known: &[f64]) -> bool {
         let Some(free) = model.free.iter().position(|f| *f == place) else { return false };
-        let (n, reach) = (model.point[place], interval::spread(model).reach[free]);
+        let (n, reach) = (model.point[place], interval::spread(model).reach[free].map(|r| times * r));
         // By its logarithm, as it is fitted.
         let holds = |k: &f64| *k > 0.0 && n * (-reach[0]).exp() <= *k && *k <= n * reach[1].exp();
         reach.iter().all(|r| r.is_finite()) && !known.iter().any(holds)
@@ -204,7 +204,7 @@ impl Search<'_> {
         let least = if law.stated == Freed::Friction { TIE } else { -LEAST_LEAD };
         let holds = found.score() - free.score() >= least
             && !found.fit.at_bound(self.scales)
-            && self.is_apart(&found.fit, index, OF_POWER, law.known)
+            && self.is_apart(&found.fit, found.fit.structure.first[index] + OF_POWER, 1.0, law.known)
             && earned(self.data, stated, &found, self.scales, self.tried).is_some()
             && self.leaves_no_more(&found, free);
         (holds && !self.is_free_to_gain(&law, &found, index) && !self.is_matched(&law, stated, &found, index))
@@ -233,13 +233,17 @@ impl Search<'_> {
             _ => self.as_drag(stated, found, index),
         };
         let Some(plain) = plain else { return true };
+        // The very power that was found is no other departure: beside it nothing is left of the rest.
+        let place = found.fit.structure.first[index] + OF_POWER;
+        let others: Vec<f64> =
+            law.beside.iter().copied().filter(|q| self.is_apart(&found.fit, place, SAME, &[*q])).collect();
         let beside = |exponent: &f64| {
             let values = [0.0, size, *exponent];
             let (structure, point) = plain.with((law.term)(Exponent::Held), &values);
             let other = fit(self.data, &structure, &point, self.scales, ITERATIONS)?;
             Some(judge(self.data, other, self.scales).score())
         };
-        if parallel::filter_map(law.beside, beside).into_iter().any(|score| score > bar) {
+        if parallel::filter_map(&others, beside).into_iter().any(|score| score > bar) {
             return true;
         }
         if law.stated == Freed::CubicSpring {
@@ -309,7 +313,7 @@ impl Search<'_> {
         let holds = lead >= least
             && is_earned
             && !found.fit.at_bound(self.scales)
-            && self.is_apart(&found.fit, index, OF_MEMORY, &[1.0])
+            && self.is_apart(&found.fit, found.fit.structure.first[index] + OF_MEMORY, 1.0, &[1.0])
             && self.leaves_no_more(&found, before);
         holds.then_some(found)
     }
