@@ -35,6 +35,7 @@ mod suite {
     pub mod fuzz;
     pub mod hostile_names;
     pub mod invariance;
+    pub mod kept_shapes;
     pub mod kills;
     pub mod law;
     pub mod laws;
@@ -219,6 +220,7 @@ fn main() {
         // windows: a recorded log beside its prediction.
         suite::windows::tests(),
         // noise_law: every noise term has the Allan deviation of its coefficient.
+        suite::kept_shapes::tests(),
         suite::near_laws::tests(),
         suite::own_noise::tests(),
         suite::noise_law::tests(),

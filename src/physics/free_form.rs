@@ -11,6 +11,7 @@ use crate::numerics::exponential;
 use super::candidate::Candidate;
 use super::end_stop::Side;
 use super::law::{Law, Place, Role};
+use super::power::{LEAST, bounded_power, by};
 use super::scales::{Coordinate, Scales};
 use super::side_by_side::each;
 use super::state::{Instant, Instants, MOST_STAGED, MOST_VALUES};
@@ -93,8 +94,6 @@ impl Default for FreeForm {
 pub(crate) const VALUES: usize = 4;
 /// Where the slope of the form turns about, in sizes.
 const PIVOT: f64 = 0.7;
-/// Least argument in sizes: below it the logarithm is held.
-const LEAST: f64 = 1e-6;
 
 impl Freed {
     /// What it depends on.
@@ -139,21 +138,6 @@ impl Freed {
             _ => a * a,
         }
     }
-}
-
-/// A function of f64 at a number of either width.
-#[inline(always)]
-fn by<T: Real>(value: T, f: impl Fn(f64) -> f64) -> T {
-    T::of(f(value.f64()))
-}
-
-/// base^exponent of a base above 0, within e^±40.
-#[inline(always)]
-fn bounded_power<T: Real>(base: T, exponent: T) -> T {
-    let log = exponent * by(base, exponential::ln);
-    // In this order what is no number stays that.
-    let log = if log > T::of(40.0) { T::of(40.0) } else { log };
-    by(if log < T::of(-40.0) { T::of(-40.0) } else { log }, exponential::exp)
 }
 
 impl FreeForm {

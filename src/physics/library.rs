@@ -105,7 +105,9 @@ macro_rules! library {
 library! {
     CubicStiffness in cubic_stiffness,
     QuadraticStiffness in quadratic_stiffness,
+    PowerLawStiffness in power_law_stiffness,
     QuadraticDamping in quadratic_damping,
+    PowerLawDamping in power_law_damping,
     SqueezeFilmDamping in squeeze_film_damping,
     CoulombFriction in coulomb_friction,
     Hysteresis in hysteresis,
@@ -181,7 +183,7 @@ mod tests {
             for (given, coordinate) in term.study().iter().zip(term.coordinates(&scales)) {
                 let least = match coordinate {
                     Coordinate::Log(low, _) | Coordinate::Bounded(_, low, _) => low,
-                    Coordinate::Linear(_) => f64::NEG_INFINITY,
+                    Coordinate::Linear(_) | Coordinate::Held => f64::NEG_INFINITY,
                 };
                 let refused = given.key.sign != Sign::Any;
                 assert!(!refused || least >= 0.0, "{}: {}", term.id(), given.key.path);

@@ -12,6 +12,8 @@ pub enum Coordinate {
     Log(f64, f64),
     /// In units of a typical size, kept within bounds.
     Bounded(f64, f64, f64),
+    /// Not at all: a size that was chosen, by which others are measured.
+    Held,
 }
 
 /// Sizes that the base fit found; they scale the candidates' parameters.

@@ -13,6 +13,7 @@ pub mod independence;
 pub mod input_line;
 pub mod judged;
 mod kept_back;
+mod kept_shape;
 pub mod known;
 pub mod lattice;
 pub mod noise_character;

@@ -87,8 +87,10 @@ impl Driven {
         for law in &o.laws {
             match *law {
                 Law::OddSpring { size, p: 3.0 } => add("cubic-stiffness", "beta", size / (y * y)),
+                Law::OddSpring { p, .. } => add("power-law-stiffness", "n", p),
                 Law::EvenSpring { size } => add("quadratic-stiffness", "alpha", size / y),
                 Law::Drag { size, p: 2.0 } => add("quadratic-damping", "c2", size / y.abs()),
+                Law::Drag { p, .. } => add("power-law-damping", "n", p),
                 Law::Squeeze { size } => add("squeeze-film-damping", "c", size / (y * y)),
                 Law::Friction { size, lean: 0.0 } => add("coulomb-friction", "f_c", size * y.abs()),
                 Law::BoucWen { size, b, g, n: 1.0 } => {
@@ -96,6 +98,7 @@ impl Driven {
                     add("hysteresis", "beta", b / y.abs());
                     add("hysteresis", "gamma", g / y.abs());
                 }
+                Law::BoucWen { n, .. } => add("hysteresis", "n", n),
                 Law::SpringDrift { size, course: Course::Linear } => add("stiffness-drift", "kappa", size / length_s),
                 Law::Absorber { size, omega, zeta } => {
                     add("coupled-mode", "mu", size);

@@ -153,13 +153,20 @@ pub(crate) struct Covered {
     pub covers: bool,
 }
 
-/// The intervals of right names that are true to the letter.
+/// The intervals of right names that are true to the letter; near a law, those of exponents, which
+/// say what the name leaves open.
 pub(crate) fn coverage(case: &Case, said: &Said) -> Vec<Covered> {
-    if case.family != Family::Letter || judge(case, said) != Mark::Right {
+    let is_judged = |name: &str| match case.family {
+        Family::Letter => true,
+        Family::Near => name == "n",
+        Family::Foreign | Family::Null => false,
+    };
+    if judge(case, said) != Mark::Right {
         return Vec::new();
     }
     said.numbers
         .iter()
+        .filter(|n| is_judged(&n.name))
         .filter_map(|n| {
             let of = |p: &&super::truth::Parameter| {
                 p.id == n.id && p.name == n.name && p.channel.as_ref().is_none_or(|c| *c == n.channel)

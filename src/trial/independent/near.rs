@@ -35,6 +35,10 @@ pub(super) const SUBS: [&str; 22] = [
     "offset drift t^p",
 ];
 
+/// Names of a spring and of a drag of one power: the nearest statement, and the one with that power.
+const POWER_SPRING: [&str; 2] = ["cubic-stiffness", "power-law-stiffness"];
+const POWER_DRAG: [&str; 2] = ["quadratic-damping", "power-law-damping"];
+
 fn piece(sub: &str, draw: &mut Draw, base: &super::driven::Driven, target: f64) -> (Piece, Vec<&'static str>) {
     let o = &base.oscillator;
     let (w, w2) = (o.omega, o.omega * o.omega);
@@ -43,12 +47,12 @@ fn piece(sub: &str, draw: &mut Draw, base: &super::driven::Driven, target: f64) 
     let friction = target * o.zeta * w2;
     match sub {
         "spring |x|^1.6–2.2" => {
-            (law(Law::OddSpring { size: 0.3 * target * w2, p: draw.between(1.6, 2.2) }), vec!["cubic-stiffness"])
+            (law(Law::OddSpring { size: 0.3 * target * w2, p: draw.between(1.6, 2.2) }), POWER_SPRING.to_vec())
         }
         "spring |x|^2.6–3.4" => {
             // Off three by more than the eye: 2.6–2.85 or 3.15–3.4.
             let p = 3.0 + draw.sign() * draw.between(0.15, 0.4);
-            (law(Law::OddSpring { size: 0.1 * target * w2, p }), vec!["cubic-stiffness"])
+            (law(Law::OddSpring { size: 0.1 * target * w2, p }), POWER_SPRING.to_vec())
         }
         "friction tanh" => (
             law(Law::SmoothFriction { size: friction, v_s: w * draw.log_between(0.01, 0.3) }),
@@ -101,7 +105,7 @@ fn piece(sub: &str, draw: &mut Draw, base: &super::driven::Driven, target: f64) 
         ),
         "drag |v|^1.3–1.7" | "drag |v|^2.3–2.8" => {
             let p = if sub == "drag |v|^1.3–1.7" { draw.between(1.3, 1.7) } else { draw.between(2.3, 2.8) };
-            (law(Law::Drag { size: 2.0 * target * o.zeta * w.powf(2.0 - p), p }), vec!["quadratic-damping"])
+            (law(Law::Drag { size: 2.0 * target * o.zeta * w.powf(2.0 - p), p }), POWER_DRAG.to_vec())
         }
         "input late" => (Piece::Lag(draw.log_between(0.03, 0.6) / w), vec!["input-lag"]),
         // An input that is recorded early cannot be told from a reading that comes late.

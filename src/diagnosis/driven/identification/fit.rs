@@ -35,15 +35,17 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// All parameters of a model on the training rows.
+    /// All parameters of a model that a fit may move, on the training rows.
     pub fn all(data: &'a Data, structure: &'a ModelStructure, point: &[f64], scales: &Scales) -> Self {
-        let free = (0..structure.parameters).filter(|i| *i != GAIN || data.input.is_some()).collect();
+        let coordinates = coordinates(structure, scales);
+        let moves = |i: &usize| coordinates[*i] != Coordinate::Held && (*i != GAIN || data.input.is_some());
+        let free = (0..structure.parameters).filter(moves).collect();
         Self {
             data,
             structure,
             point: point.to_vec(),
             free,
-            coordinates: coordinates(structure, scales),
+            coordinates,
             run: Run { range: data.hull.clone(), steps: structure.steps(point, scales), corrected: true },
             rows: data.train.clone(),
         }
@@ -55,6 +57,7 @@ impl<'a> Search<'a> {
         for (i, z) in self.free.iter().zip(z) {
             point[*i] = match self.coordinates[*i] {
                 Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => z * scale,
+                Coordinate::Held => self.point[*i],
                 Coordinate::Log(..) => z.exp(),
             };
         }
@@ -67,6 +70,7 @@ impl<'a> Search<'a> {
             .iter()
             .map(|i| match self.coordinates[*i] {
                 Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => point[*i] / scale,
+                Coordinate::Held => 0.0,
                 Coordinate::Log(low, high) => point[*i].clamp(low, high).ln(),
             })
             .collect()
@@ -77,6 +81,7 @@ impl<'a> Search<'a> {
         match self.coordinates[i] {
             Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => scale,
             Coordinate::Log(..) => point[i],
+            Coordinate::Held => 0.0,
         }
     }
 
@@ -231,7 +236,7 @@ impl Fit {
                 Coordinate::Log(low, high) | Coordinate::Bounded(_, low, high) => {
                     *v <= low + 0.01 * low.abs() || *v >= high - 0.01 * high.abs()
                 }
-                Coordinate::Linear(_) => false,
+                Coordinate::Linear(_) | Coordinate::Held => false,
             })
     }
 

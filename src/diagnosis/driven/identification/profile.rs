@@ -130,6 +130,7 @@ fn rise(
     let coordinate = |value: f64| match search.coordinates[place] {
         Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => value / scale,
         Coordinate::Log(low, _) => value.max(low).ln(),
+        Coordinate::Held => 0.0,
     };
     let (low, high) = (coordinate(ci95[0]), coordinate(ci95[1]));
     let half = REACH * 0.5 * (high - low);

@@ -26,6 +26,8 @@ pub enum Stage {
     KeptBack,
     /// Laws with a free form.
     Forms,
+    /// Laws with a shape of their own that the search keeps back.
+    KeptShapes,
     /// Final fits, what each term is worth, intervals and profiles.
     Conclusion,
 }
@@ -34,7 +36,7 @@ impl Stage {
     fn steps_per_sample(self) -> u64 {
         match self {
             Stage::Search => 5000,
-            Stage::SearchAgain | Stage::KeptBack => 2500,
+            Stage::SearchAgain | Stage::KeptBack | Stage::KeptShapes => 2500,
             Stage::Forms => 3000,
             Stage::Rivals | Stage::Conclusion => 4000,
         }

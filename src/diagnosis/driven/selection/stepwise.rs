@@ -14,6 +14,7 @@ use super::forms;
 use super::identifiability::{Reach, is_linear};
 use super::judged::{Judged, Selection, Trial};
 use super::kept_back::settle_kept_back;
+use super::kept_shape::settle_shape;
 use super::other_power::{settle_power, settle_stop};
 use super::residual_structure::residual_structure;
 use super::ring_down::settle_ring_down;
@@ -111,6 +112,8 @@ pub(crate) fn search(
         settle_ring_down(data, &mut selection, scales, budget);
         settle_power(data, &mut selection, scales, budget);
         settle_stop(data, &mut selection, scales, budget);
+        let budget = data.work.budget(Stage::KeptShapes, data.hull.len());
+        settle_shape(data, &mut selection, scales, budget);
     }
     Ok(selection)
 }

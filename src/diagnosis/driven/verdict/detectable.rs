@@ -116,7 +116,7 @@ fn signatures(data: &Data, base: &Fit, scales: &Scales, term: Term) -> Vec<Signa
                 .filter_map(|start| {
                     let strength = match coordinate {
                         Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => SMALL * scale,
-                        Coordinate::Log(..) => start[parameter],
+                        Coordinate::Log(..) | Coordinate::Held => start[parameter],
                     };
                     let mut values = start.clone();
                     values[parameter] = strength;

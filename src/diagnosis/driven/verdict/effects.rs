@@ -110,6 +110,7 @@ fn interval_about(value: f64, coordinate: Coordinate, reach: [f64; 2]) -> [f64; 
         Coordinate::Linear(scale) => [value - down * scale, value + up * scale],
         Coordinate::Bounded(scale, low, high) => [(value - down * scale).max(low), (value + up * scale).min(high)],
         Coordinate::Log(low, high) => [(value.ln() - down).exp().max(low), (value.ln() + up).exp().min(high)],
+        Coordinate::Held => [value; 2],
     }
 }
 

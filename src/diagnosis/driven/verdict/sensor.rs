@@ -152,6 +152,7 @@ fn why_not(term: &Term) -> &'static str {
         }
         Term::ReadoutSaturation(_) => "a study's range is the same on both sides of zero",
         Term::ReadoutLowpass(_) => "a study's low-pass has one pole",
+        Term::Hysteresis(_) => "a study's spring with memory yields with n = 1",
         Term::InputLag(_) => "it belongs to what recorded the input, not to the sensor",
         _ => "a study has no key for it",
     }
