@@ -15,6 +15,7 @@ mod consequence;
 pub mod detail;
 mod estimated;
 mod fit;
+mod flicker;
 pub mod group;
 mod imu;
 mod isolation;

@@ -82,7 +82,10 @@ impl<'a> Imu<'a> {
 
     /// Means and noise in the poses.
     pub fn observe(self, poses: &[Range<usize>]) -> Observed<'a> {
-        let noise = |columns: &[&[f64]; 3]| columns.map(|c| AxisNoise::inside(c, poses, self.rate_hz));
+        let noise = |columns: &[&[f64]; 3]| -> [AxisNoise; 3] {
+            let found = AxisNoise::inside(columns, poses, self.rate_hz);
+            std::array::from_fn(|axis| found[axis])
+        };
         let accelerometer_noise = noise(&self.accelerometer);
         let gyro_noise = self.gyro.as_ref().map_or([AxisNoise::default(); 3], noise);
         let poses = poses.iter().map(|samples| {

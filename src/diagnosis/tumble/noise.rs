@@ -1,15 +1,15 @@
 //! How far a sensor's mean over a still pose, or its integral over a move, may err by noise alone.
 //!
-//! Measured inside the poses only, so that no mismatch between poses can pass for noise: the pooled
-//! Allan deviation of all poses (by the median, so that a pose that slipped does not count) is
-//! split into white noise and flicker, σ²(τ) = N²/τ + (2 ln 2/π) B². Source: IEEE 952, annex C. A
-//! reading whose noise is finer than its step errs by up to half a step in the whole of a pose,
-//! however long: see `rounding`.
+//! Measured inside the poses only, so that no mismatch between poses can pass for noise, and split
+//! into white noise and flicker with the Allan variance σ²(τ) = N²/τ + (2 ln 2/π) B² (IEEE 952,
+//! annex C): see `flicker`. A reading whose noise is finer than its step errs by up to half a step
+//! in the whole of a pose, however long: see `rounding`.
 
-use crate::numerics::order;
-
-use std::f64::consts::{LN_2, PI};
+use std::f64::consts::PI;
 use std::ops::Range;
+
+use super::flicker;
+use crate::numerics::order;
 
 /// Noise of one axis in its own unit u: N in u·√s, B in u.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -25,38 +25,24 @@ pub struct AxisNoise {
 }
 
 impl AxisNoise {
-    /// Estimates both terms from what happens inside the poses.
-    pub fn inside(values: &[f64], poses: &[Range<usize>], rate_hz: f64) -> Self {
-        let record_s = values.len() as f64 / rate_hz;
-        let rounding = Rounding::inside(values, poses);
-        let mut points: Vec<(f64, f64, f64)> = Vec::new();
-        let mut m = ((0.05 * rate_hz).round() as usize).max(1);
-        loop {
-            let mut steps: Vec<f64> = Vec::new();
-            for pose in poses {
-                let means: Vec<f64> =
-                    values[pose.clone()].chunks_exact(m).map(|c| c.iter().sum::<f64>() / m as f64).collect();
-                steps.extend(means.windows(2).map(|w| (w[1] - w[0]).abs()));
-            }
-            if steps.len() < 12 {
-                break;
-            }
-            let count = steps.len() as f64;
-            // Steps between neighbouring means are normal with variance 2σ²; their median size is
-            // 0.6745·√2·σ.
-            let deviation = median(&mut steps, rounding.step / m as f64) / (0.674_490 * 2f64.sqrt());
-            points.push((m as f64 / rate_hz, deviation * deviation, count));
-            m *= 2;
-        }
-        let (white, flicker) = split(&points);
-        Self {
-            // The median of steps between rounded values may be zero; what rounding adds to a
-            // sample is not.
-            random_walk: white.max(rounding.step * rounding.step / 12.0 / rate_hz).sqrt(),
-            bias_instability: (flicker * PI / (2.0 * LN_2)).sqrt(),
-            record_s,
+    /// Both terms of the axes of one sensor, from what happens inside the poses.
+    pub fn inside(columns: &[&[f64]], poses: &[Range<usize>], rate_hz: f64) -> Vec<Self> {
+        let roundings: Vec<Rounding> = columns.iter().map(|c| Rounding::inside(c, poses)).collect();
+        // A reading that repeats itself may show no noise; what rounding adds to a sample is there.
+        let floor = |r: &Rounding| r.step * r.step / 12.0 / rate_hz;
+        let axes: Vec<(Vec<&[f64]>, f64)> = columns
+            .iter()
+            .zip(&roundings)
+            .map(|(c, r)| (poses.iter().map(|p| &c[p.clone()]).collect(), floor(r)))
+            .collect();
+        let laws = flicker::levels(&axes, rate_hz);
+        let of = |((column, rounding), (white, flicker)): ((&&[f64], &Rounding), (f64, f64))| Self {
+            random_walk: white.sqrt(),
+            bias_instability: (flicker * PI).sqrt(),
+            record_s: column.len() as f64 / rate_hz,
             rounding: rounding.of_mean,
-        }
+        };
+        columns.iter().zip(&roundings).zip(laws).map(of).collect()
     }
 
     /// Variance of a mean over `length_s` about the recording's mean: white noise, and flicker from
@@ -72,44 +58,6 @@ impl AxisNoise {
         // noise does.
         (self.mean_variance(length_s) - self.rounding) * length_s * length_s
     }
-}
-
-/// Median of values that lie on a grid of this width (zero: on none), each standing for a cell of
-/// the grid: without the cells, the median of a coarse reading is a multiple of its step.
-fn median(values: &mut [f64], width: f64) -> f64 {
-    let middle = values.len() / 2;
-    values.select_nth_unstable_by(middle, f64::total_cmp);
-    let at = values[middle];
-    let below = values.iter().filter(|v| **v < at - 0.25 * width).count() as f64;
-    let within = values.iter().filter(|v| (**v - at).abs() <= 0.25 * width).count().max(1) as f64;
-    let (low, high) = ((at - 0.5 * width).max(0.0), at + 0.5 * width);
-    low + (high - low) * ((0.5 * values.len() as f64 - below) / within).clamp(0.0, 1.0)
-}
-
-/// Least squares of σ² = white/τ + flat in relative error (the weights 1/σ⁴ that Allan variances
-/// call for), both kept positive.
-fn split(points: &[(f64, f64, f64)]) -> (f64, f64) {
-    let usable = points.iter().filter(|p| p.1 > 0.0);
-    let (mut aa, mut ab, mut bb, mut ay, mut by) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for (tau, variance, count) in usable {
-        let (a, b, w) = (1.0 / tau / variance, 1.0 / variance, *count);
-        aa += w * a * a;
-        ab += w * a * b;
-        bb += w * b * b;
-        ay += w * a;
-        by += w * b;
-    }
-    let determinant = aa * bb - ab * ab;
-    if determinant > 1e-9 * aa * bb {
-        let (white, flat) = ((ay * bb - by * ab) / determinant, (aa * by - ab * ay) / determinant);
-        if white > 0.0 && flat > 0.0 {
-            return (white, flat);
-        }
-        if white <= 0.0 && bb > 0.0 {
-            return (0.0, by / bb);
-        }
-    }
-    if aa > 0.0 { (ay / aa, 0.0) } else { (0.0, 0.0) }
 }
 
 /// What rounding to a step does to a reading at rest.
@@ -207,7 +155,7 @@ mod tests {
                 poses.push(start..values.len());
                 errors += (values[start..].iter().sum::<f64>() / 400.0 - 7.0 * place).powi(2) / 400.0;
             }
-            let noise = AxisNoise::inside(&values, &poses, 100.0);
+            let noise = AxisNoise::inside(&[&values], &poses, 100.0)[0];
             let expected = 49.0 * (of_mean(sigma) + (sigma * sigma + 1.0 / 12.0 - of_mean(sigma)) / 400.0);
             assert!((errors / expected - 1.0).abs() < 0.25, "law at {sigma}: {errors} {expected}");
             let claimed = noise.mean_variance(4.0);
@@ -224,7 +172,7 @@ mod tests {
             values[pose.clone()].iter_mut().for_each(|v| *v += 50.0 * k as f64);
         }
         values[400..800].iter_mut().for_each(|v| *v += 10.0);
-        let noise = AxisNoise::inside(&values, &poses, 100.0);
+        let noise = AxisNoise::inside(&[&values], &poses, 100.0)[0];
         // σ = N√f: one per sample at 100 Hz is N = 0.1.
         assert!((noise.random_walk - 0.1).abs() < 0.01, "{noise:?}");
         assert!(noise.mean_variance(8.0).sqrt() < 0.06, "{noise:?}");

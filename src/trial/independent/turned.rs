@@ -232,6 +232,8 @@ impl Turned {
         let mut found = Vec::new();
         for (sensor, heading) in [(&self.accelerometer, "ax"), (&self.gyro, "gx")] {
             let turned = product(&scaled(sensor), &body);
+            // A rate by specific force is read as any other rate is, through all three axes.
+            let follows = product(&product(&scaled(sensor), &self.g_sensitivity), &body);
             let mut add = |id: &str, name: String, value: f64| {
                 found.push(Parameter { id: id.into(), channel: Some(heading.into()), name, value });
             };
@@ -242,7 +244,7 @@ impl Turned {
                         add("misalignment", format!("m_{axis}{other}"), turned[i][j] / turned[i][i]);
                     }
                     if heading == "gx" && self.g_sensitivity != [[0.0; 3]; 3] {
-                        let k = product(&self.g_sensitivity, &body)[i][j] * sensor.scale[i] / turned[i][i];
+                        let k = follows[i][j] / turned[i][i];
                         add("g-sensitivity", format!("k_{axis}{other}"), k.to_degrees() * GRAVITY);
                     }
                 }
@@ -333,5 +335,62 @@ mod tests {
         let unit = product(&q, &transposed(&q));
         assert!((0..3).all(|i| (0..3).all(|j| (unit[i][j] - f64::from(u8::from(i == j))).abs() < 1e-14)));
         assert!(a[1][0].abs() > 1e-3, "it was not before: control");
+    }
+
+    // At rest the gyro reads K f along its axes: in the gauge of the parameters, force by force.
+    #[test]
+    fn a_gyro_at_rest_reads_its_g_sensitivity() {
+        let sensor = |scale: f64, skew: Rotation| Sensor {
+            scale: [scale, 1.02 * scale, 0.97 * scale],
+            skew,
+            offset: [0.0; 3],
+            square: [0.0; 3],
+            bend: [0.0; 3],
+            sigma: 0.0,
+            flicker: 0.0,
+            drift: [0.0; 3],
+        };
+        let turned = Turned {
+            seed: 3,
+            rate_hz: 50.0,
+            poses: 8,
+            rest_s: [1.0, 2.0],
+            accelerometer: sensor(400.0, [[1.0, 0.0, 0.0], [0.03, 1.0, 0.0], [-0.02, 0.05, 1.0]]),
+            gyro: sensor(900.0, [[1.0, 0.04, -0.03], [0.02, 1.0, 0.05], [-0.05, 0.01, 1.0]]),
+            g_sensitivity: [[1e-4, -2e-4, 3e-4], [2e-4, 1e-4, -1e-4], [-3e-4, 2e-4, 2e-4]],
+            noise: Noise::Gauss,
+            knock: None,
+            whole: false,
+            temperature: false,
+        };
+        let parameters = turned.parameters();
+        let value = |id: &str, heading: &str, name: String| {
+            let of = |p: &&Parameter| p.id == id && p.channel.as_deref() == Some(heading) && p.name == name;
+            parameters.iter().find(of).map_or(0.0, |p| p.value)
+        };
+        let motion = turned.motion();
+        let rest = |n: &usize| motion.pose[*n].is_some() && motion.rate[*n] == [0.0; 3];
+        let rows: Vec<usize> = (0..motion.pose.len()).filter(rest).collect();
+        let rates: Vec<Vector> = rows.iter().map(|n| apply(&turned.g_sensitivity, motion.force[*n])).collect();
+        let forces: Vec<Vector> = rows.iter().map(|n| motion.force[*n]).collect();
+        let (gyro, force) = (turned.counts(&turned.gyro, &rates, 2), turned.counts(&turned.accelerometer, &forces, 1));
+        let axes = ['x', 'y', 'z'];
+        let mut worst: f64 = 0.0;
+        for n in 0..rows.len() {
+            // Force in the gauge, from the readings: upper triangular, from the last axis up.
+            let along: Vector =
+                std::array::from_fn(|i| force[i][n] / value("scale-factor", "ax", format!("scale_{}", axes[i])));
+            let skew = |i: usize, j: usize| value("misalignment", "ax", format!("m_{}{}", axes[i], axes[j]));
+            let y = along[1] - skew(1, 2) * along[2];
+            let f = [along[0] - skew(0, 1) * y - skew(0, 2) * along[2], y, along[2]];
+            for (i, axis) in axes.into_iter().enumerate() {
+                let k = |j: usize| value("g-sensitivity", "gx", format!("k_{axis}{}", axes[j])).to_radians() / GRAVITY;
+                let said =
+                    value("scale-factor", "gx", format!("scale_{axis}")) * (0..3).map(|j| k(j) * f[j]).sum::<f64>();
+                worst = worst.max((said - gyro[i][n]).abs());
+            }
+        }
+        // A reading is about one count.
+        assert!(rows.len() > 300 && worst < 1e-6, "{} rows: {worst}", rows.len());
     }
 }
