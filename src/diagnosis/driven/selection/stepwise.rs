@@ -109,11 +109,11 @@ pub(crate) fn search(
         settle_kept_back(data, &mut selection, scales, budget, control)?;
         let budget = data.work.budget(Stage::Forms, data.hull.len());
         forms::settle(data, &mut selection, scales, budget);
-        settle_ring_down(data, &mut selection, scales, budget);
         settle_power(data, &mut selection, scales, budget);
         settle_stop(data, &mut selection, scales, budget);
         let budget = data.work.budget(Stage::KeptShapes, data.hull.len());
         settle_shape(data, &mut selection, scales, budget);
+        settle_ring_down(data, &mut selection, scales, budget);
     }
     Ok(selection)
 }
