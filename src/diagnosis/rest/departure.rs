@@ -155,7 +155,11 @@ fn in_spectrum(channel: &Channel, chosen: &Fitted, correction: f64) -> Option<De
                 course.is_some_and(|c| probability(c.cause, gain, channel) * correction < ALPHA)
             };
             let (better_by, free, takes_courses) = taken.filter(|t| !needed(t)).unwrap_or(kept);
-            of(rival(better_by)?, free, better_by, takes_courses)
+            // Two laws side by side follow any power between theirs for decades: one law in their
+            // place is in doubt only where they lead it by more than chance.
+            let is_sum = slow.len() > 1 && better_by > -REFUTED;
+            let ruling = rival(better_by).or(is_sum.then_some(Ruling::Open))?;
+            of(ruling, free, better_by, takes_courses)
         }
     }
 }
@@ -259,6 +263,24 @@ mod tests {
         assert!(wrong <= 1, "f^−1.5 taken for a walk {wrong} times of 20");
         // 95 % of 20 less two and a half standard errors.
         assert!(covered >= 17, "{covered} of 20 intervals hold the exponent");
+    }
+
+    // Between f^−1 and f^−2 two laws side by side follow any power; where both rule over a decade and
+    // more of their own, no power follows them.
+    #[test]
+    fn two_laws_stand_where_they_bend_the_spectrum_and_not_in_the_place_of_one_power() {
+        let ruled = |bent: bool, member: u64| {
+            let mut rng = Philox::new(33, member, Stream::Host);
+            let of_order = |k: f64| if bent { 5000.0 / k + (600.0 / k).powi(2) } else { (1500.0 / k).powf(1.4) };
+            let drawn = |k: usize| if k == 0 { 0.0 } else { rng.normal() * (1.0 + of_order(k as f64)).sqrt() };
+            let channel = Channel::new("x", &cosine::invert(&(0..20_000).map(drawn).collect::<Vec<f64>>()), 1.0);
+            let laws = [(Cause::FlickerNoise, Law::Flicker), (Cause::RandomWalk, Law::Walk)];
+            let term = |(cause, law)| Term { cause, addition: Addition::Law(law), searched: 0.0, column: None };
+            in_spectrum(&channel, &channel.fit(laws.map(term).to_vec()), 9.0).is_some()
+        };
+        let doubted = |bent: bool| (0..20).filter(|member| ruled(bent, *member)).count();
+        assert!(doubted(true) <= 1, "a bent spectrum is doubted {} times of 20", doubted(true));
+        assert_eq!(doubted(false), 20, "f^−1.4 is taken for two laws");
     }
 
     #[test]
