@@ -25,7 +25,7 @@ const EXPONENTS: [f64; 2] = [0.2, 6.0];
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "power-law-damping",
     kind: Kind::Driven,
-    statement: "Damping follows a power of the speed that is neither the first nor the second.",
+    statement: "The damping force follows a power of the speed that is neither the first nor the second.",
     equation: "x″ + 2ζω₀x′ + c(|x′|/v_r)ⁿ⁻¹x′ + ω₀²x = g·u",
     parameters: &[
         Parameter { name: "c", unit: "1/s", range: (0.0, 1.0) },

@@ -27,7 +27,7 @@ const EXPONENTS: [f64; 2] = [1.1, 8.0];
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "power-law-stiffness",
     kind: Kind::Driven,
-    statement: "The spring stiffens (or softens) with a power of the displacement that is not its square.",
+    statement: "The force of the spring follows a power of the displacement that is neither the first nor the third.",
     equation: "x″ + 2ζω₀x′ + ω₀²x + k(|x|/x_r)ⁿ⁻¹x = g·u",
     parameters: &[
         Parameter { name: "k", unit: "1/s^2", range: (-1.0, 1.0) },

@@ -11,6 +11,10 @@ pub(crate) fn chance(p: f64) -> String {
 /// Value and half the width of its interval, both rounded to what they are worth.
 pub(super) fn estimate(e: &Estimate) -> String {
     let (below, above) = (e.value - e.ci95[0], e.ci95[1] - e.value);
+    // A size that was chosen, by which others are measured.
+    if below == 0.0 && above == 0.0 {
+        return significant(e.value, 3);
+    }
     if below > 0.0 && above > 0.0 && (below / above).max(above / below) < 1.5 {
         with_uncertainty(e.value, 0.5 * (below + above))
     } else {
