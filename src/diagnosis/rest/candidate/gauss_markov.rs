@@ -5,7 +5,7 @@ use super::row::{IEEE, Row, size};
 use crate::diagnosis::candidate::{Candidate, Kind};
 use crate::diagnosis::rest::cause::Cause;
 use crate::diagnosis::rest::channel::{Addition, Fitted};
-use crate::diagnosis::rest::estimate::{root, searched};
+use crate::diagnosis::rest::estimate::{beside_searched, root, searched, with_searched};
 use crate::diagnosis::rest::search;
 use crate::diagnosis::rest::spectrum::Law;
 use crate::numerics::special::chi_squared_survival;
@@ -58,9 +58,13 @@ pub(super) const ROW: Row = Row {
     is_drift: true,
     parameters: |of| {
         let memory = |samples: f64| Addition::Law(Law::Markov(samples));
-        vec![
-            root("sigma", of.unit.into(), of.channel.scale, of.fitted.strength_of(of.index)),
-            searched("T", of.channel, of.fitted, of.index, &memory),
-        ]
+        let time = searched("T", of.channel, of.fitted, of.index, &memory);
+        let own = root("sigma", of.unit.into(), of.channel.scale, of.fitted.strength_of(of.index));
+        // What is known well is σ²/T, the power at high frequencies.
+        let at = |time_s: f64| {
+            let other = with_searched(of.channel, of.fitted, of.index, time_s * of.channel.rate_hz, &memory);
+            other.strength_of(of.index).0.sqrt() * of.channel.scale
+        };
+        vec![beside_searched(own, &time, at), time]
     },
 };

@@ -4,7 +4,7 @@ use super::row::{Row, TITTERTON, signed, size};
 use crate::diagnosis::candidate::{Candidate, Kind};
 use crate::diagnosis::rest::cause::Cause;
 use crate::diagnosis::rest::channel::{Addition, Curve};
-use crate::diagnosis::rest::estimate::{searched, straight};
+use crate::diagnosis::rest::estimate::{beside_searched, searched, straight, with_searched};
 use crate::diagnosis::rest::search;
 use crate::numerics::special::chi_squared_survival;
 
@@ -47,9 +47,12 @@ pub(super) const ROW: Row = Row {
     parameters: |of| {
         let count = of.channel.values.len();
         let curve = |samples: f64| Addition::Curves(vec![settling(count, samples)]);
-        vec![
-            straight("amplitude", of.unit.into(), of.channel.scale, of.fitted.amplitudes_of(of.index)[0]),
-            searched("T", of.channel, of.fitted, of.index, &curve),
-        ]
+        let time = searched("T", of.channel, of.fitted, of.index, &curve);
+        let own = straight("amplitude", of.unit.into(), of.channel.scale, of.fitted.amplitudes_of(of.index)[0]);
+        let at = |time_s: f64| {
+            let other = with_searched(of.channel, of.fitted, of.index, time_s * of.channel.rate_hz, &curve);
+            other.amplitudes_of(of.index)[0].0 * of.channel.scale
+        };
+        vec![beside_searched(own, &time, at), time]
     },
 };
