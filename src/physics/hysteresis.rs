@@ -27,7 +27,7 @@ pub enum Sharpness {
     /// As an exponential: n = 1.
     #[default]
     One,
-    /// By an exponent n of its own.
+    /// By an exponent n that is fitted.
     Own,
 }
 

@@ -28,7 +28,7 @@ pub(super) fn by<T: Real>(value: T, f: impl Fn(f64) -> f64) -> T {
 #[inline(always)]
 pub(super) fn bounded_power<T: Real>(base: T, exponent: T) -> T {
     let log = exponent * by(base, exponential::ln);
-    // In this order what is no number stays that.
+    // In this order a NaN stays a NaN.
     let log = if log > T::of(40.0) { T::of(40.0) } else { log };
     by(if log < T::of(-40.0) { T::of(-40.0) } else { log }, exponential::exp)
 }

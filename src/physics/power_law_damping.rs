@@ -1,4 +1,4 @@
-//! Damping by one power of the velocity: c (|v|/v_r)ⁿ⁻¹ v, with n of its own: between the drag of a
+//! Damping by one power of the velocity, c (|v|/v_r)ⁿ⁻¹ v, with n fitted: between the drag of a
 //! slow stream (n = 1) and of a fast one (n = 2), beyond it, or below it, towards dry friction.
 //!
 //! The strength is stated as the damping at a velocity v_r, which is chosen and not fitted (see

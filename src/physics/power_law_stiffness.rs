@@ -1,4 +1,4 @@
-//! A spring of one power of the displacement: k (|x|/x_r)ⁿ⁻¹ x, with n of its own.
+//! A spring of one power of the displacement: k (|x|/x_r)ⁿ⁻¹ x, with n fitted.
 //!
 //! The strength of a power has a unit that depends on it, and no two powers have strengths that
 //! can be compared. It is therefore stated as a stiffness at a displacement x_r, which is chosen

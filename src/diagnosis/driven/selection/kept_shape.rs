@@ -30,7 +30,7 @@ const AT_REST: f64 = 0.1;
 /// Place of the exponent among the values of a power, and of hysteresis.
 const OF_POWER: usize = 2;
 const OF_MEMORY: usize = 3;
-/// Within so many times its interval an exponent is the one that was found.
+/// An exponent within this many intervals of the one found counts as the same.
 const SAME: f64 = 2.0;
 /// Exponents of a memory from which fits begin, beside the stated one.
 const MEMORIES: [f64; 4] = [0.7, 1.0, 1.6, 2.6];
@@ -200,7 +200,7 @@ impl Search<'_> {
             return None;
         }
         let found = self.best(&free.fit, index, (law.term)(Exponent::Free), &law.starts())?;
-        // A law of another family has to be ahead, one of its own no more than not behind.
+        // A law of another family must lead; one of the same family must only not fall behind.
         let least = if law.stated == Freed::Friction { TIE } else { -LEAST_LEAD };
         let holds = found.score() - free.score() >= least
             && !found.fit.at_bound(self.scales)
