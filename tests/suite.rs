@@ -219,10 +219,11 @@ fn main() {
         suite::still_start::tests(),
         // windows: a recorded log beside its prediction.
         suite::windows::tests(),
-        // noise_law: every noise term has the Allan deviation of its coefficient.
+        // kept_shapes: laws with a fitted exponent, and what is near a power without being one.
         suite::kept_shapes::tests(),
         suite::near_laws::tests(),
         suite::own_noise::tests(),
+        // noise_law: every noise term has the Allan deviation of its coefficient.
         suite::noise_law::tests(),
         // device_faults: a device that fails costs neither the run nor what was done.
         suite::device_faults::tests(),

@@ -1,7 +1,7 @@
 //! A spring that seems to change with the amplitude, in a motion that dies away by itself: the
 //! amplitude is a course of time there, and a spring that changes with time is told from the other by
-//! the shape of each swing alone. Each is held against the other with its form free; and where the
-//! form of the one departs from what is stated, a course of time that departs as well may be all.
+//! the shape of each swing alone. Each is held against the other with its form free. Where the chosen
+//! one departs from its stated form, some course of time may do the same, and the two are tied.
 
 use crate::diagnosis::driven::identification::fit::{Fit, fit};
 use crate::diagnosis::driven::intake::data::Data;
@@ -28,7 +28,7 @@ fn counterpart(term: &Term) -> Option<Term> {
 }
 
 /// The other spring takes the place of the one chosen where its free form does better, and is tied
-/// with it where it does as well, or where that one is found in no stated form.
+/// with it where it does as well, or where the one chosen departs from its stated form.
 pub(super) fn settle_ring_down(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let here = selection.departing.as_ref().map_or(&selection.chosen, |d| &d.judged);
     let [term] = selection.chosen.fit.structure.terms[..] else { return };
