@@ -13,7 +13,7 @@ pub use table::{Column, Columns, Values};
 
 /// A file of columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Format {
+pub enum Format {
     /// Comma-separated values with one row of headings; a missing number is an empty cell, and
     /// every other one reads back as the same `f64`.
     Csv,
@@ -26,7 +26,7 @@ pub(crate) enum Format {
 
 impl Format {
     /// That of a file name's ending, in any case.
-    pub(crate) fn of(ending: &str) -> Option<Self> {
+    pub fn of(ending: &str) -> Option<Self> {
         match ending.to_ascii_lowercase().as_str() {
             "csv" => Some(Self::Csv),
             "parquet" => Some(Self::Parquet),
@@ -36,7 +36,7 @@ impl Format {
     }
 
     /// The table as the bytes of a file in this format.
-    pub(crate) fn bytes(self, table: &Columns) -> Vec<u8> {
+    pub fn bytes(self, table: &Columns) -> Vec<u8> {
         match self {
             Self::Csv => csv::text(table).into_bytes(),
             Self::Parquet => parquet::bytes(table),

@@ -40,7 +40,7 @@ pub fn parse_toml<T: DeserializeOwned>(name: &str, text: &str) -> Result<T> {
 ///
 /// # Errors
 /// As [`parse_toml`], and when the file cannot be read.
-pub(crate) fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
+pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
     let (name, text) = (path.display().to_string(), read_text(path)?);
     parse_toml(&name, &text)
 }
@@ -50,7 +50,7 @@ pub(crate) fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
 ///
 /// # Errors
 /// As [`parse_toml`], without a place.
-pub(crate) fn from_table<T: DeserializeOwned>(name: &str, table: toml::Table) -> Result<T> {
+pub fn from_table<T: DeserializeOwned>(name: &str, table: toml::Table) -> Result<T> {
     let fail = |error: toml::de::Error| {
         let message = error.message();
         Error::new(format!("could not read {name}"), plain(message), hint(message))
@@ -87,7 +87,7 @@ const LONGEST_BYTES: u64 = 16 << 20;
 /// # Errors
 /// A file that cannot be read, is too long for a document, or holds something else than UTF-8 text
 /// (the line is named).
-pub(crate) fn read_text(path: &Path) -> Result<String> {
+pub fn read_text(path: &Path) -> Result<String> {
     let fail =
         |cause: String, hint: &str| Error::new(format!("could not read {}", path.display()), cause, hint.to_owned());
     let file = open(path, "document")?;

@@ -27,17 +27,17 @@ fn escaped(text: &str, harmful: impl Fn(char) -> bool) -> Cow<'_, str> {
 /// Text for a terminal. Line breaks and tabs stay; what would move the cursor, change colours or
 /// reverse the writing is shown as `\u001b`. That is how JSON writes it too, so a JSON document
 /// stays the same document.
-pub(crate) fn terminal(text: &str) -> Cow<'_, str> {
+pub fn terminal(text: &str) -> Cow<'_, str> {
     escaped(text, |c| steers(c) && c != '\n' && c != '\t')
 }
 
 /// Text that must stay on one line: a table's cell, a comment.
-pub(crate) fn line(text: &str) -> Cow<'_, str> {
+pub fn line(text: &str) -> Cow<'_, str> {
     escaped(text, steers)
 }
 
 /// Text without the characters that XML 1.0 forbids even when escaped; each becomes U+FFFD.
-pub(crate) fn xml(text: &str) -> Cow<'_, str> {
+pub fn xml(text: &str) -> Cow<'_, str> {
     let forbidden =
         |c: char| matches!(c, '\0'..='\u{8}' | '\u{b}' | '\u{c}' | '\u{e}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}');
     match text.contains(forbidden) {
@@ -53,7 +53,7 @@ pub fn html(text: &str) -> String {
 
 /// Text as part of a file name: ASCII letters, digits, `_` and `-`, at most `longest` of them.
 /// Different texts may give the same name.
-pub(crate) fn file_name(text: &str, longest: usize) -> String {
+pub fn file_name(text: &str, longest: usize) -> String {
     text.chars().take(longest).map(|c| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' }).collect()
 }
 

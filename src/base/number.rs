@@ -2,7 +2,7 @@
 //! unit one would say.
 
 /// `value` with `digits` significant digits, plain where that is short, else ×10ⁿ.
-pub(crate) fn significant(value: f64, digits: usize) -> String {
+pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return if value.is_nan() {
             "–".into()
@@ -28,18 +28,18 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
 }
 
 /// Three significant digits: what a sentence needs.
-pub(crate) fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     significant(value, 3)
 }
 
 /// `value` as the nearest number of this many significant digits.
-pub(crate) fn rounded(value: f64, digits: usize) -> f64 {
+pub fn rounded(value: f64, digits: usize) -> f64 {
     format!("{:.*e}", digits.saturating_sub(1), value).parse().unwrap_or(value)
 }
 
 /// `value` to the digit that `deviation` leaves in doubt; one digit where all of it is in doubt, at
 /// most five.
-pub(crate) fn worth(value: f64, deviation: f64) -> String {
+pub fn worth(value: f64, deviation: f64) -> String {
     if !(deviation > 0.0 && deviation.is_finite() && value != 0.0) {
         return significant(value, 3);
     }
@@ -48,7 +48,7 @@ pub(crate) fn worth(value: f64, deviation: f64) -> String {
 }
 
 /// `value ± deviation`, the deviation to two digits and the value to the same decimal place.
-pub(crate) fn with_uncertainty(value: f64, deviation: f64) -> String {
+pub fn with_uncertainty(value: f64, deviation: f64) -> String {
     if !(deviation > 0.0 && deviation.is_finite() && value.is_finite()) {
         return significant(value, 4);
     }
@@ -69,7 +69,7 @@ pub(crate) fn with_uncertainty(value: f64, deviation: f64) -> String {
 }
 
 /// An integer as superscript digits.
-pub(crate) fn superscript(n: i32) -> String {
+pub fn superscript(n: i32) -> String {
     n.to_string()
         .chars()
         .map(|c| match c {
@@ -83,7 +83,7 @@ pub(crate) fn superscript(n: i32) -> String {
 }
 
 /// A duration in the unit a person would say it in.
-pub(crate) fn duration(seconds: f64) -> String {
+pub fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 1e-3 => format!("{} µs", significant(s * 1e6, 3)),
         s if s < 1.0 => format!("{} ms", significant(s * 1e3, 3)),

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 pub use rayon::join;
 
 /// How many items are worked on at a time.
-pub(crate) fn threads() -> usize {
+pub fn threads() -> usize {
     rayon::current_num_threads()
 }
 
@@ -23,29 +23,29 @@ pub fn map<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<
 }
 
 /// `work` of every item, where there is a result.
-pub(crate) fn filter_map<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> Option<R> + Sync) -> Vec<R> {
+pub fn filter_map<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> Option<R> + Sync) -> Vec<R> {
     gather(items.len(), &|i| work(&items[i]))
 }
 
 /// `work` of 0, 1, … `count` − 1.
-pub(crate) fn map_indices<R: Send>(count: usize, work: impl Fn(usize) -> R + Sync) -> Vec<R> {
+pub fn map_indices<R: Send>(count: usize, work: impl Fn(usize) -> R + Sync) -> Vec<R> {
     gather(count, &|i| Some(work(i)))
 }
 
 /// `work` of every member of an ensemble.
-pub(crate) fn map_members<R: Send>(members: Range<u64>, work: impl Fn(u64) -> R + Sync) -> Vec<R> {
+pub fn map_members<R: Send>(members: Range<u64>, work: impl Fn(u64) -> R + Sync) -> Vec<R> {
     let count = members.end.saturating_sub(members.start) as usize;
     gather(count, &|i| Some(work(members.start + i as u64)))
 }
 
 /// `work` of every stretch of `size` items, the last one maybe shorter, with its number.
-pub(crate) fn map_chunks<T: Sync, R: Send>(items: &[T], size: usize, work: impl Fn(usize, &[T]) -> R + Sync) -> Vec<R> {
+pub fn map_chunks<T: Sync, R: Send>(items: &[T], size: usize, work: impl Fn(usize, &[T]) -> R + Sync) -> Vec<R> {
     let count = items.len().div_ceil(size);
     gather(count, &|i| Some(work(i, &items[i * size..items.len().min((i + 1) * size)])))
 }
 
 /// Does `work` on every item in its place, with its index.
-pub(crate) fn for_each_mut<T: Send>(items: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
+pub fn for_each_mut<T: Send>(items: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
     let places: Vec<Mutex<&mut T>> = items.iter_mut().map(Mutex::new).collect();
     each(places.len(), &|i| work(i, &mut places[i].lock().unwrap_or_else(PoisonError::into_inner)));
 }

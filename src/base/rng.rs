@@ -9,17 +9,17 @@ use rand::rand_core::{Infallible, TryRng};
 use rand_distr::{Distribution, StandardNormal};
 
 /// First multiplier of a round.
-pub(crate) const MULTIPLIER_0: u32 = 0xD251_1F53;
+pub const MULTIPLIER_0: u32 = 0xD251_1F53;
 /// Second multiplier of a round.
-pub(crate) const MULTIPLIER_1: u32 = 0xCD9E_8D57;
+pub const MULTIPLIER_1: u32 = 0xCD9E_8D57;
 /// What the first key word grows by each round.
-pub(crate) const WEYL_0: u32 = 0x9E37_79B9;
+pub const WEYL_0: u32 = 0x9E37_79B9;
 /// What the second key word grows by each round.
-pub(crate) const WEYL_1: u32 = 0xBB67_AE85;
+pub const WEYL_1: u32 = 0xBB67_AE85;
 
 /// Philox4x32 with ten rounds: 128 random bits for one counter and key.
 #[inline(always)]
-pub(crate) fn philox4x32_10(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
+pub fn philox4x32_10(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
     let mut round = 0;
     while round < 10 {
         let product_0 = MULTIPLIER_0 as u64 * counter[0] as u64;

@@ -22,7 +22,7 @@ pub struct Shard {
 }
 
 /// Most shards of a run.
-pub(crate) const MOST: u64 = 1_000_000;
+pub const MOST: u64 = 1_000_000;
 
 impl Shard {
     /// The file that it writes.

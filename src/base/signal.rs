@@ -3,14 +3,15 @@
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "terminal")]
 mod listen;
-#[cfg(feature = "cli")]
-pub(crate) use listen::listen_for_interrupt;
+#[cfg(feature = "terminal")]
+pub use listen::listen_for_interrupt;
 
 /// A request to stop, by the signal that carried it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Signal {
+pub enum Signal {
+    /// SIGINT: Ctrl-C.
     Interrupt,
     /// SIGTERM: `kill`, `timeout`, a batch system.
     Terminate,
@@ -21,7 +22,7 @@ pub(crate) enum Signal {
 impl Signal {
     /// The exit code of a process that this signal has stopped: 128 + its number, as shells have
     /// it.
-    pub(crate) fn exit_code(self) -> u8 {
+    pub fn exit_code(self) -> u8 {
         match self {
             Self::Interrupt => 130,
             Self::Terminate => 143,
@@ -30,7 +31,7 @@ impl Signal {
     }
 
     /// How a person knows it.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Interrupt => "Ctrl-C",
             Self::Terminate => "SIGTERM",
@@ -43,12 +44,12 @@ impl Signal {
 static STOP: AtomicU8 = AtomicU8::new(0);
 
 /// Raises the flag that long loops look at.
-pub(crate) fn raise(signal: Signal) {
+pub fn raise(signal: Signal) {
     let _ = STOP.compare_exchange(0, signal.exit_code(), Ordering::SeqCst, Ordering::SeqCst);
 }
 
 /// The signal that asked the process to stop, if one has; the first, where several came.
-pub(crate) fn stopped_by() -> Option<Signal> {
+pub fn stopped_by() -> Option<Signal> {
     let code = STOP.load(Ordering::Relaxed);
     [Signal::Interrupt, Signal::Terminate, Signal::HangUp].into_iter().find(|s| s.exit_code() == code)
 }

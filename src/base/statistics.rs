@@ -9,7 +9,7 @@ pub mod jcgm101;
 pub mod moments;
 
 pub use fold::Fold;
-pub(crate) use histogram::{Bins, Histogram};
+pub use histogram::{Bins, Histogram};
 pub use moments::Moments;
 
 use std::ops::Range;

@@ -5,16 +5,18 @@
 //! machine that does other things too, that is the run least disturbed, and only ratios within one
 //! process mean anything. Not for correctness: `validation` has that.
 
-use crate::backend::cpu::{Cpu, Precision};
-use crate::backend::gpu::Gpu;
-use crate::backend::gpu::peak::multiply_adds;
-use crate::backend::orbits::{Device, explore_on};
-use crate::backend::{Backend, Batch};
-use crate::control::{Control, Progress};
-use crate::error::Result;
-use crate::kernel::cpu::lanes::Level;
-use crate::kernel::job::Job;
-use crate::numerics::elementary::Real;
+#![warn(unreachable_pub)]
+
+use proofmass_base::control::{Control, Progress};
+use proofmass_base::error::Result;
+use proofmass_base::numerics::elementary::Real;
+use proofmass_simulate::backend::cpu::{Cpu, Precision};
+use proofmass_simulate::backend::gpu::Gpu;
+use proofmass_simulate::backend::gpu::peak::multiply_adds;
+use proofmass_simulate::backend::orbits::{Device, explore_on};
+use proofmass_simulate::backend::{Backend, Batch};
+use proofmass_simulate::kernel::cpu::lanes::Level;
+use proofmass_simulate::kernel::job::Job;
 
 pub mod diffusion;
 pub mod duffing;
@@ -22,6 +24,7 @@ pub mod lorenz;
 pub mod normal;
 pub mod operations;
 pub mod others;
+pub mod page;
 pub mod peak;
 pub mod peers;
 pub mod prediction;

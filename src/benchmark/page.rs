@@ -1,13 +1,13 @@
 //! Measured speed as a table, a page, a summary in Markdown and figures.
 
-use super::figure::{Axis, Chart, Figure, Ink, Mark};
-use super::html::Page;
-use super::table::Table;
-use crate::backend::cpu::processor_name;
-use crate::benchmark::prediction::{CARDS, EXPECTED_SHARE};
-use crate::benchmark::published::PUBLISHED;
-use crate::benchmark::{FULL, NOISELESS, NORMAL, Row, work};
-use crate::number::significant;
+use crate::prediction::{CARDS, EXPECTED_SHARE};
+use crate::published::PUBLISHED;
+use crate::{FULL, NOISELESS, NORMAL, Row, work};
+use proofmass_base::number::significant;
+use proofmass_report::figure::{Axis, Chart, Figure, Ink, Mark};
+use proofmass_report::html::Page;
+use proofmass_report::table::Table;
+use proofmass_simulate::backend::cpu::processor_name;
 
 const LEAD: &str =
     "Units per second, fastest of repeated runs in one process. Compare rows within one run, not between runs.";
@@ -71,7 +71,7 @@ fn predicted() -> Table {
 }
 
 /// Words on how quiet the machine was; `others` is the share of it that other programs used.
-pub(crate) fn busy(others: Option<f64>) -> String {
+pub fn busy(others: Option<f64>) -> String {
     match others {
         Some(fraction) if fraction < 0.06 => {
             format!("Other programs used {} of the processors during the run.", percent(fraction))
@@ -125,7 +125,7 @@ fn places(rows: &[Row]) -> Vec<(&str, Ink)> {
 }
 
 /// Speed by size of the ensemble.
-pub(crate) fn sizes(rows: &[Row]) -> Figure {
+pub fn sizes(rows: &[Row]) -> Figure {
     let mut chart =
         Chart::new("Speed by size of the ensemble", Axis::log("members"), Axis::log("million member-steps per s"));
     for (place, ink) in places(rows) {
@@ -138,7 +138,7 @@ pub(crate) fn sizes(rows: &[Row]) -> Figure {
 }
 
 /// Time by length of the run, beside proportionality.
-pub(crate) fn lengths(rows: &[Row]) -> Figure {
+pub fn lengths(rows: &[Row]) -> Figure {
     let scaled: Vec<&Row> = rows.iter().filter(|r| r.work.starts_with(work::SCALED)).collect();
     let units = |r: &Row| r.per_second * r.seconds;
     let points: Vec<(f64, f64)> = scaled.iter().map(|r| (units(r), r.seconds)).collect();
@@ -186,7 +186,7 @@ const SIZES_WORDS: &str = "The full path (Runge-Kutta 4, force noise, two integr
 including parameter draws and statistics. Sixty-four members share a group of lanes, so fewer cost the same.";
 
 /// The page: what was measured and on what.
-pub(crate) fn page(rows: &[Row], others: Option<f64>) -> Page {
+pub fn page(rows: &[Row], others: Option<f64>) -> Page {
     let mut page = Page::new("How fast proofmass is on this machine", LEAD);
     page.section("Measurements");
     page.paragraph(&busy(others));

@@ -1,14 +1,16 @@
 //! The command line: typed arguments, one file per subcommand. Each `run` returns when its work is
 //! done and written.
 
+#![warn(unreachable_pub)]
+
 use std::ffi::OsString;
 use std::io::Write;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 
-use crate::error::{Error, Kind, Result};
-use crate::escape::terminal;
-use crate::signal;
+use proofmass_base::error::{Error, Kind, Result};
+use proofmass_base::escape::terminal;
+use proofmass_base::signal;
 
 pub mod adapters;
 pub mod allan;

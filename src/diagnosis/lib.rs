@@ -10,10 +10,10 @@
 //! A sensor at rest whose readings walk at random is more than a constant and white noise:
 //!
 //! ```
-//! use proofmass::control::Control;
-//! use proofmass::diagnosis::{diagnose, model, verdict::Outcome};
-//! use proofmass::recording::{Column, Recording};
-//! use proofmass::rng::{Philox, Stream};
+//! use proofmass_base::control::Control;
+//! use proofmass_diagnosis::{diagnose, model, verdict::Outcome};
+//! use proofmass_recording::{Column, Recording};
+//! use proofmass_base::rng::{Philox, Stream};
 //! use rand_distr::{Distribution, StandardNormal};
 //!
 //! let mut random = Philox::new(1, 0, Stream::Host);
@@ -30,12 +30,14 @@
 //! let answer = diagnose(&recording, &model, &Control::silent())?;
 //! assert_eq!(answer.outcome, Outcome::Explained);
 //! assert_eq!(answer.effects[0].id, "random-walk");
-//! # Ok::<(), proofmass::error::Error>(())
+//! # Ok::<(), proofmass_base::error::Error>(())
 //! ```
+
+#![warn(unreachable_pub)]
 
 pub mod answer;
 pub mod by_axis;
-pub use crate::physics::candidate;
+pub use proofmass_physics::candidate;
 pub mod consequence;
 pub mod consistency;
 pub mod detection;
@@ -53,6 +55,13 @@ pub mod trajectory;
 pub mod tumble;
 pub mod verdict;
 mod warm_profile;
+
+// The crates below, under the names by which files here call them.
+use proofmass_base::{control, document, error, escape, number, numerics, parallel, rng, units};
+use proofmass_physics as physics;
+use proofmass_recording as recording;
+use proofmass_scenario::{motion, navigation, sensor};
+use proofmass_simulate::study;
 
 use crate::control::Control;
 use crate::error::{Error, Result};

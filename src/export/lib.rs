@@ -9,6 +9,8 @@
 //! # Adding a target
 //! A file with `write` (and `read`, where the tool's numbers come back), and a line in [`TARGETS`].
 
+#![warn(unreachable_pub)]
+
 mod airsim;
 mod ardupilot_sitl;
 mod drift;
@@ -27,9 +29,9 @@ mod px4;
 mod sheet;
 mod vins;
 
-use crate::error::{Error, Result, nearest};
-use crate::sensor::SensorTerm;
 use imu::Imu;
+use proofmass_base::error::{Error, Result, nearest};
+use proofmass_scenario::sensor::SensorTerm;
 use sheet::Sheet;
 
 /// A tool that a sensor can be handed to.

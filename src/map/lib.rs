@@ -4,19 +4,22 @@
 //! A map is a document (`map.toml`), so that a sensor designer can put their own proof mass in
 //! place of the paper's. Not for real sensors' noise budgets: that is `study`.
 
+#![warn(unreachable_pub)]
+
 mod atlas;
 mod diagram;
 pub mod divided;
 pub mod document;
 pub mod grid;
+pub mod page;
 
-use crate::backend::orbits::Device;
-use crate::control::Control;
-use crate::error::Result;
-use crate::parallel;
-pub(crate) use atlas::Atlas;
+pub use atlas::Atlas;
 pub(crate) use diagram::Bifurcation;
 use document::Document;
+use proofmass_base::control::Control;
+use proofmass_base::error::Result;
+use proofmass_base::parallel;
+use proofmass_simulate::backend::orbits::Device;
 
 /// Computes everything a document asks for.
 ///

@@ -1,13 +1,13 @@
 //! The map as figures and a page: exponent, period, bifurcation diagrams with both sweeps.
 
-use super::figure::{Axis, Chart, Figure, Ink, Mark, Raster};
-use super::html::Page;
-use super::table::Table;
-use crate::map::document::{Document, Quantity};
-use crate::map::grid::Grid;
-use crate::map::{Atlas, Bifurcation};
-use crate::number::significant;
-use crate::numerics::order;
+use crate::document::{Document, Quantity};
+use crate::grid::Grid;
+use crate::{Atlas, Bifurcation};
+use proofmass_base::number::significant;
+use proofmass_base::numerics::order;
+use proofmass_report::figure::{Axis, Chart, Figure, Ink, Mark, Raster};
+use proofmass_report::html::Page;
+use proofmass_report::table::Table;
 
 /// A line per map and diagram.
 pub fn table(atlas: &Atlas) -> Table {
@@ -104,7 +104,7 @@ pub(crate) fn diagram(b: &Bifurcation) -> [Figure; 2] {
 }
 
 /// File names of the figures, a pair for each map and then for each diagram.
-pub(crate) fn file_names(document: &Document) -> Vec<[String; 2]> {
+pub fn file_names(document: &Document) -> Vec<[String; 2]> {
     let names = |what: &'static str, count: usize, pair: [&'static str; 2]| {
         (1..=count).map(move |n| pair.map(|which| format!("{what}-{n}-{which}.svg")))
     };
@@ -113,7 +113,7 @@ pub(crate) fn file_names(document: &Document) -> Vec<[String; 2]> {
 }
 
 /// Every figure with its file name.
-pub(crate) fn figures(atlas: &Atlas) -> Vec<(String, Figure)> {
+pub fn figures(atlas: &Atlas) -> Vec<(String, Figure)> {
     let figures = atlas.grids.iter().map(|g| grid(atlas, g)).chain(atlas.diagrams.iter().map(diagram));
     file_names(&atlas.document).into_iter().zip(figures).flat_map(|(names, pair)| names.into_iter().zip(pair)).collect()
 }

@@ -4,6 +4,8 @@
 //! checks that stand for what the paper says of them; `report::paper` draws. Not for the tool's own
 //! answers about a user's sensor or recording.
 
+#![warn(unreachable_pub)]
+
 pub mod array;
 pub mod attractor;
 pub mod beliefs;
@@ -17,17 +19,18 @@ pub mod growth;
 pub mod inertial;
 pub mod linear;
 pub mod moved;
+pub mod page;
 pub mod parting;
 pub mod pitch;
 
 use std::path::Path;
 
-use crate::backend::orbits::Device;
-use crate::control::{Control, Stopped};
-use crate::document::parse_toml;
-use crate::error::Result;
-use crate::map::Atlas;
 use check::Exhibit;
+use proofmass_base::control::{Control, Stopped};
+use proofmass_base::document::parse_toml;
+use proofmass_base::error::Result;
+use proofmass_map::Atlas;
+use proofmass_simulate::backend::orbits::Device;
 
 /// Every figure of the paper, computed, with its checks.
 #[derive(Debug, Clone)]
@@ -55,7 +58,7 @@ pub struct Paper {
 }
 
 /// The committed map of the paper's equation.
-const MAP: &str = include_str!("../reports/map/map.toml");
+const MAP: &str = include_str!("../../reports/map/map.toml");
 
 impl Paper {
     /// Figures 1 to 20 in order.
@@ -107,9 +110,9 @@ pub fn compute(data: Option<&Path>, maps: bool, device: Device<'_>, control: &Co
     drop(progress);
     let atlas = match maps {
         true => {
-            let mut document: crate::map::document::Document = parse_toml("reports/map/map.toml", MAP)?;
+            let mut document: proofmass_map::document::Document = parse_toml("reports/map/map.toml", MAP)?;
             document.drive.amplitude_n = attractor.drive.amplitude_n;
-            Some(crate::map::compute(document, device, control)?)
+            Some(proofmass_map::compute(document, device, control)?)
         }
         false => None,
     };

@@ -7,10 +7,10 @@ mod mechanics;
 mod section;
 mod tilt;
 
-use super::html::Page;
-use super::table::Table;
-use crate::paper::Paper;
-use crate::paper::check::Provenance;
+use crate::Paper;
+use crate::check::Provenance;
+use proofmass_report::html::Page;
+use proofmass_report::table::Table;
 
 /// One line per figure, for a terminal.
 pub fn table(paper: &Paper) -> Table {
@@ -28,7 +28,7 @@ pub fn table(paper: &Paper) -> Table {
 }
 
 /// Every check that does not hold, as a sentence.
-pub(crate) fn failures(paper: &Paper) -> Vec<String> {
+pub fn failures(paper: &Paper) -> Vec<String> {
     paper
         .exhibits()
         .iter()

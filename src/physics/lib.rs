@@ -24,6 +24,8 @@
 //! Tests then hold it against the trial's equation, in f64, in f32 and on the GPU
 //! (tests/suite/laws.rs).
 
+#![warn(unreachable_pub)]
+
 pub mod bias_drift;
 pub mod bias_random_walk;
 pub mod candidate;
@@ -33,6 +35,7 @@ pub mod coupled_mode;
 pub mod cubic_stiffness;
 pub mod dimension;
 pub mod drive_nonlinearity;
+pub mod dynamics;
 pub mod end_stop;
 pub mod feedthrough;
 pub mod force_noise;
@@ -65,3 +68,6 @@ pub mod study;
 mod test_problem;
 pub mod warm_stiffness;
 pub mod warm_up;
+
+// The crates below, under the names by which files here call them.
+use proofmass_base::{control, numerics, rng, units};

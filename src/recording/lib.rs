@@ -5,6 +5,8 @@
 //! rows in the file = rows used + rows `dropped`. Not for judging physics: a gap or a clipped rail
 //! is reported here, what it means is `diagnosis`' business.
 
+#![warn(unreachable_pub)]
+
 pub mod array;
 pub mod bytes;
 pub mod cells;
@@ -53,6 +55,9 @@ pub mod trajectory;
 pub mod unit;
 #[cfg(feature = "zstd")]
 pub mod zstandard;
+
+// The crates below, under the names by which files here call them.
+use proofmass_base::{control, document, error, escape, number, numerics, parallel, rng, units};
 
 pub use in_memory::{Averaged, Column, Recording};
 pub use limits::FILL_LIMIT;

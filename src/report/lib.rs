@@ -3,17 +3,15 @@
 //! Not for computing anything: it receives finished results. `figure` is the only place that names
 //! plotters.
 
+#![warn(unreachable_pub)]
+
 pub mod allan;
-pub mod bench;
 pub mod diagnosis;
 pub mod figure;
 pub mod html;
 pub mod inspection;
-pub mod map;
-pub mod paper;
 pub mod require;
 pub mod strapdown;
 pub mod study;
 pub mod sweep;
 pub mod table;
-pub mod trial;

@@ -23,7 +23,7 @@ pub mod waveform;
 
 use std::sync::OnceLock;
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 use schemars::{Schema, SchemaGenerator};
 use serde::Deserializer;
 
@@ -45,13 +45,13 @@ pub(crate) const KINDS: &[Kind] =
 ///
 /// # Errors
 /// An unknown kind or key, a value of another form.
-pub(crate) fn section<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Section, D::Error> {
+pub fn section<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Section, D::Error> {
     static KNOWN: OnceLock<Known> = OnceLock::new();
     section::read(deserializer, KNOWN.get_or_init(|| Known::of(KINDS.iter().map(|k| (k.name, k.keys)))))
 }
 
 /// `[excitation]` as JSON Schema: one alternative a kind, with the keys that it takes.
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 pub fn schema(generator: &mut SchemaGenerator) -> Schema {
     let mut kinds = Vec::new();
     for kind in KINDS {

@@ -5,7 +5,7 @@
 //! `report` shows it.
 
 pub mod budget;
-pub(crate) mod carried;
+pub mod carried;
 pub mod compare;
 mod course;
 pub mod disturbance;

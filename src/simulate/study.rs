@@ -51,7 +51,7 @@ pub use sweep::Axis;
 use tolerances::Tolerances;
 
 /// The study that runs when none is named: a consumer-grade MEMS IMU, one minute.
-const DEFAULT: &str = include_str!("../reports/default/study.toml");
+const DEFAULT: &str = include_str!("../../reports/default/study.toml");
 
 /// A study.toml, checked and in SI units.
 #[derive(Clone)]

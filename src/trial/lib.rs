@@ -11,6 +11,8 @@
 //!
 //! Not for fitting: nothing here is used by `diagnosis`, and nothing here calls into its numerics.
 
+#![warn(unreachable_pub)]
+
 pub mod blind;
 pub mod campaign;
 pub mod case;
@@ -25,6 +27,7 @@ pub mod interval;
 pub mod judge;
 pub mod like;
 pub mod outcome;
+pub mod page;
 pub mod physics;
 pub mod plan;
 pub mod plant;

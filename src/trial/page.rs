@@ -4,19 +4,19 @@ pub mod figures;
 pub mod independent;
 pub mod like;
 
-use crate::diagnosis::candidate::Kind;
-use crate::number::{duration, significant};
-use crate::numerics::order;
-use crate::report::html::Page;
-use crate::report::table::Table;
-use crate::trial::blind::Verdicts;
-use crate::trial::campaign::Campaign;
-use crate::trial::case::{Case, Family};
-use crate::trial::interval::Proportion;
-use crate::trial::judge::{self, Covered};
-use crate::trial::outcome::{Confusion, FALLBACK_LIMIT, Limit, Outcome};
-use crate::trial::plan::Plan;
-use crate::trial::real::Found;
+use crate::blind::Verdicts;
+use crate::campaign::Campaign;
+use crate::case::{Case, Family};
+use crate::interval::Proportion;
+use crate::judge::{self, Covered};
+use crate::outcome::{Confusion, FALLBACK_LIMIT, Limit, Outcome};
+use crate::plan::Plan;
+use crate::real::Found;
+use proofmass_base::number::{duration, significant};
+use proofmass_base::numerics::order;
+use proofmass_diagnosis::candidate::Kind;
+use proofmass_report::html::Page;
+use proofmass_report::table::Table;
 
 fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
@@ -64,7 +64,7 @@ pub(crate) fn families(outcome: &Outcome) -> Table {
 }
 
 /// Real recordings against what another source knows of them.
-pub(crate) fn recordings(found: &[Found]) -> Table {
+pub fn recordings(found: &[Found]) -> Table {
     let mut table = Table::new(&["recording", "known from elsewhere", "said", "numbers"]);
     for real in found {
         let groups: Vec<String> = real.said.groups.iter().map(|g| g.join(" or ")).collect();
@@ -81,7 +81,7 @@ pub(crate) fn recordings(found: &[Found]) -> Table {
 }
 
 /// Errors on samples that were not fitted beside the best published ones.
-pub(crate) fn scores(found: &[Found]) -> Table {
+pub fn scores(found: &[Found]) -> Table {
     let headings = ["recording", "validated on", "unit", "base model", "with the named physics", "published", "by"];
     let mut table = Table::new(&headings);
     let number = |v: Option<f64>| v.map_or_else(|| "–".to_owned(), |v| significant(v, 3));
@@ -142,7 +142,7 @@ pub(crate) fn unknown(outcome: &Outcome) -> Table {
 
 /// Planted alone against said in one kind of recording, as a matrix: a row per effect, columns by
 /// the rows' numbers; a tie counts in each of its columns.
-pub(crate) fn matrix(outcome: &Outcome, kind: Kind) -> Table {
+pub fn matrix(outcome: &Outcome, kind: Kind) -> Table {
     let limits = outcome.detection_limit.iter().filter(|l| l.kind == kind);
     let ids: Vec<&str> = limits.map(|l| l.id.as_str()).collect();
     let numbers: Vec<String> = (1..=ids.len()).map(|n| n.to_string()).collect();
@@ -192,7 +192,7 @@ fn tie_of_two_with(said: &str, id: &str) -> bool {
 }
 
 /// The result on a terminal.
-pub(crate) fn terminal(outcome: &Outcome) -> String {
+pub fn terminal(outcome: &Outcome) -> String {
     format!("{}\n{}\n{}", headline(outcome), families(outcome), effects(outcome))
 }
 
@@ -214,7 +214,7 @@ fn how(plan: &Plan, outcome: &Outcome) -> String {
 }
 
 /// The whole report as a page.
-pub(crate) fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], verdicts: &Verdicts, real: &[Found]) -> Page {
+pub fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], verdicts: &Verdicts, real: &[Found]) -> Page {
     let lede = format!(
         "Blind trial of the diagnosis: {} of the effects above their detection limit were named correctly; false alarms on \
          {} recordings with nothing planted: {}; unknown physics flagged: {}.",

@@ -7,7 +7,7 @@ use super::table::{Columns, Values};
 use crate::escape::line;
 
 /// The table as CSV text: a header row, then a line per row.
-pub(super) fn text(table: &Columns) -> String {
+pub(crate) fn text(table: &Columns) -> String {
     let mut out = String::new();
     let headings: Vec<Cow<'_, str>> = table.all().iter().map(|c| cell(&c.name)).collect();
     out += &headings.join(",");

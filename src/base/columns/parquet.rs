@@ -111,27 +111,3 @@ fn levels(present: &[bool]) -> Vec<u8> {
     packed.extend(present.chunks(8).map(|c| c.iter().enumerate().fold(0u8, |b, (i, p)| b | u8::from(*p) << i)));
     [&(packed.len() as u32).to_le_bytes()[..], &packed].concat()
 }
-
-#[cfg(all(test, feature = "parquet"))]
-mod tests {
-    use super::*;
-    use crate::recording::{Request, stream};
-
-    #[test]
-    fn what_is_written_is_read() {
-        let folder = tempfile::tempdir().expect("temporary folder");
-        let mut table = Columns::default();
-        let rows = GROUP + 100;
-        table.numbers("t_s", (0..rows).map(|k| k as f64 * 0.01).collect());
-        table.words("what", vec!["µ".into(); rows]);
-        table.numbers("a_m_s2", (0..rows).map(|k| (k as f64).sin()).collect());
-        let path = folder.path().join("table.parquet");
-        std::fs::write(&path, bytes(&table)).expect("written");
-        let (names, _) = stream::headings(&path, &Request::default()).expect("headings");
-        assert!(names.contains(&"a_m_s2".to_owned()) && !names.contains(&"what".to_owned()), "{names:?}");
-        let request = Request { columns: vec!["a_m_s2".into()], rate_hz: Some(100.0), ..Request::default() };
-        let recording = crate::recording::read(&path, &request).expect("read");
-        assert_eq!(recording.columns[0].values[rows - 1], ((rows - 1) as f64).sin());
-        assert_eq!(recording.columns[0].values.len(), rows);
-    }
-}

@@ -3,7 +3,7 @@
 
 /// A value of a field.
 #[derive(Debug, Clone)]
-pub(super) enum Value {
+pub(crate) enum Value {
     /// A whole number of 32 bits.
     Int(i32),
     /// A whole number of 64 bits.
@@ -29,7 +29,7 @@ impl Value {
     }
 
     /// Appends the value's bytes.
-    pub(super) fn write(&self, out: &mut Vec<u8>) {
+    pub(crate) fn write(&self, out: &mut Vec<u8>) {
         match self {
             Self::Int(value) => zigzag(out, i64::from(*value)),
             Self::Long(value) => zigzag(out, *value),

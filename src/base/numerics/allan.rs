@@ -12,7 +12,7 @@
 //! Of readings 1, −1, 1, −1, … the variance is 2 at one sample and 0 over any two:
 //!
 //! ```
-//! use proofmass::numerics::allan::Accumulator;
+//! use proofmass_base::numerics::allan::Accumulator;
 //!
 //! let mut allan = Accumulator::new();
 //! (0..1000).for_each(|i| allan.push(if i % 2 == 0 { 1.0 } else { -1.0 }));

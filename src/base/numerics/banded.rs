@@ -5,7 +5,7 @@
 
 /// A symmetric matrix of which only the diagonal and the bands below it are kept.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Banded {
+pub struct Banded {
     /// Bands, the diagonal included.
     bands: usize,
     /// Row by row: the entries from `row − bands + 1` to the diagonal.
@@ -14,20 +14,21 @@ pub(crate) struct Banded {
 
 /// The lower triangular factor of a band matrix.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Factor(Banded);
+pub struct Factor(Banded);
 
 impl Banded {
     /// Zeros, of this size, with this many bands, the diagonal included.
-    pub(crate) fn zeros(size: usize, bands: usize) -> Self {
+    pub fn zeros(size: usize, bands: usize) -> Self {
         Self { bands, entries: vec![0.0; size * bands] }
     }
 
-    pub(crate) fn size(&self) -> usize {
+    /// Number of rows.
+    pub fn size(&self) -> usize {
         self.entries.len() / self.bands
     }
 
     /// Adds to the entry of a row and a column to the left of the diagonal, or on it.
-    pub(crate) fn add(&mut self, row: usize, column: usize, value: f64) {
+    pub fn add(&mut self, row: usize, column: usize, value: f64) {
         let place = self.place(row, column);
         self.entries[place] += value;
     }
@@ -46,7 +47,7 @@ impl Banded {
     }
 
     /// Its factor; none where it is not positive definite.
-    pub(crate) fn factor(mut self) -> Option<Factor> {
+    pub fn factor(mut self) -> Option<Factor> {
         for row in 0..self.size() {
             for column in self.first(row)..=row {
                 let from = self.first(row).max(self.first(column));
@@ -66,7 +67,7 @@ impl Banded {
 
 impl Factor {
     /// Solves for one right-hand side, in its place.
-    pub(crate) fn solve(&self, x: &mut [f64]) {
+    pub fn solve(&self, x: &mut [f64]) {
         let lower = &self.0;
         for row in 0..lower.size() {
             let sum: f64 = (lower.first(row)..row).map(|k| lower.get(row, k) * x[k]).sum();

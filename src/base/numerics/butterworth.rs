@@ -14,7 +14,7 @@ const LEAD: f64 = 8.0;
 /// A sequence through the low-pass in both directions: amplitudes fall to one half at the corner.
 /// Beyond its ends the sequence is taken to go on turned about them, and its first and last values
 /// lead the filter in.
-pub(crate) fn zero_phase(values: &[f64], corner_hz: f64, rate_hz: f64) -> Vec<f64> {
+pub fn zero_phase(values: &[f64], corner_hz: f64, rate_hz: f64) -> Vec<f64> {
     let (Some(first), Some(last)) = (values.first(), values.last()) else { return Vec::new() };
     let lead = ((LEAD * rate_hz / corner_hz) as usize).min(values.len() - 1);
     let before = (1..=lead).rev().map(|k| 2.0 * first - values[k]);

@@ -11,7 +11,7 @@ use realfft::num_complex::Complex64;
 
 /// Coefficients c₀ … c_{N−1}; c_k belongs to the frequency k·rate/(2N), Σ c_k² = Σ x². Empty in,
 /// empty out.
-pub(crate) fn transform(values: &[f64]) -> Vec<f64> {
+pub fn transform(values: &[f64]) -> Vec<f64> {
     let count = values.len();
     if count == 0 {
         return Vec::new();
@@ -35,7 +35,7 @@ pub(crate) fn transform(values: &[f64]) -> Vec<f64> {
 }
 
 /// The sequence with these coefficients: the inverse of [`transform`].
-pub(crate) fn invert(coefficients: &[f64]) -> Vec<f64> {
+pub fn invert(coefficients: &[f64]) -> Vec<f64> {
     let count = coefficients.len();
     if count == 0 {
         return Vec::new();

@@ -60,7 +60,7 @@ pub trait Real:
 
 /// a·b + c, fused where the instruction exists (`FMA`). Never a library call.
 #[inline(always)]
-pub(crate) fn fma<T: Real, const FMA: bool>(a: T, b: T, c: T) -> T {
+pub fn fma<T: Real, const FMA: bool>(a: T, b: T, c: T) -> T {
     if FMA { a.mul_add(b, c) } else { a * b + c }
 }
 
@@ -254,7 +254,7 @@ fn ln_uniform<T: Real, const FMA: bool>(word: u32) -> T {
 
 /// sin and cos of 2π·`turns`/2³², the phase in fixed-point turns: its wrap-around is the circle's.
 #[inline(always)]
-pub(crate) fn sin_cos_turns<T: Real, const FMA: bool>(turns: u32) -> (T, T) {
+pub fn sin_cos_turns<T: Real, const FMA: bool>(turns: u32) -> (T, T) {
     // The quadrant, around whose middle the rest lies, is in the two highest bits.
     let quadrant = turns.wrapping_add(0x2000_0000);
     let rest = turns.wrapping_sub(quadrant & 0xC000_0000) as i32;
@@ -266,7 +266,7 @@ pub(crate) fn sin_cos_turns<T: Real, const FMA: bool>(turns: u32) -> (T, T) {
 
 /// sin and cos of x, |x| below some thousands.
 #[inline(always)]
-pub(crate) fn sin_cos<T: Real, const FMA: bool>(x: T) -> (T, T) {
+pub fn sin_cos<T: Real, const FMA: bool>(x: T) -> (T, T) {
     // π/2 in two parts; the first has few enough bits that its multiples are exact.
     const HIGH: f64 = 1.570_312_5;
     let quarters = (x * T::of(std::f64::consts::FRAC_2_PI)).round();
@@ -289,7 +289,7 @@ fn turn_by_quarters<T: Real>(s: T, c: T, quarters: u32) -> (T, T) {
 /// Two independent standard normal numbers of two random words (Box and Muller 1958). |g| ≤ 5.77:
 /// the largest of 2²³ equally likely radii.
 #[inline(always)]
-pub(crate) fn gaussian_pair<T: Real, const FMA: bool>(radius: u32, angle: u32) -> (T, T) {
+pub fn gaussian_pair<T: Real, const FMA: bool>(radius: u32, angle: u32) -> (T, T) {
     // Never of a negative number: `logarithms_are_negative` looks at all of them.
     let r = (T::of(-2.0) * ln_uniform::<T, FMA>(radius)).sqrt();
     let (sin, cos) = sin_cos_turns::<T, FMA>(angle);

@@ -18,7 +18,7 @@ const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 
 /// eˣ; beyond ±700 that of ±700.
 #[inline(always)]
-pub(crate) fn exp(x: f64) -> f64 {
+pub fn exp(x: f64) -> f64 {
     // 1/k!: the series ends below 5e-18 for |x| ≤ ln 2 / 2.
     const SERIES: [f64; 14] = [
         1.0,
@@ -48,7 +48,7 @@ pub(crate) fn exp(x: f64) -> f64 {
 
 /// ln x of a positive, normal x.
 #[inline(always)]
-pub(crate) fn ln(x: f64) -> f64 {
+pub fn ln(x: f64) -> f64 {
     // x = m·2ᵉ with m in [√½, √2).
     const ROOT_HALF: u64 = 0x3FE6_A09E_667F_3BCD;
     const MANTISSA: u64 = (1 << 52) - 1;
@@ -64,7 +64,7 @@ pub(crate) fn ln(x: f64) -> f64 {
 
 /// tanh x, within 4e-16.
 #[inline(always)]
-pub(crate) fn tanh(x: f64) -> f64 {
+pub fn tanh(x: f64) -> f64 {
     let fading = exp(-2.0 * x.abs());
     ((1.0 - fading) / (1.0 + fading)).copysign(x)
 }

@@ -1,7 +1,7 @@
 //! Weights of Lagrange's interpolating polynomial.
 
 /// Weight of node `j` of `nodes` for the value at `at`. Nodes differ from each other.
-pub(crate) fn weight(nodes: &[f64], j: usize, at: f64) -> f64 {
+pub fn weight(nodes: &[f64], j: usize, at: f64) -> f64 {
     let here = nodes[j];
     let others = nodes.iter().enumerate().filter(|(m, _)| *m != j);
     others.map(|(_, other)| (at - other) / (here - other)).product()
@@ -9,7 +9,7 @@ pub(crate) fn weight(nodes: &[f64], j: usize, at: f64) -> f64 {
 
 /// Weights of nodes at −1, 0, 1 and 2 for the value at `t`.
 #[inline]
-pub(crate) fn cubic(t: f64) -> [f64; 4] {
+pub fn cubic(t: f64) -> [f64; 4] {
     [
         -t * (t - 1.0) * (t - 2.0) / 6.0,
         (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,

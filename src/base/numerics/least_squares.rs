@@ -100,7 +100,7 @@ pub struct Minimum {
 /// ln(sum), the log-likelihood of Gaussian residuals. `None` where the model breaks down at the
 /// start; where it does so further on, the search stays at the last good point and takes shorter
 /// steps.
-pub(crate) fn minimise<R: Residuals>(problem: &R, start: &[f64], tolerance: f64, most: usize) -> Option<Minimum> {
+pub fn minimise<R: Residuals>(problem: &R, start: &[f64], tolerance: f64, most: usize) -> Option<Minimum> {
     let mut z = start.to_vec();
     problem.confine(&mut z);
     let mut linear = problem.linearise(&z)?;

@@ -3,7 +3,7 @@
 
 /// Legendre's polynomial of a degree at a place from −1 to 1, by Bonnet's recursion (Abramowitz &
 /// Stegun, 22.7.10).
-pub(crate) fn legendre(degree: usize, x: f64) -> f64 {
+pub fn legendre(degree: usize, x: f64) -> f64 {
     let (mut before, mut now) = (1.0, x);
     for k in 1..degree {
         let k = k as f64;

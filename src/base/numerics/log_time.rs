@@ -4,7 +4,7 @@
 const EARLY: f64 = 0.01;
 
 /// Place of a time on that scale, both from 0 to 1 over the recording: ln(1 + t/t₀) / ln(1 + 1/t₀).
-pub(crate) fn log_time(at: f64) -> f64 {
+pub fn log_time(at: f64) -> f64 {
     (at / EARLY).ln_1p() / (1.0 / EARLY).ln_1p()
 }
 

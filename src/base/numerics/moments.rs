@@ -15,7 +15,7 @@ pub fn mean_sd(values: &[f64]) -> (f64, f64) {
 }
 
 /// Root mean square; zero of nothing.
-pub(crate) fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
+pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
     let (squares, count) = values.into_iter().fold((0.0, 0.0), |(sum, n), v| (sum + v * v, n + 1.0));
     (squares / f64::max(count, 1.0)).sqrt()
 }

@@ -4,7 +4,7 @@
 ///
 /// All that violate the conditions of optimality are exchanged at once (Portugal, Júdice & Vicente,
 /// Math. Comp. 63, 1994); the rare cycle is broken by trying every subset.
-pub(crate) fn non_negative(normal: &[[f64; 5]; 5], target: &[f64; 5], free: &[bool; 5]) -> [f64; 5] {
+pub fn non_negative(normal: &[[f64; 5]; 5], target: &[f64; 5], free: &[bool; 5]) -> [f64; 5] {
     let scale: [f64; 5] = std::array::from_fn(|p| normal[p][p].sqrt().max(f64::MIN_POSITIVE));
     let mut system = [[0.0; 6]; 5];
     for p in 0..5 {

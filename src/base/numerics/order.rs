@@ -5,13 +5,13 @@
 //! distributions (`special`).
 
 /// Sorts from −∞ to ∞, NaN at the ends.
-pub(crate) fn sort(values: &mut [f64]) {
+pub fn sort(values: &mut [f64]) {
     values.sort_unstable_by(f64::total_cmp);
 }
 
 /// Sorts by a number, smallest first, equal ones in the order they came in. Largest first is by the
 /// number with its sign changed.
-pub(crate) fn sort_by_key<T>(items: &mut [T], key: impl Fn(&T) -> f64) {
+pub fn sort_by_key<T>(items: &mut [T], key: impl Fn(&T) -> f64) {
     let keys: Vec<f64> = items.iter().map(key).collect();
     let mut order = ranked(&keys);
     // Every item goes to its place along the cycles of the permutation, a swap each.
@@ -27,20 +27,20 @@ pub(crate) fn sort_by_key<T>(items: &mut [T], key: impl Fn(&T) -> f64) {
 }
 
 /// Indices of `keys`, smallest key first, equal ones in order.
-pub(crate) fn ranked(keys: &[f64]) -> Vec<usize> {
+pub fn ranked(keys: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..keys.len()).collect();
     order.sort_unstable_by(|a, b| keys[*a].total_cmp(&keys[*b]).then(a.cmp(b)));
     order
 }
 
 /// The middle value, the upper one of an even number; `None` of nothing.
-pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
+pub fn median(mut values: Vec<f64>) -> Option<f64> {
     let middle = values.len() / 2;
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// The value below which a share of `sorted` lies, interpolated between ranks; NaN of nothing.
-pub(crate) fn quantile(sorted: &[f64], fraction: f64) -> f64 {
+pub fn quantile(sorted: &[f64], fraction: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let rank = fraction * last as f64;
     let below = (rank as usize).min(last);

@@ -8,23 +8,23 @@ use statrs::distribution::{Beta, ChiSquared, ContinuousCDF, FisherSnedecor, Norm
 use super::order::ranked;
 
 /// Φ(z) of the standard normal distribution.
-pub(crate) fn normal_cdf(z: f64) -> f64 {
+pub fn normal_cdf(z: f64) -> f64 {
     Normal::standard().cdf(z)
 }
 
 /// z with Φ(z) = `probability`.
-pub(crate) fn normal_quantile(probability: f64) -> f64 {
+pub fn normal_quantile(probability: f64) -> f64 {
     if (0.0..=1.0).contains(&probability) { Normal::standard().inverse_cdf(probability) } else { f64::NAN }
 }
 
 /// Probability that χ² with `degrees_of_freedom` degrees of freedom exceeds `value`.
-pub(crate) fn chi_squared_survival(value: f64, degrees_of_freedom: f64) -> f64 {
+pub fn chi_squared_survival(value: f64, degrees_of_freedom: f64) -> f64 {
     ChiSquared::new(degrees_of_freedom).map_or(f64::NAN, |d| d.sf(value.max(0.0)))
 }
 
 /// χ² with `degrees_of_freedom` degrees of freedom stays below this value with `probability`.
 /// `degrees_of_freedom` need not be whole.
-pub(crate) fn chi_squared_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
+pub fn chi_squared_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     if !(0.0..=1.0).contains(&probability) || !degrees_of_freedom.is_finite() {
         return f64::NAN;
     }
@@ -37,12 +37,12 @@ pub(crate) fn chi_squared_quantile(probability: f64, degrees_of_freedom: f64) ->
 }
 
 /// Probability that F with these degrees of freedom exceeds `value`.
-pub(crate) fn f_survival(value: f64, numerator: f64, denominator: f64) -> f64 {
+pub fn f_survival(value: f64, numerator: f64, denominator: f64) -> f64 {
     FisherSnedecor::new(numerator, denominator).map_or(f64::NAN, |d| d.sf(value.max(0.0)))
 }
 
 /// t with `degrees_of_freedom` degrees of freedom stays below this value with `probability`.
-pub(crate) fn t_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
+pub fn t_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     if !(0.0..=1.0).contains(&probability) {
         return f64::NAN;
     }
@@ -62,7 +62,7 @@ pub fn exact_interval(hits: u64, cases: u64, level: f64) -> [f64; 2] {
 
 /// Which of many tests are discoveries when at most `rate` of those named may be false on average
 /// (Benjamini & Hochberg, J. R. Stat. Soc. B 57, 1995). NaN is never a discovery.
-pub(crate) fn discoveries(p_values: &[f64], rate: f64) -> Vec<bool> {
+pub fn discoveries(p_values: &[f64], rate: f64) -> Vec<bool> {
     let mut order = ranked(p_values);
     order.retain(|i| !p_values[*i].is_nan());
     let limit = |rank: usize| rate * (rank + 1) as f64 / p_values.len() as f64;

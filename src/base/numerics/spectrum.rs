@@ -38,7 +38,7 @@ pub struct Response {
 /// Welch's density with Hann windows that overlap by half; each segment loses its mean. `segment`
 /// is a number of samples, limited to the length of `values`; fewer than four samples give an empty
 /// density.
-pub(crate) fn welch(values: &[f64], rate_hz: f64, segment: usize) -> Density {
+pub fn welch(values: &[f64], rate_hz: f64, segment: usize) -> Density {
     let Some(mut welch) = Welch::new(segment.min(values.len())) else { return Density::empty() };
     values.iter().for_each(|v| welch.push(*v));
     welch.density(rate_hz)
@@ -46,7 +46,7 @@ pub(crate) fn welch(values: &[f64], rate_hz: f64, segment: usize) -> Density {
 
 /// Welch's density of a stream.
 #[derive(Debug)]
-pub(crate) struct Welch {
+pub struct Welch {
     hann: Windowed,
     segment: Vec<f64>,
     length: usize,
@@ -56,12 +56,13 @@ pub(crate) struct Welch {
 
 impl Welch {
     /// With segments of this many samples; `None` for fewer than four.
-    pub(crate) fn new(length: usize) -> Option<Self> {
+    pub fn new(length: usize) -> Option<Self> {
         let (segment, sum) = (Vec::with_capacity(length), vec![0.0; length / 2 + 1]);
         Some(Self { hann: Windowed::new(length)?, segment, length, sum, count: 0 })
     }
 
-    pub(crate) fn push(&mut self, value: f64) {
+    /// Adds the next sample.
+    pub fn push(&mut self, value: f64) {
         self.segment.push(value);
         if self.segment.len() == self.length {
             for (s, bin) in self.sum.iter_mut().zip(self.hann.transform(&self.segment)) {
@@ -73,12 +74,12 @@ impl Welch {
     }
 
     /// The recording breaks off here: no segment reaches across.
-    pub(crate) fn interrupt(&mut self) {
+    pub fn interrupt(&mut self) {
         self.segment.clear();
     }
 
     /// What was averaged so far; empty before the first whole segment.
-    pub(crate) fn density(&self, rate_hz: f64) -> Density {
+    pub fn density(&self, rate_hz: f64) -> Density {
         if self.count == 0 {
             return Density::empty();
         }
@@ -90,7 +91,7 @@ impl Welch {
 }
 
 /// The periodogram of a sequence without its mean: one average, what a Whittle likelihood wants.
-pub(crate) fn periodogram(values: &[f64], rate_hz: f64) -> Density {
+pub fn periodogram(values: &[f64], rate_hz: f64) -> Density {
     let count = values.len();
     if count < 4 {
         return Density::empty();
@@ -107,7 +108,7 @@ pub(crate) fn periodogram(values: &[f64], rate_hz: f64) -> Density {
 }
 
 /// The response of `output` to `input` (equally long) by Welch's averages.
-pub(crate) fn response(input: &[f64], output: &[f64], rate_hz: f64, segment: usize) -> Response {
+pub fn response(input: &[f64], output: &[f64], rate_hz: f64, segment: usize) -> Response {
     let length = input.len().min(output.len());
     let segment = segment.min(length);
     let (Some(mut x), Some(mut y)) = (Windowed::new(segment), Windowed::new(segment)) else {

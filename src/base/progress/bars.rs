@@ -9,12 +9,12 @@ use crate::escape;
 use crate::signal::{self, Signal};
 
 /// Stages are bars on stderr, and signals stop.
-pub(super) struct Terminal {
+pub(crate) struct Terminal {
     bars: MultiProgress,
 }
 
 impl Terminal {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { bars: MultiProgress::with_draw_target(ProgressDrawTarget::stderr_with_hz(8)) }
     }
 }

@@ -152,7 +152,7 @@ const LONGEST_HEADER: u64 = 64 << 20;
 ///
 /// # Errors
 /// It cannot be read, or is no state of a shard, or one of another version.
-pub(crate) fn read_head(path: &Path) -> Result<Header> {
+pub fn read_head(path: &Path) -> Result<Header> {
     let file = open(path)?;
     let mut lines = BufReader::new(file.take(LONGEST_HEADER));
     let mut line = Vec::new();
@@ -232,7 +232,7 @@ impl Contents {
     ///
     /// # Errors
     /// There is none, it is damaged, or it belongs to another run than the header.
-    pub(crate) fn resumed(place: &Place, header: &Header) -> Result<Self> {
+    pub fn resumed(place: &Place, header: &Header) -> Result<Self> {
         let path = place.path();
         let refuse =
             |cause: &str, hint: &str| Err(Error::new(format!("could not resume from {}", path.display()), cause, hint));
@@ -262,7 +262,7 @@ impl Contents {
 }
 
 /// The error of results that cannot be what their header says.
-pub(crate) fn damaged(path: &Path, what: &str) -> Error {
+pub fn damaged(path: &Path, what: &str) -> Error {
     refuse(path, what)
 }
 

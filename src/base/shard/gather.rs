@@ -73,7 +73,7 @@ pub fn find(places: &[PathBuf]) -> Result<Vec<Found>> {
 }
 
 /// What no file of a run holds: for each part, units that are still to do.
-pub(crate) fn missing(found: &[Found]) -> Vec<(usize, Range<u64>)> {
+pub fn missing(found: &[Found]) -> Vec<(usize, Range<u64>)> {
     let Some(first) = found.first() else { return Vec::new() };
     let mut gaps = Vec::new();
     for (part, units) in first.header.run.parts.iter().enumerate() {
@@ -109,7 +109,7 @@ const ATTEMPT: &str = "could not merge";
 ///
 /// # Errors
 /// The first file that is in the way, by its name.
-pub(crate) fn belong_together(found: &[Found], places: &[PathBuf]) -> Result<()> {
+pub fn belong_together(found: &[Found], places: &[PathBuf]) -> Result<()> {
     if found.is_empty() {
         let names: Vec<String> = places.iter().map(|p| p.display().to_string()).collect();
         let cause = format!("no file {} in {}", PATTERN.join("K-of-N"), names.join(", "));
@@ -167,7 +167,7 @@ pub(crate) fn belong_together(found: &[Found], places: &[PathBuf]) -> Result<()>
 ///
 /// # Errors
 /// As [`belong_together`], and the shards that are not there or not finished, by their names.
-pub(crate) fn are_whole(found: &[Found], places: &[PathBuf]) -> Result<()> {
+pub fn are_whole(found: &[Found], places: &[PathBuf]) -> Result<()> {
     belong_together(found, places)?;
     let gaps = missing(found);
     if gaps.is_empty() {

@@ -28,7 +28,7 @@ impl Listener {
 /// Makes SIGINT, SIGTERM and SIGHUP raise a flag instead of killing the process. Only a second
 /// Ctrl-C, a second or more after the first, kills it at once.
 #[cfg(unix)]
-pub(crate) fn listen_for_interrupt() {
+pub fn listen_for_interrupt() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     // Refused only where the system has no room for a handler; signals then kill, as they do
     // without one.

@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 use super::Moments;
 
 /// Bins of one histogram.
-pub(crate) const BINS: usize = 4096;
+pub const BINS: usize = 4096;
 /// Half the range of the bins around a pilot, in its standard deviations.
 const HALF_RANGE_SD: f64 = 8.0;
 /// Width of a bin in standard deviations of the pilot.
-pub(crate) const BIN_SD: f64 = 2.0 * HALF_RANGE_SD / BINS as f64;
+pub const BIN_SD: f64 = 2.0 * HALF_RANGE_SD / BINS as f64;
 
 /// Where the bins of one histogram lie: `BINS` equal ones between two values, rounded to f32 so
 /// that every backend sorts into the same ones.

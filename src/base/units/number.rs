@@ -4,11 +4,11 @@
 //! truncated normal), which is harmless while the mean lies two standard deviations or more above
 //! zero and refused by `check` when it does not.
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 use std::borrow::Cow;
 use std::fmt;
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{self, Deserialize, Deserializer, MapAccess, Visitor};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
@@ -109,7 +109,7 @@ impl fmt::Display for Number {
 
 const KEYS: &[&str] = &["mean", "sd", "min", "max"];
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 impl JsonSchema for Number {
     fn schema_name() -> Cow<'static, str> {
         "Number".into()

@@ -1,19 +1,19 @@
 //! Figures 17 to 20 and the maps on the page.
 
-use super::super::figure::{Axis, Chart, Figure, Ink, Mark, Raster};
-use super::super::html::Page;
-use super::super::map;
 use super::mechanics::three_figures;
 use super::section::{checks, head, thin};
-use crate::dynamics::duffing::PAPER;
-use crate::dynamics::estimate::Estimate;
-use crate::number::{significant, with_uncertainty};
-use crate::paper::Paper;
-use crate::paper::attractor::{Attractor, View};
-use crate::paper::bifurcation::Bifurcation;
-use crate::paper::forcing::Scan;
-use crate::paper::linear::END_S;
-use crate::paper::parting::{NOISE_N_RTS, Parting};
+use crate::Paper;
+use crate::attractor::{Attractor, View};
+use crate::bifurcation::Bifurcation;
+use crate::forcing::Scan;
+use crate::linear::END_S;
+use crate::parting::{NOISE_N_RTS, Parting};
+use proofmass_base::number::{significant, with_uncertainty};
+use proofmass_map::page as map;
+use proofmass_physics::dynamics::duffing::PAPER;
+use proofmass_physics::dynamics::estimate::Estimate;
+use proofmass_report::figure::{Axis, Chart, Figure, Ink, Mark, Raster};
+use proofmass_report::html::Page;
 
 pub(super) fn write(page: &mut Page, paper: &Paper) {
     figure_17(page, &paper.attractor);
@@ -198,7 +198,7 @@ fn figure_20(page: &mut Page, bifurcation: &Bifurcation, parting: &Parting, attr
          multiplies their differences by e, until noise decides where they are.",
         significant(NOISE_N_RTS, 1),
     ));
-    let paths = |title: &str, spread: &crate::paper::parting::Spread| {
+    let paths = |title: &str, spread: &crate::parting::Spread| {
         let mut chart = Chart::new(title, Axis::linear("time / s"), Axis::linear("distance error / m"));
         for (i, member) in spread.distance_error_m.iter().take(6).enumerate() {
             let path: Vec<(f64, f64)> = spread.time_s.iter().copied().zip(member.iter().copied()).collect();
@@ -218,7 +218,7 @@ fn figure_20(page: &mut Page, bifurcation: &Bifurcation, parting: &Parting, attr
                    lie on one another: wrong, but predictably wrong.",
         ),
     ]);
-    let curve = |s: &crate::paper::parting::Spread| -> Vec<(f64, f64)> {
+    let curve = |s: &crate::parting::Spread| -> Vec<(f64, f64)> {
         thin(&s.time_s.iter().copied().zip(s.sd_m.iter().copied()).skip(8).collect::<Vec<_>>(), 600)
     };
     let law: Vec<(f64, f64)> =

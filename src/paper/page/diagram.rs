@@ -1,10 +1,10 @@
 //! The Kalman filter as a block diagram whose blocks carry the numbers that were used.
 
-use super::super::figure::Figure;
-use crate::escape::html;
-use crate::number::significant;
-use crate::paper::fusion::Fusion;
-use crate::units::DEGREE;
+use crate::fusion::Fusion;
+use proofmass_base::escape::html;
+use proofmass_base::number::significant;
+use proofmass_base::units::DEGREE;
+use proofmass_report::figure::Figure;
 
 struct Block<'a> {
     at: (i32, i32),

@@ -1,14 +1,14 @@
 //! Figures 1 to 4 on the page.
 
-use super::super::figure::{Axis, Chart, Ink, Mark};
-use super::super::html::Page;
 use super::section::{checks, head, thin};
-use crate::number::significant;
-use crate::paper::Paper;
-use crate::paper::array::{self, SENSORS};
-use crate::paper::envelope::Envelope;
-use crate::paper::growth::{ANGLE_WALK_RAD_RTS, Growth};
-use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
+use crate::Paper;
+use crate::array::{self, SENSORS};
+use crate::envelope::Envelope;
+use crate::growth::{ANGLE_WALK_RAD_RTS, Growth};
+use proofmass_base::number::significant;
+use proofmass_base::units::{DEGREE, STANDARD_GRAVITY_M_S2};
+use proofmass_report::figure::{Axis, Chart, Ink, Mark};
+use proofmass_report::html::Page;
 
 pub(super) fn write(page: &mut Page, paper: &Paper) {
     one(page, &paper.array);

@@ -1,13 +1,13 @@
 //! Figures 13 to 16 on the page.
 
-use super::super::figure::{Axis, Chart, Figure, Ink, Mark};
-use super::super::html::Page;
 use super::section::{checks, head, thin};
-use crate::dynamics::duffing::{Oscillator, PAPER};
-use crate::dynamics::linear::MassResponse;
-use crate::paper::Paper;
-use crate::paper::cubic::Cubic;
-use crate::paper::linear::{END_S, Linear, RECTANGLE, reading};
+use crate::Paper;
+use crate::cubic::Cubic;
+use crate::linear::{END_S, Linear, RECTANGLE, reading};
+use proofmass_physics::dynamics::duffing::{Oscillator, PAPER};
+use proofmass_physics::dynamics::linear::MassResponse;
+use proofmass_report::figure::{Axis, Chart, Figure, Ink, Mark};
+use proofmass_report::html::Page;
 
 pub(super) fn write(page: &mut Page, paper: &Paper) {
     linear(page, &paper.linear);

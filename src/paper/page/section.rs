@@ -1,10 +1,10 @@
 //! What the sections of all figures share: their heading, their checks, and curves thinned to what
 //! a page can show.
 
-use crate::number::{significant, worth};
-use crate::paper::check::{Check, Exhibit};
-use crate::report::html::Page;
-use crate::report::table::Table;
+use crate::check::{Check, Exhibit};
+use proofmass_base::number::{significant, worth};
+use proofmass_report::html::Page;
+use proofmass_report::table::Table;
 
 /// At most `most` points of a curve, evenly taken, the last kept.
 pub(crate) fn thin(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {

@@ -1,18 +1,18 @@
 //! Figures 5 to 12 on the page.
 
-use super::super::figure::{Axis, Chart, Figure, Ink, Mark};
-use super::super::html::Page;
-use super::super::table::Table;
 use super::diagram;
 use super::section::{checks, head, thin};
-use crate::number::{significant, with_uncertainty};
-use crate::numerics::order::quantile;
-use crate::paper::Paper;
-use crate::paper::check::Provenance;
-use crate::paper::fusion::{BACK_AFTER_S, Fusion, MOVED_UNTIL_S, STILL_UNTIL_S};
-use crate::paper::moved::Line;
-use crate::paper::pitch::{Curve, Pitch};
-use crate::units::DEGREE;
+use crate::Paper;
+use crate::check::Provenance;
+use crate::fusion::{BACK_AFTER_S, Fusion, MOVED_UNTIL_S, STILL_UNTIL_S};
+use crate::moved::Line;
+use crate::pitch::{Curve, Pitch};
+use proofmass_base::number::{significant, with_uncertainty};
+use proofmass_base::numerics::order::quantile;
+use proofmass_base::units::DEGREE;
+use proofmass_report::figure::{Axis, Chart, Figure, Ink, Mark};
+use proofmass_report::html::Page;
+use proofmass_report::table::Table;
 
 pub(super) fn write(page: &mut Page, paper: &Paper) {
     moving(page, &paper.pitch);

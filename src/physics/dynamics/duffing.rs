@@ -3,7 +3,7 @@
 //!
 //! Not for stiff proof masses of real sensors: those have integrators of their own in `kernel`.
 
-use crate::physics::cubic_stiffness::{acceleration, tangent_stiffness};
+use crate::cubic_stiffness::{acceleration, tangent_stiffness};
 
 /// Coefficients of equation 6, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]

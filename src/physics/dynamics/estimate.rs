@@ -29,7 +29,7 @@ impl Estimate {
 }
 
 /// Slope of the least-squares line, its error from the scatter about the line.
-pub(crate) fn slope(points: &[(f64, f64)]) -> Estimate {
+pub fn slope(points: &[(f64, f64)]) -> Estimate {
     let n = points.len() as f64;
     let (mx, my) = (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);
     let sxx: f64 = points.iter().map(|p| (p.0 - mx).powi(2)).sum();

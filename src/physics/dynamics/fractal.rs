@@ -27,7 +27,7 @@ pub struct Scales {
 }
 
 /// Box-counting dimension of groups of points in the unit square. Points outside are left out.
-pub(crate) fn box_counting(groups: &[Vec<[f64; 2]>], scales: Scales) -> Dimension {
+pub fn box_counting(groups: &[Vec<[f64; 2]>], scales: Scales) -> Dimension {
     let curve = |groups: &[&Vec<[f64; 2]>]| -> Vec<(f64, f64)> {
         let levels = scales.coarse..=scales.fine;
         levels.map(|level| (f64::from(level), occupied(groups, level) as f64)).map(|(l, n)| (l, n.log2())).collect()

@@ -23,21 +23,24 @@ pub struct MassResponse {
 
 /// A force that is `force_n` from `start_s` for `length_s`, and zero otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Rectangle {
+pub struct Rectangle {
+    /// Force, N.
     pub force_n: f64,
+    /// Time at which the force begins, s.
     pub start_s: f64,
+    /// Duration of the force, s.
     pub length_s: f64,
 }
 
 impl Rectangle {
     /// The force at a time; the edges belong to the step that begins there.
-    pub(crate) fn at_n(&self, time_s: f64) -> f64 {
+    pub fn at_n(&self, time_s: f64) -> f64 {
         let inside = time_s >= self.start_s && time_s < self.start_s + self.length_s;
         if inside { self.force_n } else { 0.0 }
     }
 
     /// What an ideal sensor of unit mass would report: reading, speed and distance.
-    pub(crate) fn ideal(&self, time_s: f64) -> (f64, f64, f64) {
+    pub fn ideal(&self, time_s: f64) -> (f64, f64, f64) {
         let inside = (time_s - self.start_s).clamp(0.0, self.length_s);
         let after = (time_s - self.start_s - self.length_s).max(0.0);
         let a = self.force_n;
@@ -46,7 +49,7 @@ impl Rectangle {
 }
 
 /// The roots (−D₀ ± √(D₀² − 4km)) / 2m of equation 4's characteristic polynomial.
-pub(crate) fn roots(oscillator: &Oscillator) -> [Complex<f64>; 2] {
+pub fn roots(oscillator: &Oscillator) -> [Complex<f64>; 2] {
     let Oscillator { mass_kg: m, damping_kg_s: d, stiffness_n_m: k, .. } = *oscillator;
     let root = Complex::new(d * d - 4.0 * k * m, 0.0).sqrt();
     [(-root - d) / (2.0 * m), (root - d) / (2.0 * m)]
@@ -54,7 +57,7 @@ pub(crate) fn roots(oscillator: &Oscillator) -> [Complex<f64>; 2] {
 
 /// The exponents ±½√(D₀² − 4km/m − D₀²/m) that stand in equation 5 as printed, everything under one
 /// root.
-pub(crate) fn printed_roots(oscillator: &Oscillator) -> [Complex<f64>; 2] {
+pub fn printed_roots(oscillator: &Oscillator) -> [Complex<f64>; 2] {
     let Oscillator { mass_kg: m, damping_kg_s: d, stiffness_n_m: k, .. } = *oscillator;
     let half = Complex::new(d * d - 4.0 * k * m / m - d * d / m, 0.0).sqrt() * 0.5;
     [-half, half]
@@ -83,7 +86,7 @@ fn step_response(oscillator: &Oscillator, roots: [Complex<f64>; 2], force_n: f64
 
 /// What is left when equation 5 with these exponents is put into equation 4: m x″ + D₀x′ + kx − F₀,
 /// N.
-pub(crate) fn residual_n(oscillator: &Oscillator, roots: [Complex<f64>; 2], force_n: f64, time_s: f64) -> f64 {
+pub fn residual_n(oscillator: &Oscillator, roots: [Complex<f64>; 2], force_n: f64, time_s: f64) -> f64 {
     let Oscillator { mass_kg: m, damping_kg_s: d, stiffness_n_m: k, .. } = *oscillator;
     let [r1, r2] = roots;
     let level = force_n / k;
@@ -93,7 +96,7 @@ pub(crate) fn residual_n(oscillator: &Oscillator, roots: [Complex<f64>; 2], forc
 }
 
 /// The exact response from rest to a rectangle: a step up and, later, a step down.
-pub(crate) fn rectangle_response(oscillator: &Oscillator, rectangle: Rectangle, time_s: f64) -> MassResponse {
+pub fn rectangle_response(oscillator: &Oscillator, rectangle: Rectangle, time_s: f64) -> MassResponse {
     let roots = roots(oscillator);
     let up = step_response(oscillator, roots, rectangle.force_n, time_s - rectangle.start_s);
     let down = step_response(oscillator, roots, -rectangle.force_n, time_s - rectangle.start_s - rectangle.length_s);
@@ -108,7 +111,7 @@ pub(crate) fn rectangle_response(oscillator: &Oscillator, rectangle: Rectangle, 
 
 /// The exact-hold map: over one step of constant force, `[x, v, ∫x, ∬x, F]` is multiplied by this
 /// matrix.
-pub(crate) fn exact_hold(oscillator: &Oscillator, step_s: f64) -> Matrix5<f64> {
+pub fn exact_hold(oscillator: &Oscillator, step_s: f64) -> Matrix5<f64> {
     let Oscillator { mass_kg: m, damping_kg_s: d, stiffness_n_m: k, .. } = *oscillator;
     let mut rate = Matrix5::zeros();
     rate[(0, 1)] = 1.0;
@@ -121,7 +124,7 @@ pub(crate) fn exact_hold(oscillator: &Oscillator, step_s: f64) -> Matrix5<f64> {
 }
 
 /// Applies an exact-hold map to a motion under a force.
-pub(crate) fn hold_step(map: &Matrix5<f64>, motion: MassResponse, force_n: f64) -> MassResponse {
+pub fn hold_step(map: &Matrix5<f64>, motion: MassResponse, force_n: f64) -> MassResponse {
     let v = map * Vector5::new(motion.x_m, motion.v_m_s, motion.integral_m_s, motion.double_integral_m_s2, force_n);
     MassResponse { x_m: v[0], v_m_s: v[1], integral_m_s: v[2], double_integral_m_s2: v[3] }
 }

@@ -72,7 +72,7 @@ fn step(oscillator: &Oscillator, state: State, tangents: Tangents, h: f64, force
 }
 
 /// Kaplan–Yorke dimension of the strobed attractor: 1 + λ₁/|λ₂| while the exponents sum below zero.
-pub(crate) fn kaplan_yorke_dimension(exponents: [f64; 2]) -> f64 {
+pub fn kaplan_yorke_dimension(exponents: [f64; 2]) -> f64 {
     let [first, second] = exponents;
     if first <= 0.0 {
         0.0

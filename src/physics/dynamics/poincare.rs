@@ -48,7 +48,7 @@ impl Window {
 }
 
 /// The orbit after `skip` periods, `steps` points per period for `periods` periods.
-pub(crate) fn portrait(oscillator: &Oscillator, drive: &Drive, steps: u32, skip: u32, periods: u32) -> Vec<State> {
+pub fn portrait(oscillator: &Oscillator, drive: &Drive, steps: u32, skip: u32, periods: u32) -> Vec<State> {
     let table = drive.table_n(steps);
     let h = drive.period_s() / f64::from(steps);
     let mut state = State::default();

@@ -55,7 +55,7 @@ const LONGEST: usize = 1 << 22;
 /// One-sided power spectral density over frequency, straight lines on log-log axes between its
 /// points, zero outside.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Spectrum {
+pub struct Spectrum {
     /// (frequency in Hz, density in g²/Hz), frequencies increasing, both positive, at least two
     /// points.
     pub points: Vec<(f64, f64)>,
@@ -63,7 +63,7 @@ pub(crate) struct Spectrum {
 
 impl Spectrum {
     /// Whether it has two points or more, increasing and positive.
-    pub(crate) fn is_sound(&self) -> bool {
+    pub fn is_sound(&self) -> bool {
         let increasing = self.points.windows(2).all(|w| w[0].0 < w[1].0);
         let positive = self.points.iter().all(|(f, p)| *f > 0.0 && *p > 0.0 && f.is_finite() && p.is_finite());
         self.points.len() >= 2 && increasing && positive
@@ -93,15 +93,16 @@ impl Spectrum {
     }
 }
 
+/// A stationary vibration with a stated spectrum.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct RandomVibration {
+pub struct RandomVibration {
     samples_m_s2: Vec<f64>,
     rate_hz: f64,
 }
 
 impl RandomVibration {
     /// A realisation for a run of `length_s`.
-    pub(crate) fn new(spectrum: &Spectrum, length_s: f64, seed: u64) -> Self {
+    pub fn new(spectrum: &Spectrum, length_s: f64, seed: u64) -> Self {
         let highest_hz = spectrum.points.last().map_or(1.0, |p| p.0);
         let lowest_hz = spectrum.points.first().map_or(1.0, |p| p.0);
         let rate_hz = OVERSAMPLING * highest_hz;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 use serde::de::{self, DeserializeSeed, Deserializer, MapAccess, Visitor};
@@ -141,7 +141,7 @@ impl<'de> DeserializeSeed<'de> for Kind {
     }
 }
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 impl Form {
     /// The JSON Schema of such a value.
     pub fn schema(self, generator: &mut SchemaGenerator) -> Schema {

@@ -19,7 +19,7 @@ use super::earth::{Earth, Place};
 use super::truth::Sample;
 
 /// Treatment of motion within a sampling interval.
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Integrator {

@@ -76,10 +76,10 @@ mod tests {
     #[test]
     fn a_key_of_another_kind_is_refused_by_name() {
         let section: Section =
-            crate::document::parse_toml("study.toml", "kind = \"rest\"\nradius_m = 3.0").expect("read");
+            proofmass_base::document::parse_toml("study.toml", "kind = \"rest\"\nradius_m = 3.0").expect("read");
         let error = trajectory(&section, 1.0).expect_err("foreign");
         assert!(error.cause.contains("`radius_m` belongs to circle, figure-eight"), "{error}");
-        let misspelt = crate::document::parse_toml::<Section>("study.toml", "kind = \"figure-eigth\"");
+        let misspelt = proofmass_base::document::parse_toml::<Section>("study.toml", "kind = \"figure-eigth\"");
         assert_eq!(misspelt.expect_err("misspelt").hint, "did you mean `figure-eight`?");
     }
 }

@@ -2,7 +2,7 @@
 //! may follow with a lag.
 
 /// Temperatures that a sensor may have, °C.
-pub(crate) const POSSIBLE_DEG_C: std::ops::Range<f64> = -273.15..1000.0;
+pub const POSSIBLE_DEG_C: std::ops::Range<f64> = -273.15..1000.0;
 
 /// A profile, and the temperature at which the sensor's stated errors hold.
 #[derive(Debug, Clone, Default, PartialEq)]

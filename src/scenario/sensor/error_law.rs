@@ -83,7 +83,7 @@ pub enum Growth {
 const NO_LIMIT: f64 = 1e30;
 
 /// A full scale as a kernel takes it, which knows no infinity.
-pub(crate) const fn full_scale(limit: f64) -> f64 {
+pub const fn full_scale(limit: f64) -> f64 {
     limit.min(NO_LIMIT)
 }
 

@@ -9,11 +9,14 @@ use crate::units::key::Key;
 use crate::units::key::Sign::{Any, NotNegative, Positive};
 use crate::units::{DENSITY_TO_RANDOM_WALK, MICRO_G};
 
-pub(crate) const RESONANCE: Key = Key::new(0, "sensor.resonance_hz", "resonance", "Hz", TAU, Positive);
-pub(crate) const DAMPING_RATIO: Key = Key::new(1, "sensor.damping_ratio", "damping ratio ζ", "1", 1.0, NotNegative);
+/// The resonance frequency.
+pub const RESONANCE: Key = Key::new(0, "sensor.resonance_hz", "resonance", "Hz", TAU, Positive);
+/// The damping ratio.
+pub const DAMPING_RATIO: Key = Key::new(1, "sensor.damping_ratio", "damping ratio ζ", "1", 1.0, NotNegative);
 /// Cubic stiffness β per unit mass, 1/(m² s²).
 pub const CUBIC_STIFFNESS: Key = cubic_stiffness::GIVEN[0].key;
-pub(crate) const FORCE_NOISE: Key = Key::new(
+/// The thermomechanical force noise.
+pub const FORCE_NOISE: Key = Key::new(
     7,
     "sensor.force_noise_density_ug_rthz",
     "force noise density (one-sided)",
@@ -22,16 +25,21 @@ pub(crate) const FORCE_NOISE: Key = Key::new(
     NotNegative,
 )
 .one_sided();
-pub(crate) const MASS: Key = Key::new(8, "sensor.mass_kg", "proof mass m", "kg", 1.0, Positive);
-pub(crate) const DAMPING: Key = Key::new(9, "sensor.damping_n_s_m", "damping D₀", "N s/m", 1.0, NotNegative);
-pub(crate) const STIFFNESS: Key = Key::new(10, "sensor.stiffness_n_m", "stiffness k", "N/m", 1.0, Positive);
-pub(crate) const CUBIC_SPRING: Key = Key::new(11, "sensor.cubic_stiffness_n_m3", "cubic stiffness ε", "N/m³", 1.0, Any);
+/// The proof mass.
+pub const MASS: Key = Key::new(8, "sensor.mass_kg", "proof mass m", "kg", 1.0, Positive);
+/// The viscous damping.
+pub const DAMPING: Key = Key::new(9, "sensor.damping_n_s_m", "damping D₀", "N s/m", 1.0, NotNegative);
+/// The linear spring.
+pub const STIFFNESS: Key = Key::new(10, "sensor.stiffness_n_m", "stiffness k", "N/m", 1.0, Positive);
+/// The cubic spring.
+pub const CUBIC_SPRING: Key = Key::new(11, "sensor.cubic_stiffness_n_m3", "cubic stiffness ε", "N/m³", 1.0, Any);
 
 /// One way to describe the linear mass and its cubic spring.
-pub(crate) const MODAL: &[Key] = &[RESONANCE, DAMPING_RATIO, CUBIC_STIFFNESS];
-pub(crate) const PHYSICAL: &[Key] = &[MASS, DAMPING, STIFFNESS, CUBIC_SPRING];
+pub const MODAL: &[Key] = &[RESONANCE, DAMPING_RATIO, CUBIC_STIFFNESS];
+/// The keys that state a sensor by the paper's mass, damping and springs.
+pub const PHYSICAL: &[Key] = &[MASS, DAMPING, STIFFNESS, CUBIC_SPRING];
 /// What stands beside either: the further laws, and the noise of the force.
-pub(crate) fn further() -> &'static [Key] {
+pub fn further() -> &'static [Key] {
     static FURTHER: LazyLock<Vec<Key>> = LazyLock::new(|| {
         let laws = coefficients::keys().filter(|key| key.slot != CUBIC_STIFFNESS.slot);
         laws.chain([&FORCE_NOISE]).copied().collect()
@@ -40,6 +48,6 @@ pub(crate) fn further() -> &'static [Key] {
 }
 
 /// All of them, in the order of a sensor table.
-pub(crate) fn keys() -> impl Iterator<Item = &'static Key> {
+pub fn keys() -> impl Iterator<Item = &'static Key> {
     MODAL.iter().chain(further()).chain(PHYSICAL)
 }

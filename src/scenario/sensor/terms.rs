@@ -83,7 +83,7 @@ macro_rules! sensor_terms {
             }
 
             /// The coefficients of all of them, in their order.
-            pub(crate) fn all_of($($section: &$instrument),+) -> [f64; ROWS.len()] {
+            pub fn all_of($($section: &$instrument),+) -> [f64; ROWS.len()] {
                 [$($($section.$field,)+)+]
             }
 
@@ -145,7 +145,7 @@ const RANKS: [usize; SensorTerm::COUNT] = {
 };
 
 /// How many terms follow a law of this kind, among the first `rows` of the table.
-pub(crate) const fn alike(law: ErrorLaw, rows: usize) -> usize {
+pub const fn alike(law: ErrorLaw, rows: usize) -> usize {
     let (mut count, mut row) = (0, 0);
     while row < rows {
         if ROWS[row].law.kind() == law.kind() {

@@ -20,7 +20,7 @@ use crate::shard::{Part, Piece, Shard, rest};
 use crate::study::{Overrides, Study, Surroundings, parse_watched};
 
 /// The subcommand that divides studies.
-pub(crate) const COMMAND: &str = "study";
+pub const COMMAND: &str = "study";
 
 /// The study, in a file.
 #[derive(Serialize, Deserialize)]
@@ -101,7 +101,8 @@ fn run(study: &Study, parts: &[Part]) -> Run {
     }
 }
 
-pub(crate) fn refuse(cause: String, hint: &str) -> Error {
+/// Refuses a state, with the cause and a hint.
+pub fn refuse(cause: String, hint: &str) -> Error {
     Error::new("could not merge the shards of a study", cause, hint)
 }
 
@@ -109,7 +110,7 @@ pub(crate) fn refuse(cause: String, hint: &str) -> Error {
 ///
 /// # Errors
 /// There are no files; the study or what it reads is not there any more.
-pub(crate) fn study(found: &[Found], control: &Control) -> Result<Study> {
+pub fn study(found: &[Found], control: &Control) -> Result<Study> {
     let first = found.first().ok_or_else(|| refuse("there are none".into(), "give the folders that hold them"))?;
     let carried: Carried = serde_json::from_value(first.header.document.clone())
         .map_err(|e| refuse(format!("{}: {e}", first.path.display()), "run that shard again"))?;
@@ -122,7 +123,7 @@ pub(crate) fn study(found: &[Found], control: &Control) -> Result<Study> {
 ///
 /// # Errors
 /// A recording of the study has changed.
-pub(crate) fn identity(study: &Study, parts: &[Part], found: &[Found]) -> Result<String> {
+pub fn identity(study: &Study, parts: &[Part], found: &[Found]) -> Result<String> {
     let run = run(study, parts);
     if found.iter().any(|file| file.header.run != run) {
         let reads: Vec<String> = study.reads.iter().map(|path| path.display().to_string()).collect();

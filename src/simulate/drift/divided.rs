@@ -16,7 +16,7 @@ use crate::shard::gather::Found;
 use crate::study::Study;
 
 /// A study and its ensembles.
-pub(crate) struct Divided {
+pub struct Divided {
     /// The ensembles: the parts that are divided.
     pub jobs: Vec<Job>,
     line: Line,
@@ -27,19 +27,18 @@ impl Divided {
     ///
     /// # Errors
     /// As [`jobs`].
-    pub(crate) fn of(study: &Study, input: Option<&Path>, control: &Control) -> Result<Self> {
+    pub fn of(study: &Study, input: Option<&Path>, control: &Control) -> Result<Self> {
         let jobs = jobs(study, control)?;
         Ok(Self { line: Line::of(study, parts(&jobs), input)?, jobs })
     }
 
     /// The head of a shard's file before anything is done.
-    pub(crate) fn header(&self, shard: Shard) -> Header {
+    pub fn header(&self, shard: Shard) -> Header {
         self.line.header(shard)
     }
 
     /// The same of a shard that takes its share of what is left of a run.
-    #[cfg_attr(not(feature = "mpi"), allow(dead_code, reason = "ranks take what is left of a run"))]
-    pub(crate) fn rest(&self, shard: Shard, gaps: &[(usize, Range<u64>)]) -> Header {
+    pub fn rest(&self, shard: Shard, gaps: &[(usize, Range<u64>)]) -> Header {
         self.line.rest(shard, gaps)
     }
 }
@@ -48,7 +47,7 @@ impl Divided {
 ///
 /// # Errors
 /// A file that is damaged; a recording of the study that has changed or is not there.
-pub(crate) fn merged(study: &Study, found: &[Found], control: &Control) -> Result<Drift> {
+pub fn merged(study: &Study, found: &[Found], control: &Control) -> Result<Drift> {
     let jobs = jobs(study, control)?;
     let identity = carried::identity(study, &parts(&jobs), found)?;
     let mut statistics = merge(found, &identity, &jobs, control)?.into_iter();

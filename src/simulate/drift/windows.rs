@@ -29,7 +29,7 @@ const CURVE_POINTS: usize = 24;
 /// Quantiles that the curves show.
 const QUANTILES: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 /// Central bands, as fractions of the simulated members that they hold.
-pub(crate) const BANDS: [f64; 3] = [0.5, 0.9, 0.99];
+pub const BANDS: [f64; 3] = [0.5, 0.9, 0.99];
 
 /// How the log is cut for windows of one length.
 #[derive(Debug, Clone, Copy, PartialEq)]

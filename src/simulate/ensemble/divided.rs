@@ -21,7 +21,7 @@ use crate::shard::{Part, Piece};
 use crate::statistics::{Origin, Statistics};
 
 /// How the ensembles of a study are cut: between blocks, by the work of each.
-pub(crate) fn parts(jobs: &[Job]) -> Vec<Part> {
+pub fn parts(jobs: &[Job]) -> Vec<Part> {
     jobs.iter().map(|job| Part { units: job.members, grain: BLOCK, effort: job.steps_per_member() }).collect()
 }
 
@@ -29,7 +29,7 @@ pub(crate) fn parts(jobs: &[Job]) -> Vec<Part> {
 ///
 /// # Errors
 /// As [`Backends::run`].
-pub(crate) fn run_pieces<'a>(
+pub fn run_pieces<'a>(
     jobs: &[Job],
     pieces: impl Iterator<Item = &'a Piece>,
     mut backends: Backends,
@@ -52,7 +52,7 @@ const AT_A_TIME: usize = 16;
 ///
 /// # Errors
 /// A file that cannot be read, is damaged, or is another run's.
-pub(crate) fn merge(found: &[Found], identity: &str, jobs: &[Job], control: &Control) -> Result<Vec<Statistics>> {
+pub fn merge(found: &[Found], identity: &str, jobs: &[Job], control: &Control) -> Result<Vec<Statistics>> {
     let precision = Precision::default();
     let runs: Vec<Run<'_>> = (1..).zip(jobs).map(|(part, job)| Run { identity, part, job, precision }).collect();
     let mut states: Vec<State> = runs.iter().map(|run| State::new(run, 0..0)).collect();

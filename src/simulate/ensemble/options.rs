@@ -15,6 +15,20 @@ pub enum Choice {
     Cpu,
 }
 
+impl Choice {
+    /// Every choice.
+    pub const ALL: [Self; 3] = [Self::Auto, Self::Gpu, Self::Cpu];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Gpu => "gpu",
+            Self::Cpu => "cpu",
+        }
+    }
+}
+
 /// Device, precision and batches of a run.
 #[derive(Debug, Clone, Default)]
 pub struct Options {

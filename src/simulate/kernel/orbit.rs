@@ -77,7 +77,7 @@ pub(super) const LOST_M: f64 = 1e6;
 
 /// Periods during which the tangent vector turns into its growing direction before growth is
 /// counted.
-pub(crate) const ALIGN_PERIODS: u32 = 8;
+pub const ALIGN_PERIODS: u32 = 8;
 
 impl Orbit {
     /// Period in forcing periods, up to half the recorded strobes: the smallest shift that maps the

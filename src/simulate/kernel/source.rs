@@ -30,14 +30,14 @@ pub struct Shader {
     pub text: String,
 }
 
-const PHILOX: &str = include_str!("../../shaders/shared/philox.wgsl");
-const MULTIPLY_16: &str = include_str!("../../shaders/shared/philox_multiply_16.wgsl");
-const MULTIPLY_64: &str = include_str!("../../shaders/shared/philox_multiply_64.wgsl");
-const ELEMENTARY: &str = include_str!("../../shaders/shared/elementary.wgsl");
-const LAYOUT: &str = include_str!("../../shaders/shared/layout.wgsl");
-const OSCILLATOR: &str = include_str!("../../shaders/shared/oscillator.wgsl");
-const FIX: &str = include_str!("../../shaders/shared/fix.wgsl");
-const ACCUMULATE: &str = include_str!("../../shaders/shared/accumulate.wgsl");
+const PHILOX: &str = include_str!("../../../shaders/shared/philox.wgsl");
+const MULTIPLY_16: &str = include_str!("../../../shaders/shared/philox_multiply_16.wgsl");
+const MULTIPLY_64: &str = include_str!("../../../shaders/shared/philox_multiply_64.wgsl");
+const ELEMENTARY: &str = include_str!("../../../shaders/shared/elementary.wgsl");
+const LAYOUT: &str = include_str!("../../../shaders/shared/layout.wgsl");
+const OSCILLATOR: &str = include_str!("../../../shaders/shared/oscillator.wgsl");
+const FIX: &str = include_str!("../../../shaders/shared/fix.wgsl");
+const ACCUMULATE: &str = include_str!("../../../shaders/shared/accumulate.wgsl");
 
 /// A kernel's own text behind random numbers and elementary functions; `int64`: the adapter has
 /// 64-bit integers.
@@ -52,7 +52,7 @@ pub fn simulate(int64: bool, laws: &[StudyLaw]) -> Shader {
 }
 
 /// The same, writing the errors of every reading of a tile for `navigate`: binding 7.
-pub(crate) fn simulate_traced(int64: bool, laws: &[StudyLaw]) -> Shader {
+pub fn simulate_traced(int64: bool, laws: &[StudyLaw]) -> Shader {
     ensemble(int64, laws, true)
 }
 
@@ -64,7 +64,7 @@ const TRACE: [(&str, &str); 3] = [
 ];
 
 fn ensemble(int64: bool, laws: &[StudyLaw], traced: bool) -> Shader {
-    let mut own = terms::expand(include_str!("../../shaders/simulate.wgsl"));
+    let mut own = terms::expand(include_str!("../../../shaders/simulate.wgsl"));
     for (line, text) in TRACE {
         own = own.replace(line, if traced { text } else { "" });
     }
@@ -127,45 +127,46 @@ fn constants() -> String {
 }
 
 /// Text that both map kernels share.
-const ORBIT: &str = include_str!("../../shaders/shared/orbit.wgsl");
+const ORBIT: &str = include_str!("../../../shaders/shared/orbit.wgsl");
 
 /// The kernel of largest Lyapunov exponents.
 pub fn lyapunov(int64: bool) -> Shader {
     with_random_numbers(
         "lyapunov",
-        &[cubic_stiffness::WGSL, ORBIT, include_str!("../../shaders/lyapunov.wgsl")].join("\n"),
+        &[cubic_stiffness::WGSL, ORBIT, include_str!("../../../shaders/lyapunov.wgsl")].join("\n"),
         int64,
     )
 }
 
 /// The kernel of orbits strobed once per period.
-pub(crate) fn poincare(int64: bool) -> Shader {
+pub fn poincare(int64: bool) -> Shader {
     with_random_numbers(
         "poincare",
-        &[cubic_stiffness::WGSL, ORBIT, include_str!("../../shaders/poincare.wgsl")].join("\n"),
+        &[cubic_stiffness::WGSL, ORBIT, include_str!("../../../shaders/poincare.wgsl")].join("\n"),
         int64,
     )
 }
 
 /// The navigation in six axes.
-pub(crate) fn navigate(int64: bool) -> Shader {
+pub fn navigate(int64: bool) -> Shader {
     let streams = [("FIX", Stream::Fix), ("JITTER", Stream::Jitter)];
     let streams = streams.map(|(name, stream)| format!("const STREAM_{name} = {}u;\n", stream as u32)).concat();
     let constants = format!("const BOUND_M_S = {BOUND_M_S:?};\n{streams}");
-    let own = include_str!("../../shaders/navigate.wgsl");
+    let own = include_str!("../../../shaders/navigate.wgsl");
     with_random_numbers("navigate", &[&constants, ACCUMULATE, FIX, own].join("\n"), int64)
 }
 
-pub(crate) fn reduce() -> Shader {
-    Shader { name: "reduce", text: [LAYOUT, include_str!("../../shaders/reduce.wgsl")].join("\n") }
+/// Returns the shader that sums the members of a workgroup.
+pub fn reduce() -> Shader {
+    Shader { name: "reduce", text: [LAYOUT, include_str!("../../../shaders/reduce.wgsl")].join("\n") }
 }
 
 /// Nothing but multiply-adds: the device's peak.
-pub(crate) fn peak() -> Shader {
-    Shader { name: "peak", text: include_str!("../../shaders/peak.wgsl").to_owned() }
+pub fn peak() -> Shader {
+    Shader { name: "peak", text: include_str!("../../../shaders/peak.wgsl").to_owned() }
 }
 
 /// A check of the device: what sums keep of a small number beside a large one.
-pub(crate) fn compensation() -> Shader {
-    Shader { name: "compensation", text: [ACCUMULATE, include_str!("../../shaders/compensation.wgsl")].join("\n") }
+pub fn compensation() -> Shader {
+    Shader { name: "compensation", text: [ACCUMULATE, include_str!("../../../shaders/compensation.wgsl")].join("\n") }
 }

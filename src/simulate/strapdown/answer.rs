@@ -133,7 +133,7 @@ fn samples(study: &Study, motion: &InMotion) -> Vec<u64> {
 ///
 /// # Errors
 /// Mechanics that no integrator can step.
-pub(crate) fn flight(study: &Study, motion: &InMotion) -> Result<Flight> {
+pub fn flight(study: &Study, motion: &InMotion) -> Result<Flight> {
     aiding::flight(study, motion, samples(study, motion))
 }
 

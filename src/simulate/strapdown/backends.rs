@@ -37,7 +37,7 @@ pub fn run_kept(choice: Choice, flight: &Flight, kept: &mut Kept, control: &Cont
 ///
 /// # Errors
 /// As [`run_on`]; a state that cannot be gone on with, a folder that cannot be written.
-pub(crate) fn run_share(choice: Choice, flight: &Flight, share: Share, control: &Control) -> Result<()> {
+pub fn run_share(choice: Choice, flight: &Flight, share: Share, control: &Control) -> Result<()> {
     on(choice, flight, &mut Kept::share(share), control, integrate).map(drop)
 }
 

@@ -26,7 +26,7 @@ fn parts(flight: &Flight) -> Vec<Part> {
 ///
 /// # Errors
 /// As [`flight`].
-pub(crate) fn header(study: &Study, motion: &InMotion, input: Option<&Path>, shard: Shard) -> Result<Header> {
+pub fn header(study: &Study, motion: &InMotion, input: Option<&Path>, shard: Shard) -> Result<Header> {
     Ok(Line::of(study, parts(&flight(study, motion)?), input)?.header(shard))
 }
 
@@ -35,7 +35,7 @@ pub(crate) fn header(study: &Study, motion: &InMotion, input: Option<&Path>, sha
 /// # Errors
 /// A file that is damaged; a recording of the study that has changed; shards of machines that give
 /// other bits.
-pub(crate) fn merged(study: &Study, motion: &InMotion, found: &[Found], control: &Control) -> Result<Answer> {
+pub fn merged(study: &Study, motion: &InMotion, found: &[Found], control: &Control) -> Result<Answer> {
     let compared = windows::compare(motion, control)?;
     let flight = flight(study, motion)?;
     carried::identity(study, &parts(&flight), found)?;

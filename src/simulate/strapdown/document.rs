@@ -149,12 +149,12 @@ impl Document {
     }
 
     /// The same with what is stated of its last horizontal error.
-    pub(crate) fn with_digits(self, jcgm101: Option<Stated>) -> Self {
+    pub fn with_digits(self, jcgm101: Option<Stated>) -> Self {
         Self { jcgm101, ..self }
     }
 
     /// The same, put together from this many files.
-    pub(crate) fn with_shards(self, shards: Option<usize>) -> Self {
+    pub fn with_shards(self, shards: Option<usize>) -> Self {
         Self { shards, ..self }
     }
 }

@@ -102,7 +102,7 @@ impl Kept {
     }
 
     /// Keeps a shard in its file.
-    pub(crate) fn share(share: Share) -> Self {
+    pub fn share(share: Share) -> Self {
         Self { share: Some(share), ..Self::of(None, "", false) }
     }
 

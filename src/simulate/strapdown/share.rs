@@ -26,7 +26,7 @@ impl Results {
     ///
     /// # Errors
     /// They are no such sums.
-    pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Self> {
+    pub(crate) fn read(bytes: &[u8], path: &Path) -> Result<Self> {
         serde_json::from_slice(bytes)
             .map_err(|e| damaged(path, &format!("its sums are not those of a study in motion: {e}")))
     }
@@ -34,7 +34,7 @@ impl Results {
 
 /// A shard: its file, and what that held when the run began.
 #[derive(Debug)]
-pub(crate) struct Share {
+pub struct Share {
     place: Place,
     header: Header,
     before: Option<Results>,
@@ -42,7 +42,7 @@ pub(crate) struct Share {
 
 impl Share {
     /// A shard that begins anew.
-    pub(crate) fn new(place: Place, header: Header) -> Self {
+    pub fn new(place: Place, header: Header) -> Self {
         Self { place, header, before: None }
     }
 
@@ -50,7 +50,7 @@ impl Share {
     ///
     /// # Errors
     /// There is none, it is damaged, or it belongs to another run.
-    pub(crate) fn resume(place: Place, header: &Header) -> Result<Self> {
+    pub fn resume(place: Place, header: &Header) -> Result<Self> {
         let contents = Contents::resumed(&place, header)?;
         let results = contents.pieces().find(|(_, bytes)| !bytes.is_empty());
         let before = results.map(|(_, bytes)| Results::read(bytes, place.path())).transpose()?;

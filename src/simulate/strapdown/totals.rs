@@ -66,7 +66,7 @@ impl Totals {
     }
 
     /// Adds the sums of other members; `false` where their bins are not these.
-    pub(super) fn absorb(&mut self, other: &Self) -> bool {
+    pub(crate) fn absorb(&mut self, other: &Self) -> bool {
         if self.bins() != other.bins() {
             return false;
         }

@@ -1,16 +1,16 @@
 //! Power against size, and the detection limit of each effect.
 
-use crate::numerics::order;
-use crate::report::figure::{Axis, Chart, Figure, Ink, Mark};
-use crate::trial::interval::{Power, Proportion};
-use crate::trial::outcome::{Limit, Outcome, Planted};
+use crate::interval::{Power, Proportion};
+use crate::outcome::{Limit, Outcome, Planted};
+use proofmass_base::numerics::order;
+use proofmass_report::figure::{Axis, Chart, Figure, Ink, Mark};
 
 /// Edges of the size bins, visible rms over noise rms.
 const EDGES: [f64; 9] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 40.0];
 
 /// Fractions noticed and named against size, all effects planted alone taken together, with the
 /// fitted curves.
-pub(crate) fn power(outcome: &Outcome) -> Figure {
+pub fn power(outcome: &Outcome) -> Figure {
     let all: Vec<Planted> = outcome.detection_limit.iter().flat_map(|l| l.cases.iter().copied()).collect();
     let x = Axis::log("visible size of the effect / noise (rms)").within(EDGES[0], EDGES[EDGES.len() - 1]);
     let mut chart = Chart::new("Detection limit", x, Axis::linear("fraction of cases").within(0.0, 1.05));

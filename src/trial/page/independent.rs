@@ -1,13 +1,13 @@
 //! What the trial of the second generator found: on the terminal, as a page, as a short summary.
 
-use crate::number::{duration, significant};
-use crate::report::html::Page;
-use crate::report::table::Table;
-use crate::trial::independent::judge::Mark;
-use crate::trial::independent::run::Lines;
-use crate::trial::independent::score::{Row, Score};
-use crate::trial::independent::truth::{Family, SEEN};
-use crate::trial::interval::Proportion;
+use crate::independent::judge::Mark;
+use crate::independent::run::Lines;
+use crate::independent::score::{Row, Score};
+use crate::independent::truth::{Family, SEEN};
+use crate::interval::Proportion;
+use proofmass_base::number::{duration, significant};
+use proofmass_report::html::Page;
+use proofmass_report::table::Table;
 
 fn words(proportion: &Proportion) -> String {
     if proportion.cases == 0 {
@@ -119,7 +119,7 @@ fn counts(rows: &[Row]) -> Table {
 }
 
 /// The result on a terminal.
-pub(crate) fn terminal(score: &Score) -> String {
+pub fn terminal(score: &Score) -> String {
     let mut text = format!(
         "{}\n{}\nonly near: explained by a law that the truth departs from; right name, no name: unexplained or undecidable;\n\
          unseen: adequate, too small for a good test; sure: called explained\n",
@@ -147,7 +147,7 @@ fn how(score: &Score) -> String {
 }
 
 /// The whole report as a page.
-pub(crate) fn page(score: &Score, lines: &Lines) -> String {
+pub fn page(score: &Score, lines: &Lines) -> String {
     let lede = format!(
         "Second trial of the diagnosis: confidently wrong {}; false alarms on nulls {}; near a law, right or honest \
         with the \

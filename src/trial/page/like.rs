@@ -1,12 +1,12 @@
 //! What one recording could have revealed: on the terminal and as a page.
 
-use crate::diagnosis;
-use crate::number::significant;
-use crate::numerics::order;
-use crate::report::figure::{Axis, Chart, Figure, Ink, Mark};
-use crate::report::html::Page;
-use crate::report::table::Table;
-use crate::trial::like::{Power, Revealed, Tried};
+use crate::like::{Power, Revealed, Tried};
+use proofmass_base::number::significant;
+use proofmass_base::numerics::order;
+use proofmass_diagnosis as diagnosis;
+use proofmass_report::figure::{Axis, Chart, Figure, Ink, Mark};
+use proofmass_report::html::Page;
+use proofmass_report::table::Table;
 
 /// The answer in a sentence.
 fn sentence(power: &Power) -> String {
@@ -82,7 +82,7 @@ fn pairs(power: &Power) -> String {
 }
 
 /// The same on a terminal.
-pub(crate) fn terminal(power: &Power) -> String {
+pub fn terminal(power: &Power) -> String {
     format!("{}\n{}\n\n{}\n{}\n", sentence(power), made_of(power), effects(power), pairs(power))
 }
 
@@ -125,7 +125,7 @@ fn ladder(power: &Power) -> Figure {
 }
 
 /// The same as a page.
-pub(crate) fn page(power: &Power) -> Page {
+pub fn page(power: &Power) -> Page {
     let mut page = Page::new("What this recording could reveal", &sentence(power));
     page.paragraph(&made_of(power));
     page.figure(&ladder(power), "One dot per copy. Effects named at the smallest size are at the top.");

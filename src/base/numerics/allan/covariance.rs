@@ -17,7 +17,7 @@ const REACH: usize = 64;
 
 /// Covariances of a set of points as a quadratic form in the squared coefficients.
 #[derive(Debug, Clone)]
-pub(crate) struct Covariance {
+pub struct Covariance {
     count: usize,
     taus_s: Vec<f64>,
     /// Per pair of points (row-major), per pair of terms: 2/(n_i n_j) Σ R_p R_q.
@@ -28,7 +28,7 @@ pub(crate) struct Covariance {
 
 impl Covariance {
     /// For points at these averaging factors, each measured over this many samples.
-    pub(crate) fn new(factors: &[usize], samples: &[usize], rate_hz: f64) -> Self {
+    pub fn new(factors: &[usize], samples: &[usize], rate_hz: f64) -> Self {
         let count = factors.len();
         let mut products = vec![[[0.0; 4]; 4]; count * count];
         let mut sums = vec![[0.0; 4]; count * count];
@@ -63,7 +63,7 @@ impl Covariance {
     }
 
     /// Equivalent degrees of freedom of point `i`: twice its squared expectation over its variance.
-    pub(crate) fn degrees_of_freedom(&self, i: usize, squares: &[f64; 5]) -> f64 {
+    pub fn degrees_of_freedom(&self, i: usize, squares: &[f64; 5]) -> f64 {
         2.0 * super::law::variance(squares, self.taus_s[i]).powi(2) / self.at(i, i, squares)
     }
 }

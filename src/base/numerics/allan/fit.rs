@@ -25,7 +25,7 @@ const SHORTEST_DROPPED: usize = 6;
 /// Relative errors of the laws themselves, on the variance, that are tried in turn.
 const DISCREPANCIES: [f64; 8] = [0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
 /// A fit is called bad below this probability.
-pub(crate) const BAD: f64 = 0.01;
+pub const BAD: f64 = 0.01;
 
 /// A fitted noise coefficient (not squared) with its interval.
 #[derive(Debug, Clone, Copy, PartialEq)]

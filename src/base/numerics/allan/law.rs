@@ -31,7 +31,7 @@ pub enum Term {
 pub const TERMS: [Term; 5] = [Term::Quantisation, Term::White, Term::Flicker, Term::Walk, Term::Ramp];
 
 /// Minimum Allan deviation over B: √(2 ln 2/π).
-pub(crate) const FLICKER_FLOOR: f64 = 0.664282470268;
+pub const FLICKER_FLOOR: f64 = 0.664282470268;
 
 impl Term {
     /// Letter in IEEE 952.

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Quaternion};
 use serde::Deserialize;
 
 /// Known layouts of a file of poses.
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Format {
@@ -34,7 +34,7 @@ impl Format {
 }
 
 /// Place of the scalar in a quaternion.
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Order {
@@ -47,7 +47,7 @@ pub enum Order {
 impl Order {
     /// What the same four numbers mean with the scalar at the other end, where they were taken in
     /// this order.
-    pub(crate) fn at_other_end(self, q: &Quaternion<f64>) -> Quaternion<f64> {
+    pub fn at_other_end(self, q: &Quaternion<f64>) -> Quaternion<f64> {
         match self {
             Self::ScalarLast => Quaternion::new(q.i, q.j, q.k, q.w),
             Self::ScalarFirst => Quaternion::new(q.k, q.w, q.i, q.j),
@@ -56,7 +56,7 @@ impl Order {
 }
 
 /// The axis of the file's reference that points up.
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum Up {
     /// z, as most robots have it.

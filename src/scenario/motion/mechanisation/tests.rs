@@ -10,7 +10,7 @@ use crate::units::{DEGREE, DEGREE_PER_HOUR, MILLI_G};
 const EARTH: Earth = Earth { latitude_rad: Some(47.4 * DEGREE), height_m: 400.0, rotation: true };
 
 fn truth(toml: &str, earth: &Earth, rate_hz: f64, duration_s: f64) -> Truth {
-    let section: Section = crate::document::parse_toml("study.toml", toml).expect("read");
+    let section: Section = proofmass_base::document::parse_toml("study.toml", toml).expect("read");
     let sampling = Sampling { rate_hz, duration_s, lever_arm_m: Vector3::new(0.3, -0.2, 0.1) };
     sources::trajectory(&section, duration_s).and_then(|t| t.truth(earth, sampling)).expect("made")
 }

@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn the_car_stands_drives_turns_and_never_slides() {
-        let section: Section = crate::document::parse_toml("study.toml", "kind = \"car\"").expect("read");
+        let section: Section = proofmass_base::document::parse_toml("study.toml", "kind = \"car\"").expect("read");
         let poses = poses(&section, 600.0).expect("made");
         assert!(poses[499].position_m.norm() < 1e-12, "ten seconds at rest");
         let (mut stopped, mut fastest) = (0, 0.0f64);

@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn it_moves_in_all_six_degrees_of_freedom_after_hovering() {
-        let section: Section = crate::document::parse_toml("study.toml", "kind = \"drone\"").expect("read");
+        let section: Section = proofmass_base::document::parse_toml("study.toml", "kind = \"drone\"").expect("read");
         let poses = poses(&section, 120.0).expect("made");
         assert!(poses[499].position_m.norm() == 0.0 && poses[499].attitude.angle() < 1e-12);
         for axis in 0..3 {

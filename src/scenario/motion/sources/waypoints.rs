@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn the_way_leads_through_every_point_and_ends_at_the_last() {
-        let section: Section = crate::document::parse_toml(
+        let section: Section = proofmass_base::document::parse_toml(
             "study.toml",
             "kind = \"waypoints\"\npoints_m = [[0, 0, 0], [100, 0, 0], [100, 80, -20], [0, 80, 0]]\nstill_s = 3.0",
         )
