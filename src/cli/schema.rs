@@ -12,7 +12,7 @@ use proofmass_base::document::to_json;
 use proofmass_base::error::Result;
 use proofmass_diagnosis::model::{Driven, Static, Trajectory, Tumble};
 use proofmass_map::document::Document;
-use proofmass_simulate::study::file::File;
+use proofmass_study::file::File;
 
 /// Arguments of `schema`.
 #[derive(Debug, clap::Args)]

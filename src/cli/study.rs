@@ -27,7 +27,7 @@ use proofmass_simulate::decision::digits;
 use proofmass_simulate::decision::statistic::Limit;
 use proofmass_simulate::drift;
 use proofmass_simulate::ensemble::{Backends, Choice, Keeper, Options};
-use proofmass_simulate::study::{Axis, Study, StudyText};
+use proofmass_study::{Axis, Study, StudyText};
 
 const EXAMPLES: &str = "Examples:
   proofmass study study.toml --members 100000

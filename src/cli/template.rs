@@ -70,7 +70,7 @@ mod tests {
     use proofmass_base::document::parse_toml;
     use proofmass_diagnosis::model;
     use proofmass_map::document::Document;
-    use proofmass_simulate::study;
+    use proofmass_study as study;
 
     fn parsed(kind: Kind, text: &str) -> Result<()> {
         match kind {

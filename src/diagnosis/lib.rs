@@ -13,7 +13,7 @@
 //! use proofmass_base::control::Control;
 //! use proofmass_diagnosis::{diagnose, model, verdict::Outcome};
 //! use proofmass_recording::{Column, Recording};
-//! use proofmass_base::rng::{Philox, Stream};
+//! use proofmass_numerics::rng::{Philox, Stream};
 //! use rand_distr::{Distribution, StandardNormal};
 //!
 //! let mut random = Philox::new(1, 0, Stream::Host);
@@ -57,11 +57,12 @@ pub mod verdict;
 mod warm_profile;
 
 // The crates below, under the names by which files here call them.
-use proofmass_base::{control, document, error, escape, number, numerics, parallel, rng, units};
+use proofmass_base::{control, document, error, escape, number, parallel, units};
+use proofmass_numerics::{numerics, rng};
 use proofmass_physics as physics;
 use proofmass_recording as recording;
 use proofmass_scenario::{motion, navigation, sensor};
-use proofmass_simulate::study;
+use proofmass_study as study;
 
 use crate::control::Control;
 use crate::error::{Error, Result};

@@ -27,7 +27,7 @@ use proofmass_simulate::drift;
 use proofmass_simulate::drift::document;
 use proofmass_simulate::ensemble::{self, Backends, Choice, Keeper, Options};
 use proofmass_simulate::strapdown;
-use proofmass_simulate::study::{self as studies, Overrides, Preset, Study};
+use proofmass_study::{self as studies, Overrides, Preset, Study};
 
 /// The command, from its words to its exit code. A defect that panics ends it as it ends the
 /// binary, with 101.

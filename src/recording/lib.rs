@@ -57,7 +57,8 @@ pub mod unit;
 pub mod zstandard;
 
 // The crates below, under the names by which files here call them.
-use proofmass_base::{control, document, error, escape, number, numerics, parallel, rng, units};
+use proofmass_base::{control, document, error, escape, number, parallel, units};
+use proofmass_numerics::{numerics, rng};
 
 pub use in_memory::{Averaged, Column, Recording};
 pub use limits::FILL_LIMIT;

@@ -10,7 +10,7 @@ use proofmass_simulate::decision::parts::Judged;
 use proofmass_simulate::decision::require::{Answer, Outcome, Value};
 use proofmass_simulate::decision::statistic::{Limit, Statistic};
 use proofmass_simulate::decision::watched::{self, Watched};
-use proofmass_simulate::study::Study;
+use proofmass_study::Study;
 
 /// Name and unit of an error.
 fn named(quantity: Watched) -> (&'static str, &'static str) {

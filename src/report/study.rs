@@ -13,12 +13,12 @@ mod windows;
 use super::html::Page;
 use super::table::Table;
 use proofmass_base::number::{duration, significant, with_uncertainty, worth};
-use proofmass_base::statistics::{Origin, Statistics, Summary, quantity};
+use proofmass_numerics::statistics::{Origin, Statistics, Summary, quantity};
 use proofmass_scenario::navigation::power_law::EXPONENTS;
 use proofmass_simulate::drift::Drift;
 use proofmass_simulate::drift::budget::Contribution;
-use proofmass_simulate::study::Study;
-use proofmass_simulate::study::alignment::Alignment;
+use proofmass_study::Study;
+use proofmass_study::alignment::Alignment;
 
 pub use envelope::log_log as envelope_figure;
 use moment::{moment, plain};

@@ -13,8 +13,8 @@ use super::plant::{self, Size};
 use super::refit::{self, Window};
 use super::standstill::{Slow, Still};
 use proofmass_base::error::{Error, Result};
-use proofmass_base::rng::{Philox, Stream};
 use proofmass_diagnosis::model;
+use proofmass_numerics::rng::{Philox, Stream};
 use proofmass_recording::Recording;
 
 /// Rows used of a longer recording: the diagnosis of each planted copy takes as long as that of the
