@@ -48,6 +48,8 @@ mod suite {
     pub mod numbers;
     pub mod one_sided_stop;
     pub mod outputs;
+    #[cfg(unix)]
+    pub mod outputs_elsewhere;
     pub mod own_noise;
     pub mod own_states;
     pub mod pages;
@@ -102,6 +104,9 @@ fn main() {
         suite::cli::tests(),
         // outputs: a run replaces its own files and nobody else's.
         suite::outputs::tests(),
+        // outputs_elsewhere: folders laid out by somebody else remove and write nothing outside.
+        #[cfg(unix)]
+        suite::outputs_elsewhere::tests(),
         // pages: what a reader sees is whole at every width, and figures answer.
         suite::pages::tests(),
         // colours: inks differ for every reader.
