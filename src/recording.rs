@@ -6,6 +6,7 @@
 //! is reported here, what it means is `diagnosis`' business.
 
 pub mod array;
+pub mod budget;
 pub mod bytes;
 pub mod cells;
 pub mod clock;

@@ -7,6 +7,8 @@ mod suite {
     pub mod architecture;
     pub mod bench;
     pub mod benchmarks;
+    #[cfg(unix)]
+    pub mod bombs;
     pub mod carried_over;
     pub mod carried_over_driven;
     pub mod carried_over_mass;
@@ -104,6 +106,9 @@ fn main() {
         suite::cli::tests(),
         // outputs: a run replaces its own files and nobody else's.
         suite::outputs::tests(),
+        // bombs: files that claim gigabytes or visits without end are answered.
+        #[cfg(unix)]
+        suite::bombs::tests(),
         // outputs_elsewhere: folders laid out by somebody else remove and write nothing outside.
         #[cfg(unix)]
         suite::outputs_elsewhere::tests(),
