@@ -1,8 +1,8 @@
 //! Thrift's compact protocol, of which Parquet's metadata are made: apache.org/thrift, *compact
 //! protocol*.
 
-use crate::recording::budget::Budget;
-use crate::recording::bytes::Bytes;
+use crate::budget::Budget;
+use crate::bytes::Bytes;
 
 /// Structures within structures are followed so far.
 const DEEPEST: usize = 16;
