@@ -7,6 +7,8 @@ mod suite {
     pub mod architecture;
     pub mod bench;
     pub mod benchmarks;
+    #[cfg(unix)]
+    pub mod bombs;
     pub mod carried_over;
     pub mod carried_over_driven;
     pub mod carried_over_mass;
@@ -48,6 +50,8 @@ mod suite {
     pub mod numbers;
     pub mod one_sided_stop;
     pub mod outputs;
+    #[cfg(unix)]
+    pub mod outputs_elsewhere;
     pub mod own_noise;
     pub mod own_states;
     pub mod pages;
@@ -102,6 +106,12 @@ fn main() {
         suite::cli::tests(),
         // outputs: a run replaces its own files and nobody else's.
         suite::outputs::tests(),
+        // bombs: files that claim gigabytes or visits without end are answered.
+        #[cfg(unix)]
+        suite::bombs::tests(),
+        // outputs_elsewhere: folders laid out by somebody else remove and write nothing outside.
+        #[cfg(unix)]
+        suite::outputs_elsewhere::tests(),
         // pages: what a reader sees is whole at every width, and figures answer.
         suite::pages::tests(),
         // colours: inks differ for every reader.

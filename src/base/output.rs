@@ -9,6 +9,7 @@
 
 pub mod lock;
 pub mod manifest;
+pub mod names;
 mod refusal;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -99,11 +100,11 @@ fn checksum(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }
 
-/// SHA-256 of a file that stands in a folder, hexadecimal; `None` for what is no file or cannot be
-/// read.
+/// SHA-256 of a file that stands in a folder, hexadecimal; `None` for what is no plain file or
+/// cannot be read.
 fn checksum_of(path: &Path) -> Option<String> {
-    // A pipe is never opened: it would be waited for.
-    std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
+    // A pipe is never opened: it would be waited for. A link is a file of some other place.
+    std::fs::symlink_metadata(path).ok().filter(std::fs::Metadata::is_file)?;
     std::fs::read(path).ok().map(|bytes| checksum(&bytes))
 }
 
@@ -145,16 +146,15 @@ impl Folder {
     }
 
     /// Files that change while the run goes on, which the run writes itself, and from which it can
-    /// be resumed: a name, which may hold one `*` for any text. `resume` says that those which lie
+    /// be resumed: one of the names of states, which may hold one `*` for any text. `resume` says that those which lie
     /// there are meant to be gone on from, whoever put them there.
     ///
     /// # Errors
     /// A file of the user's has such a name, or the folder cannot be written.
     pub fn state(&mut self, pattern: &str, resume: bool) -> Result<()> {
-        if !resume {
-            let names = self.matching(pattern);
-            self.check(names.iter().map(String::as_str))?;
-        }
+        let there = self.matching(pattern);
+        let special = |name: &&String| self.reason(name).is_some_and(|reason| reason == refusal::Reason::Special);
+        self.check(there.iter().filter(|name| !resume || special(name)).map(String::as_str))?;
         let mut run = self.earlier();
         if !run.states.insert(pattern.into()) {
             return Ok(());
@@ -172,7 +172,7 @@ impl Folder {
         };
         let names = std::fs::read_dir(place).into_iter().flatten().flatten();
         let names = names.map(|e| format!("{below}{}", e.file_name().to_string_lossy()));
-        names.filter(|n| manifest::matches(pattern, n)).collect()
+        names.filter(|n| names::matches(pattern, n)).collect()
     }
 
     /// Lists a file that the run has written itself among its results: changed after
@@ -213,6 +213,9 @@ impl Folder {
     /// Why a file must not be replaced, if it must not.
     fn reason(&self, name: &str) -> Option<refusal::Reason> {
         let path = self.path.join(name);
+        if names::crosses_link(&self.path, name) {
+            return Some(refusal::Reason::Link);
+        }
         let below = path.parent().filter(|below| *below != self.path);
         if below.is_some_and(|below| below.exists() && !below.is_dir()) {
             return Some(refusal::Reason::File);
@@ -224,8 +227,13 @@ impl Folder {
         if about.is_dir() {
             return Some(refusal::Reason::Folder);
         }
-        let sha256 = checksum_of(&path).unwrap_or_default();
-        if self.manifest.run(&self.identity).is_some_and(|run| run.wrote(name, &sha256)) {
+        let is_state = names::STATES.iter().any(|pattern| names::matches(pattern, name));
+        // A state is written where it stands: through a link it would be written elsewhere.
+        if is_state && !about.is_file() {
+            return Some(refusal::Reason::Special);
+        }
+        let own = |run: &Run| run.has_state(name) || checksum_of(&path).is_some_and(|sha256| run.wrote(name, &sha256));
+        if self.manifest.run(&self.identity).is_some_and(own) {
             return None;
         }
         Some(match self.manifest.runs.iter().find(|run| run.names(name)) {
@@ -270,7 +278,14 @@ impl Folder {
             .collect();
         let known = earlier.files.keys().chain(earlier.replaced.keys()).chain(run.files.keys());
         run.replaced = known.filter_map(|n| Some((n.clone(), checksum_of(&self.path.join(n))?))).collect();
-        let stale = |(name, sha256): &(&String, &String)| !run.files.contains_key(*name) && earlier.wrote(name, sha256);
+        // A manifest can be of anybody's making: what is removed has a name that the program gives,
+        // lies in the folder itself, and has the very bytes that were written.
+        let stale = |(name, sha256): &(&String, &String)| {
+            !run.files.contains_key(*name)
+                && names::is_result(name)
+                && !names::crosses_link(&self.path, name)
+                && earlier.wrote(name, sha256)
+        };
         let stale: Vec<PathBuf> = run.replaced.iter().filter(stale).map(|(name, _)| self.path.join(name)).collect();
         self.manifest.set(run.clone());
         self.manifest.write(&self.path)?;

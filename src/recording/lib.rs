@@ -8,6 +8,7 @@
 #![warn(unreachable_pub)]
 
 pub mod array;
+pub mod budget;
 pub mod bytes;
 pub mod cells;
 pub mod clock;

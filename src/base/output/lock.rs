@@ -9,6 +9,8 @@ use crate::error::{Error, Result};
 /// The file that is locked. It is empty and goes with the lock; one that a killed run has left
 /// behind means nothing.
 const NAME: &str = ".proofmass.lock";
+/// Rounds after which a file that is replaced again and again is given up.
+const MOST_ROUNDS: usize = 100;
 
 /// A folder's lock, held until this is dropped.
 #[derive(Debug)]
@@ -21,7 +23,8 @@ impl Lock {
     /// Takes the lock of a folder that exists.
     ///
     /// # Errors
-    /// Another run holds it, or the folder cannot be written.
+    /// Another run holds it, something else than a plain file has its name, or the folder cannot be
+    /// written.
     pub(crate) fn take(folder: &Path) -> Result<Self> {
         Self::locked(folder, NAME, || busy(folder))
     }
@@ -37,7 +40,15 @@ impl Lock {
 
     fn locked(folder: &Path, name: &str, busy: impl Fn() -> Error) -> Result<Self> {
         let path = folder.join(name);
-        loop {
+        for _ in 0..MOST_ROUNDS {
+            // A link would be followed out of the folder, and a pipe waited for.
+            if std::fs::symlink_metadata(&path).is_ok_and(|about| !about.is_file()) {
+                return Err(Error::new(
+                    format!("could not write in {}", folder.display()),
+                    format!("{name} is a link, a folder, a pipe or a device, where a plain file was expected"),
+                    format!("remove {}, or give another folder with --out DIR", path.display()),
+                ));
+            }
             let file = OpenOptions::new()
                 .create(true)
                 .truncate(false)
@@ -59,6 +70,7 @@ impl Lock {
                 return Ok(lock);
             }
         }
+        Err(busy())
     }
 
     /// Whether the file that is locked is the one that stands in the folder.
@@ -111,5 +123,21 @@ mod tests {
         let folder = tempfile::tempdir().expect("temporary folder");
         std::fs::write(folder.path().join(NAME), "").expect("written");
         assert!(Lock::take(folder.path()).is_ok());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_lock_that_is_no_plain_file_is_refused_and_nothing_is_made_elsewhere() {
+        use std::os::unix::fs::symlink;
+        let (folder, home) = (tempfile::tempdir().expect("folder"), tempfile::tempdir().expect("folder"));
+        let (lock, target) = (folder.path().join(NAME), home.path().join("target"));
+        let refused = || Lock::take(folder.path()).is_err_and(|e| e.cause.contains("a plain file was expected"));
+        symlink(&target, &lock).expect("a link to nothing");
+        assert!(refused() && !target.exists());
+        std::fs::write(&target, "precious").expect("written");
+        assert!(refused() && std::fs::read_to_string(&target).is_ok_and(|text| text == "precious"));
+        std::fs::remove_file(&lock).expect("removed");
+        std::fs::create_dir(&lock).expect("a folder");
+        assert!(refused());
     }
 }

@@ -3,10 +3,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{ErrorKind, Read};
-use std::path::{Component, Path};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::names;
 use crate::document::{open, to_json, write_whole};
 use crate::error::{Error, Result};
 
@@ -23,14 +24,6 @@ pub struct Identity {
     /// Paths of the files that it was asked about, as seen from the folder, so that a project can
     /// be moved or shared as a whole; none for a command that reads none.
     pub inputs: Vec<String>,
-}
-
-/// Whether a name is that of a pattern, which may hold one `*` for any text.
-pub(crate) fn matches(pattern: &str, name: &str) -> bool {
-    match pattern.split_once('*') {
-        None => pattern == name,
-        Some((start, end)) => name.len() >= start.len() + end.len() && name.starts_with(start) && name.ends_with(end),
-    }
 }
 
 /// A run that has written here.
@@ -62,14 +55,16 @@ impl Run {
         self.files.contains_key(name) || self.replaced.contains_key(name) || self.has_state(name)
     }
 
-    /// Whether the run has written a file of this name with this content.
+    /// Returns true where the run has written a file of this name with this content.
     pub fn wrote(&self, name: &str, sha256: &str) -> bool {
         let holds = |files: &BTreeMap<String, String>| files.get(name).is_some_and(|known| known == sha256);
-        self.has_state(name) || holds(&self.files) || holds(&self.replaced)
+        holds(&self.files) || holds(&self.replaced)
     }
 
-    fn has_state(&self, name: &str) -> bool {
-        self.states.iter().any(|pattern| matches(pattern, name))
+    /// Returns true where a name is that of a state, whose content no hash can tell: it changes
+    /// while the run goes on.
+    pub fn has_state(&self, name: &str) -> bool {
+        self.states.iter().any(|pattern| names::matches(pattern, name))
     }
 
     /// Another run's file is theirs from now on.
@@ -122,15 +117,22 @@ impl Manifest {
         if manifest.schema != SCHEMA {
             return refuse(format!("need the schema {SCHEMA}, got {}", manifest.schema));
         }
-        // What is listed may be removed: nothing outside the folder ever is.
-        let inside = |name: &String| {
-            !name.is_empty() && Path::new(name).components().all(|part| matches!(part, Component::Normal(_)))
-        };
-        let listed = |run: &Run| run.files.keys().chain(run.replaced.keys()).chain(&run.states).all(inside);
-        match manifest.runs.iter().all(listed) {
-            true => Ok(manifest),
-            false => refuse("it lists a file outside the folder".into()),
+        // What is listed may be replaced or removed: nothing outside the folder ever is.
+        for run in &manifest.runs {
+            for name in run.files.keys().chain(run.replaced.keys()).chain(&run.states) {
+                if !names::is_inside(name) {
+                    return refuse(format!("it lists a file outside the folder, `{name}`"));
+                }
+                if names::crosses_link(folder, name) {
+                    return refuse(format!("it lists `{name}`, whose folder is a link to another place"));
+                }
+            }
+            if let Some(state) = run.states.iter().find(|state| !names::STATES.contains(&state.as_str())) {
+                let known = names::STATES.join(", ");
+                return refuse(format!("it lists the state `{state}`, where one of {known} was expected"));
+            }
         }
+        Ok(manifest)
     }
 
     /// Writes it.
@@ -161,14 +163,6 @@ impl Manifest {
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_star_is_any_text_and_no_star_the_name() {
-        let parts = "interrupted-*.json";
-        assert!(matches(parts, "interrupted-12.json") && matches("truth.json", "truth.json"));
-        assert!(!matches(parts, "interrupted-.jso") && !matches("truth.json", "truth.jsonl"));
-        assert!(!matches("a-*-a", "a-a"));
-    }
-
     fn run(input: &str, file: &str) -> Run {
         let mut run = Run::new(Identity { command: "study".into(), inputs: vec![input.into()] });
         run.files.insert(file.into(), "00".into());
@@ -198,6 +192,34 @@ mod tests {
         for text in ["{}", "no JSON", "{\"schema\": \"proofmass.outputs/9\", \"runs\": []}"] {
             std::fs::write(folder.path().join(NAME), text).expect("written");
             assert!(Manifest::read(folder.path()).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_state_that_the_program_never_writes_is_refused() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        for (state, is_ours) in [("interrupted-*.json", true), ("verdicts.jsonl", true), ("*", false), ("a.tex", false)]
+        {
+            let mut of_states = Run::new(Identity { command: "study".into(), inputs: Vec::new() });
+            of_states.states.insert(state.into());
+            let mut manifest = Manifest::default();
+            manifest.set(of_states);
+            manifest.write(folder.path()).expect("written");
+            assert_eq!(Manifest::read(folder.path()).is_ok(), is_ours, "{state}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_name_beyond_a_link_is_refused_and_one_in_a_folder_is_not() {
+        let (folder, home) = (tempfile::tempdir().expect("folder"), tempfile::tempdir().expect("folder"));
+        std::os::unix::fs::symlink(home.path(), folder.path().join("link")).expect("a link");
+        std::fs::create_dir(folder.path().join("plain")).expect("a folder");
+        for (name, is_ours) in [("plain/a.svg", true), ("link/a.svg", false)] {
+            let mut manifest = Manifest::default();
+            manifest.set(run("/a.toml", name));
+            manifest.write(folder.path()).expect("written");
+            assert_eq!(Manifest::read(folder.path()).is_ok(), is_ours, "{name}");
         }
     }
 }

@@ -18,6 +18,10 @@ pub(super) enum Reason {
     Folder,
     /// A file stands where its folder would go.
     File,
+    /// Its folder is a link to another place.
+    Link,
+    /// A link, a pipe or a device stands where a state is kept.
+    Special,
     /// It has been changed since this run wrote it.
     Changed,
     /// Another run wrote it.
@@ -29,7 +33,7 @@ pub(super) enum Reason {
 impl Reason {
     /// Whether it holds for a run that is forced too.
     pub(super) fn stands_against_force(&self) -> bool {
-        matches!(self, Self::Input | Self::Folder | Self::File)
+        matches!(self, Self::Input | Self::Folder | Self::File | Self::Link | Self::Special)
     }
 
     fn words(&self) -> String {
@@ -37,6 +41,8 @@ impl Reason {
             Self::Input => "an input of this run".into(),
             Self::Folder => "a folder where a file would be written".into(),
             Self::File => "its folder has the name of an existing file".into(),
+            Self::Link => "its folder is a link to another place, where nothing is written".into(),
+            Self::Special => "a link, a pipe or a device where a file was expected".into(),
             Self::Changed => "changed since proofmass wrote it".into(),
             Self::Unknown => "not written by proofmass".into(),
             Self::Other(Identity { command, inputs }) if inputs.is_empty() => {

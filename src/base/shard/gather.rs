@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use super::Shard;
 use super::file::{Contents, Header, read_head};
 use crate::error::{Error, Result};
-use crate::output::manifest::matches;
+use crate::output::names::matches;
 
 /// A file and its head.
 #[derive(Debug, Clone)]

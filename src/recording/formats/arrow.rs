@@ -4,6 +4,7 @@
 
 mod flat;
 
+use crate::budget::{Budget, Spent};
 use crate::clock::stamp::Stamp;
 use crate::decompress::{Codec, LARGEST_BYTES, decompress};
 use crate::element::{Element, Kind};
@@ -20,6 +21,8 @@ const LONGEST_METADATA: u64 = 64 << 20;
 const BLOCK: usize = 16_384;
 /// Types within types are followed so far.
 const DEEPEST: usize = 8;
+/// A field of a schema takes about so many bytes, its table and its place in a list.
+const FIELD_BYTES: usize = 16;
 
 /// A column: where its buffers stand among those of a batch.
 #[derive(Debug, Clone)]
@@ -70,9 +73,10 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
                                                                           machine",
         ));
     }
-    let mut layout = Layout::default();
-    for field in schema.tables(1) {
-        layout.field(&field, 0).map_err(|words| input.fail(words, "leave that column out, or write Parquet or CSV"))?;
+    let mut layout = Layout::new(Budget::of(length));
+    let refused = |words: String| input.fail(words, "leave that column out, or write Parquet or CSV");
+    for field in layout.children(&schema, 1).map_err(refused)? {
+        layout.field(&field, 0).map_err(refused)?;
     }
     let batches = root.structures(3, 24).ok_or_else(damaged)?;
     let batches =
@@ -92,16 +96,29 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
 }
 
 /// Counts nodes and buffers as the fields of a schema take them.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Layout {
     columns: Vec<Column>,
+    has_clock: bool,
     nodes: usize,
     buffers: usize,
+    budget: Budget,
 }
 
 impl Layout {
+    fn new(budget: Budget) -> Self {
+        Self { columns: Vec::new(), has_clock: false, nodes: 0, buffers: 0, budget }
+    }
+
+    /// Fields in a list. Several may be the same one: each is charged where it is met.
+    fn children<'a>(&mut self, field: &Table<'a>, index: usize) -> Result<Vec<Table<'a>>, String> {
+        self.budget.visit(field.length(index).saturating_mul(FIELD_BYTES)).map_err(Spent::words)?;
+        Ok(field.tables(index))
+    }
+
     fn field(&mut self, field: &Table<'_>, depth: usize) -> Result<(), String> {
         let name = field.text(0).unwrap_or_default();
+        self.budget.visit(name.len()).map_err(Spent::words)?;
         let kind = field.u8(2, 0);
         let (node, first) = (self.nodes, self.buffers);
         self.nodes += 1;
@@ -116,11 +133,11 @@ impl Layout {
         if let Some((element, unit)) = number(field) {
             self.buffers += 2;
             if depth == 0 {
-                let has_clock = self.columns.iter().any(|c| c.heading.clock);
                 let heading = match unit {
-                    Some(unit) if !has_clock => Heading::clock(&name, unit),
+                    Some(unit) if !self.has_clock => Heading::clock(&name, unit),
                     _ => Heading::named(name),
                 };
+                self.has_clock |= heading.clock;
                 self.columns.push(Column {
                     heading,
                     element,
@@ -141,7 +158,7 @@ impl Layout {
             // Lists and maps; structures.
             12 | 17 | 21 | 13 => {
                 self.buffers += if kind == 13 { 1 } else { 2 };
-                for child in field.tables(5) {
+                for child in self.children(field, 5)? {
                     self.field(&child, depth + 1)?;
                 }
             }
@@ -149,11 +166,12 @@ impl Layout {
             16 => {
                 self.buffers += 1;
                 let stride = field.table(3).map_or(0, |t| t.i32(0)).clamp(0, 64) as usize;
-                for child in field.tables(5) {
+                for child in self.children(field, 5)? {
                     let data = self.buffers + 1;
                     let element = number(&child).filter(|_| depth == 0 && child.table(4).is_none());
                     self.field(&child, depth + 1)?;
                     if let Some((Some(element), _)) = element {
+                        self.budget.visit(stride * (FIELD_BYTES + name.len())).map_err(Spent::words)?;
                         self.columns.extend((0..stride).map(|lane| Column {
                             heading: Heading::named(format!("{name}.{}", lane + 1)),
                             element: Some(element),
@@ -203,7 +221,8 @@ impl Log for Arrow {
         let columns = all.map(|(target, place)| (target, self.columns[place].clone())).collect();
         let mut batches = self.batches;
         batches.reverse();
-        Ok(Box::new(Rows { input: self.input, columns, batches, batch: Batch::default(), bytes_read: 0 }))
+        let budget = Budget::of(self.input.length());
+        Ok(Box::new(Rows { input: self.input, columns, batches, batch: Batch::default(), budget, bytes_read: 0 }))
     }
 }
 
@@ -231,6 +250,13 @@ impl Buffer {
     }
 }
 
+/// Where a buffer is stored, and its bytes when it is decompressed.
+struct Stored {
+    at: u64,
+    length: u64,
+    size: Option<u64>,
+}
+
 /// Rows of one batch: per column its numbers, and which of them are there.
 #[derive(Debug, Default)]
 struct Batch {
@@ -246,10 +272,13 @@ struct Rows {
     /// Those that follow, the last first.
     batches: Vec<(u64, u64, u64)>,
     batch: Batch,
+    budget: Budget,
     bytes_read: u64,
 }
 
 impl Rows {
+    /// Reads the description of a batch, and what of it is compressed. The batch before is gone by
+    /// then.
     fn load(&mut self, (at, metadata, body): (u64, u64, u64)) -> Result<()> {
         let fail = |words: &str| -> Error { self.input.fail(format!("the batch at byte {at}: {words}"), DAMAGED) };
         if !(8..=LONGEST_METADATA).contains(&metadata) {
@@ -270,9 +299,10 @@ impl Rows {
         };
         let body_at = at + metadata;
         let rows = usize::try_from(header.i64(0)).map_err(|_| fail("expected a number of rows, found none"))?;
+        self.budget.rows(rows as u64, self.columns.len()).map_err(|spent| fail(&spent.words()))?;
         let nodes: Vec<&[u8]> = header.structures(1, 16).map(Iterator::collect).unwrap_or_default();
         let places: Vec<&[u8]> = header.structures(2, 16).map(Iterator::collect).unwrap_or_default();
-        let buffer = |index: usize| -> Result<Buffer> {
+        let place = |index: usize| -> Result<Stored> {
             let place = places.get(index).ok_or_else(|| fail("expected a buffer for each column"))?;
             let (offset, length) = (i64_of(place, 0) as u64, i64_of(place, 8) as u64);
             if offset.checked_add(length).is_none_or(|end| end > body) {
@@ -280,23 +310,34 @@ impl Rows {
             }
             let at = body_at + offset;
             if codec == Codec::None || length == 0 {
-                return Ok(Buffer::InFile { at, length });
+                return Ok(Stored { at, length, size: None });
             }
             if !(8..=LARGEST_BYTES).contains(&length) {
                 return Err(fail("expected the size of a column, found none"));
             }
-            let data = self.input.bytes_at(at, length, "a column")?;
-            match i64_of(&data, 0) {
-                -1 => Ok(Buffer::InFile { at: at + 8, length: length - 8 }),
-                size => decompress(codec, &data[8..], size as u64).map(Buffer::Held).map_err(|w| fail(&w)),
-            }
+            let size = i64_of(&self.input.bytes_at(at, 8, "a column")?, 0);
+            Ok(Stored { at: at + 8, length: length - 8, size: (size != -1).then_some(size as u64) })
         };
-        let mut buffers = Vec::new();
+        let mut stored = Vec::new();
         for (_, column) in &self.columns {
             let missing = nodes.get(column.node).map_or(0, |n| i64_of(n, 8));
-            let validity = if missing == 0 { None } else { Some(buffer(column.validity)?) };
-            buffers.push((buffer(column.data)?, validity));
+            let validity = if missing == 0 { None } else { Some(place(column.validity)?) };
+            stored.push((place(column.data)?, validity));
         }
+        // All columns of a batch are held at a time.
+        let sizes = stored.iter().flat_map(|(data, validity)| [data.size, validity.as_ref().and_then(|v| v.size)]);
+        let held = sizes.flatten().fold(0, u64::saturating_add);
+        self.budget.held(held).map_err(|spent| fail(&spent.words()))?;
+        let buffer = |stored: Stored| -> Result<Buffer> {
+            let Stored { at, length, size } = stored;
+            let Some(size) = size else { return Ok(Buffer::InFile { at, length }) };
+            let data = self.input.bytes_at(at, length, "a column")?;
+            decompress(codec, &data, size).map(Buffer::Held).map_err(|w| fail(&w))
+        };
+        let buffers = stored
+            .into_iter()
+            .map(|(data, validity)| Ok((buffer(data)?, validity.map(buffer).transpose()?)))
+            .collect::<Result<Vec<_>>>()?;
         self.batch = Batch { rows, given: 0, buffers };
         self.bytes_read += metadata + body;
         Ok(())
@@ -307,6 +348,8 @@ impl Reader for Rows {
     fn next(&mut self, block: &mut Block) -> Result<bool> {
         while self.batch.given >= self.batch.rows {
             let Some(batch) = self.batches.pop() else { return Ok(false) };
+            // Two batches are never held at a time.
+            self.batch.buffers.clear();
             self.load(batch)?;
         }
         let from = self.batch.given;

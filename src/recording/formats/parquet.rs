@@ -10,6 +10,7 @@ mod physical;
 mod round_trip;
 mod thrift;
 
+use crate::budget::{Budget, Spent};
 use crate::bytes::Bytes;
 use crate::decompress::Codec;
 use crate::element::{Element, Kind};
@@ -64,15 +65,18 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     let at = (length - 8).checked_sub(size).filter(|_| size <= LONGEST_FOOTER);
     let at = at.ok_or_else(|| input.truncated("the table's metadata", 0, size))?;
     let footer = input.bytes_at(at, size, "the table's metadata")?;
-    let Some(meta) = thrift::structure(&mut Bytes::new(&footer)) else {
+    let mut budget = Budget::of(length);
+    let Some(meta) = thrift::structure(&mut Bytes::new(&footer), &mut budget) else {
+        budget.visit(thrift::VALUE_BYTES).map_err(|spent| spent.of(input))?;
         return Err(input.fail(format!("expected the table's metadata at byte {at}, found damaged data"), DAMAGED));
     };
-    let mut leaves = Vec::new();
     let mut schema = meta.list(2).iter();
-    if let Some(root) = schema.next() {
-        leaves_below(&mut schema, root.size(5).unwrap_or_default(), &mut Vec::new(), 0, false, &mut leaves);
+    let root = schema.next();
+    let mut leaves = Leaves { schema, path: Vec::new(), has_clock: false, budget, found: Vec::new() };
+    if let Some(root) = root {
+        leaves.below(root.size(5).unwrap_or_default(), 0, false).map_err(|spent| spent.of(input))?;
     }
-    let columns: Vec<Column> = leaves.into_iter().flatten().collect();
+    let columns: Vec<Column> = leaves.found.into_iter().flatten().collect();
     let mut groups = Vec::new();
     for group in meta.list(4) {
         let chunks = group.list(1).iter().map(|c| chunk(input, c)).collect::<Result<Vec<Chunk>>>()?;
@@ -95,39 +99,43 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     Ok(Box::new(Parquet { input: input.clone(), parts: vec![part], columns, groups }))
 }
 
-/// All leaves in order; those that are no numbers keep their place.
-fn leaves_below<'a, 'b: 'a>(
-    schema: &mut std::slice::Iter<'a, Value<'b>>,
-    children: u64,
-    path: &mut Vec<String>,
-    levels: u32,
-    repeated: bool,
-    leaves: &mut Vec<Option<Column>>,
-) {
-    for _ in 0..children {
-        let Some(node) = schema.next() else { return };
-        let repetition = node.integer(3).unwrap_or_default();
-        let (levels, repeated) = (levels + u32::from(repetition > 0), repeated || repetition == 2);
-        path.push(node.text(4).unwrap_or_default());
-        match node.size(5).unwrap_or_default() {
-            0 => {
-                let leaf = leaves.len();
-                let column = physical(node).filter(|_| !repeated).map(|physical| {
-                    let unit = unit(node, physical);
-                    let name = path.join(".");
-                    let has_clock = leaves.iter().flatten().any(|c: &Column| c.heading.clock);
-                    let heading = match unit {
-                        Some(unit) if !has_clock => Heading::clock(&name, unit),
-                        _ => Heading::named(name),
-                    };
-                    Column { leaf, heading, physical, levels }
-                });
-                leaves.push(column);
+/// All leaves of a schema in order; those that are no numbers keep their place.
+struct Leaves<'a, 'b> {
+    schema: std::slice::Iter<'a, Value<'b>>,
+    path: Vec<String>,
+    has_clock: bool,
+    budget: Budget,
+    found: Vec<Option<Column>>,
+}
+
+impl Leaves<'_, '_> {
+    fn below(&mut self, children: u64, levels: u32, repeated: bool) -> Result<(), Spent> {
+        for _ in 0..children {
+            let Some(node) = self.schema.next() else { return Ok(()) };
+            let repetition = node.integer(3).unwrap_or_default();
+            let (levels, repeated) = (levels + u32::from(repetition > 0), repeated || repetition == 2);
+            self.path.push(node.text(4).unwrap_or_default());
+            match node.size(5).unwrap_or_default() {
+                0 => {
+                    let leaf = self.found.len();
+                    self.budget.visit(self.path.iter().map(String::len).sum())?;
+                    let column = physical(node).filter(|_| !repeated).map(|physical| {
+                        let name = self.path.join(".");
+                        let heading = match unit(node, physical) {
+                            Some(unit) if !self.has_clock => Heading::clock(&name, unit),
+                            _ => Heading::named(name),
+                        };
+                        Column { leaf, heading, physical, levels }
+                    });
+                    self.has_clock |= column.as_ref().is_some_and(|c| c.heading.clock);
+                    self.found.push(column);
+                }
+                below if self.path.len() < 16 => self.below(below, levels, repeated)?,
+                _ => return Ok(()),
             }
-            below if path.len() < 16 => leaves_below(schema, below, path, levels, repeated, leaves),
-            _ => return,
+            self.path.pop();
         }
-        path.pop();
+        Ok(())
     }
 }
 

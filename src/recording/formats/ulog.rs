@@ -3,6 +3,7 @@
 
 use std::collections::HashMap;
 
+use crate::budget::{Budget, Spent};
 use crate::bytes::Bytes;
 use crate::dropped::{Dropped, Reason};
 use crate::element::{Element, Kind};
@@ -27,6 +28,9 @@ const SEARCHED: usize = 1 << 16;
 const DEEPEST: usize = 8;
 /// No message has more fields.
 const MOST_FIELDS: usize = 4096;
+
+/// A field of a format takes about so many bytes, beside its name.
+const FIELD_BYTES: usize = 16;
 
 /// A message that was logged, under the number that stands for it.
 #[derive(Debug, Clone)]
@@ -76,10 +80,10 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
             _ => {}
         }
     }
+    let mut layout = Layout { formats: &formats, budget: Budget::of(input.length()), offset: 0, fields: Vec::new() };
     let mut log = Ulog { input: input.clone(), parts: Vec::new(), logged: Vec::new() };
     for (id, instance, name) in subscriptions {
-        let mut fields = Vec::new();
-        expand(&formats, &name, "", &mut 2, &mut fields, 0);
+        let mut fields = layout.of(&name).map_err(|spent| spent.of(input))?;
         let mut headings: Vec<Heading> = fields.iter().map(|f| f.heading.clone()).collect();
         let is_imu = records::inertial(&mut headings);
         fields.iter_mut().zip(&headings).for_each(|(field, heading)| field.heading = heading.clone());
@@ -109,42 +113,58 @@ fn prefer_combined(parts: &mut [Part]) {
     }
 }
 
-/// The fields of a format, those of formats within it included; padding and text are none.
-fn expand(
-    formats: &HashMap<String, String>,
-    name: &str,
-    prefix: &str,
-    offset: &mut usize,
-    into: &mut Vec<Field>,
-    depth: usize,
-) {
-    let Some(fields) = formats.get(name).filter(|_| depth < DEEPEST) else { return };
-    for (kind, name) in fields.split(';').filter_map(|f| f.trim().split_once(' ')) {
-        let (kind, count) = match kind.split_once('[') {
-            Some((kind, count)) => (kind, count.trim_end_matches(']').parse().unwrap_or(0usize)),
-            None => (kind, 0),
-        };
-        for index in 0..count.max(1) {
-            if into.len() >= MOST_FIELDS || *offset > usize::from(u16::MAX) {
-                return;
+/// Lays out the fields of messages, those of formats within formats included; padding and text are
+/// none.
+struct Layout<'a> {
+    formats: &'a HashMap<String, String>,
+    budget: Budget,
+    offset: usize,
+    fields: Vec<Field>,
+}
+
+impl Layout<'_> {
+    /// Returns the fields of the messages of a format.
+    fn of(&mut self, name: &str) -> Result<Vec<Field>, Spent> {
+        // Behind the number that stands for the message.
+        self.offset = 2;
+        self.expand(name, "", 0)?;
+        Ok(std::mem::take(&mut self.fields))
+    }
+
+    fn expand(&mut self, name: &str, prefix: &str, depth: usize) -> Result<(), Spent> {
+        let formats = self.formats;
+        let Some(fields) = formats.get(name).filter(|_| depth < DEEPEST) else { return Ok(()) };
+        self.budget.visit(fields.len())?;
+        for (kind, name) in fields.split(';').filter_map(|f| f.trim().split_once(' ')) {
+            let (kind, count) = match kind.split_once('[') {
+                Some((kind, count)) => (kind, count.trim_end_matches(']').parse().unwrap_or(0usize)),
+                None => (kind, 0),
+            };
+            for index in 0..count.max(1) {
+                if self.fields.len() >= MOST_FIELDS || self.offset > usize::from(u16::MAX) {
+                    return Ok(());
+                }
+                // Of a format without fields, or without any format, there may be any number.
+                self.budget.visit(FIELD_BYTES + prefix.len() + name.len())?;
+                let full = match count {
+                    0 => format!("{prefix}{name}"),
+                    _ => format!("{prefix}{name}.{}", index + 1),
+                };
+                let Some(element) = element(kind) else {
+                    self.expand(kind, &format!("{full}."), depth + 1)?;
+                    continue;
+                };
+                let heading = match full.as_str() {
+                    "timestamp" => Heading::clock("timestamp", "us"),
+                    _ => Heading::named(full),
+                };
+                if !name.starts_with("_padding") && kind != "char" {
+                    self.fields.push(Field { heading, element, offset: self.offset, scale: 1.0 });
+                }
+                self.offset += element.bytes;
             }
-            let full = match count {
-                0 => format!("{prefix}{name}"),
-                _ => format!("{prefix}{name}.{}", index + 1),
-            };
-            let Some(element) = element(kind) else {
-                expand(formats, kind, &format!("{full}."), offset, into, depth + 1);
-                continue;
-            };
-            let heading = match full.as_str() {
-                "timestamp" => Heading::clock("timestamp", "us"),
-                _ => Heading::named(full),
-            };
-            if !name.starts_with("_padding") && kind != "char" {
-                into.push(Field { heading, element, offset: *offset, scale: 1.0 });
-            }
-            *offset += element.bytes;
         }
+        Ok(())
     }
 }
 

@@ -82,6 +82,11 @@ impl<'a> Table<'a> {
         Some(self.bytes.get(at + 4..)?.get(..count.checked_mul(bytes)?)?.chunks_exact(bytes))
     }
 
+    /// How many entries a list says that it has.
+    pub(super) fn length(&self, index: usize) -> usize {
+        self.target(index).and_then(|at| u32_at(self.bytes, at)).unwrap_or_default()
+    }
+
     /// Tables in a list; none where there is no list.
     pub(super) fn tables(&self, index: usize) -> Vec<Table<'a>> {
         let places = || -> Option<Vec<Table<'a>>> {

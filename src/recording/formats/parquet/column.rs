@@ -1,8 +1,9 @@
 //! Columns of a Parquet table page by page, side by side.
 
-use super::encoding::{deltas, hybrid, split_streams};
+use super::encoding::{Deltas, Hybrid, split_streams};
 use super::physical::{DAMAGED, Physical};
 use super::thrift::{self, Value};
+use crate::budget::{Budget, Spent};
 use crate::bytes::Bytes;
 use crate::clock::stamp::Stamp;
 use crate::decompress::{Codec, LARGEST_BYTES, decompress};
@@ -45,11 +46,37 @@ pub(super) struct Column {
     at: u64,
     left: u64,
     dictionary: Vec<u8>,
-    /// Values of the page at hand, and how many were given.
-    numbers: Vec<f64>,
-    stamps: Vec<Stamp>,
-    rounded: Option<usize>,
-    given: usize,
+    page: Page,
+}
+
+/// A page that is given piece by piece: what is packed stays packed until it is asked for.
+#[derive(Debug, Default)]
+struct Page {
+    /// Where it begins in the file.
+    at: u64,
+    encoding: i64,
+    /// Values that are still to be given, missing ones included.
+    left: usize,
+    /// Which values are there, where some may be missing.
+    levels: Option<(Vec<u8>, Hybrid)>,
+    body: Vec<u8>,
+    values: Packed,
+}
+
+/// How the values of a page are packed, and how far they were given.
+#[derive(Debug, Default)]
+enum Packed {
+    /// One after the other, from this byte, or value, on.
+    #[default]
+    Nothing,
+    Plain(usize),
+    Bits {
+        at: usize,
+        given: usize,
+    },
+    Dictionary(Hybrid),
+    Runs(Hybrid),
+    Deltas(Deltas),
 }
 
 impl Column {
@@ -65,15 +92,18 @@ impl Column {
             at: 0,
             left: 0,
             dictionary: Vec::new(),
-            numbers: Vec::new(),
-            stamps: Vec::new(),
-            rounded: None,
-            given: 0,
+            page: Page::default(),
         }
     }
 
     fn waiting(&self) -> usize {
-        self.numbers.len().max(self.stamps.len()) - self.given
+        self.page.left
+    }
+
+    /// Bytes in memory.
+    fn held(&self) -> u64 {
+        let levels = self.page.levels.as_ref().map_or(0, |l| l.0.len());
+        (self.dictionary.len() + self.page.body.len() + levels) as u64
     }
 
     /// Numbers as they are held once a page is read.
@@ -86,7 +116,7 @@ impl Column {
     }
 
     /// Reads pages until values wait; none do at the end of the column.
-    fn load(&mut self, input: &Input) -> Result<()> {
+    fn load(&mut self, input: &Input, mut held: Held<'_>) -> Result<()> {
         while self.waiting() == 0 {
             if self.left == 0 {
                 let Some(chunk) = self.chunks.pop() else { return Ok(()) };
@@ -99,22 +129,22 @@ impl Column {
                     )
                 })?;
                 (self.at, self.left) = (chunk.at, chunk.values);
-                self.dictionary.clear();
+                (self.dictionary, self.page) = (Vec::new(), Page::default());
                 continue;
             }
-            self.page(input)?;
+            self.read_page(input, &mut held)?;
         }
         Ok(())
     }
 
-    fn page(&mut self, input: &Input) -> Result<()> {
+    fn read_page(&mut self, input: &Input, held: &mut Held<'_>) -> Result<()> {
         let page_at = self.at;
         let fail = |words: &str| -> Error { input.fail(format!("the page at byte {page_at}: {words}"), DAMAGED) };
         let mut length = USUAL_HEADER;
         let (header, taken) = loop {
             let bytes = input.bytes_at(page_at, length.min(input.length().saturating_sub(page_at)), "a page")?;
             let mut rest = Bytes::new(&bytes);
-            if let Some(header) = thrift::structure(&mut rest) {
+            if let Some(header) = thrift::structure(&mut rest, &mut Budget::of(0)) {
                 break (PageHeader::of(&header), rest.taken() as u64);
             }
             if length >= LONGEST_HEADER || bytes.len() < length as usize {
@@ -126,6 +156,12 @@ impl Column {
         if header.stored > LARGEST_BYTES || header.size > LARGEST_BYTES {
             return Err(fail("expected at most 256 MiB"));
         }
+        // Before anything is allocated: the page as it is stored, and as it is held.
+        let spent = |spent: Spent| fail(&spent.words());
+        held.budget.rows(header.values as u64, 1).map_err(spent)?;
+        self.page = Page::default();
+        let (page, dictionary) = (header.stored + header.size, self.dictionary.len() as u64);
+        held.budget.held(held.by_others + dictionary + page).map_err(spent)?;
         let data = input.bytes_at(page_at + taken, header.stored, "a page")?;
         self.at = page_at + taken + header.stored;
         match header.kind {
@@ -133,8 +169,8 @@ impl Column {
             1 => Ok(()),
             2 => {
                 let bytes = decompress(self.codec, &data, header.size).map_err(|w| fail(&w))?;
-                self.dictionary =
-                    self.plain(&bytes, header.values).ok_or_else(|| fail("a dictionary that is cut short"))?;
+                self.dictionary = plain(self.physical, &bytes, header.values)
+                    .ok_or_else(|| fail("a dictionary that is cut short"))?;
                 Ok(())
             }
             0 | 3 => {
@@ -146,7 +182,7 @@ impl Column {
                 let levels_bytes = if header.kind == 3 { header.levels } else { 0 };
                 let (levels, packed) =
                     data.split_at_checked(levels_bytes).ok_or_else(|| fail("levels that are longer than it"))?;
-                let levels = levels.to_vec();
+                let levels = levels.get(header.repetition..).unwrap_or_default().to_vec();
                 let size = header.size.checked_sub(levels_bytes as u64).ok_or_else(|| fail("levels longer than it"))?;
                 let codec = if header.is_packed { self.codec } else { Codec::None };
                 let body = if codec == Codec::None && size == packed.len() as u64 {
@@ -154,101 +190,108 @@ impl Column {
                 } else {
                     decompress(codec, packed, size).map_err(|w| fail(&w))?
                 };
-                self.values(&header, &levels, body).ok_or_else(|| {
-                    fail(&format!(
-                        "expected {} values in encoding {}, found damaged data",
-                        header.values, header.encoding
-                    ))
-                })
+                let apart = (header.kind == 3).then_some(levels);
+                self.page = self.begin(&header, apart, body).ok_or_else(|| damaged(input, page_at, header.encoding))?;
+                self.page.at = page_at;
+                Ok(())
             }
             _ => Err(fail("expected a page of data, found another kind")),
         }
     }
 
-    /// Values of a page whose levels stand before them, or apart.
-    fn values(&mut self, header: &PageHeader, levels: &[u8], body: Vec<u8>) -> Option<()> {
+    /// A page whose levels stand before its values, or apart.
+    fn begin(&self, header: &PageHeader, apart: Option<Vec<u8>>, body: Vec<u8>) -> Option<Page> {
         let (mut begin, count) = (0, header.values);
-        let mut present = None;
+        let mut levels = None;
         if self.levels > 0 {
-            let width = u32::BITS - self.levels.leading_zeros();
-            let packed = if header.kind == 3 {
-                &levels[header.repetition.min(levels.len())..]
-            } else {
-                let mut bytes = Bytes::new(&body);
-                let packed = bytes.counted()?;
-                begin = bytes.taken();
-                packed
+            let packed = match apart {
+                Some(packed) => packed,
+                None => {
+                    let mut bytes = Bytes::new(&body);
+                    let packed = bytes.counted()?.to_vec();
+                    begin = bytes.taken();
+                    packed
+                }
             };
+            let width = u32::BITS - self.levels.leading_zeros();
+            levels = Some((packed, Hybrid::new(width, 0, count)?));
+        }
+        let bytes = body.get(begin..)?;
+        let (values, body) = match (header.encoding, self.physical) {
+            (PLAIN, Physical::Bit) => (Packed::Bits { at: begin, given: 0 }, body),
+            (PLAIN, _) => (Packed::Plain(begin), body),
+            (2 | 8, _) => match bytes.first() {
+                Some(width) => (Packed::Dictionary(Hybrid::new(u32::from(*width), begin + 1, count)?), body),
+                None => (Packed::Nothing, body),
+            },
+            (3, Physical::Bit) => {
+                let packed = Bytes::new(bytes).counted()?.to_vec();
+                (Packed::Runs(Hybrid::new(1, 0, count)?), packed)
+            }
+            (5, Physical::Number(Element { kind: Kind::Signed | Kind::Unsigned, .. })) => {
+                (Packed::Deltas(Deltas::new(&body, begin, count)?), body)
+            }
+            (9, Physical::Number(element)) => {
+                // Its streams lie as far apart as there are values that are not missing.
+                let stored = levels.as_ref().map_or(Some(count), |l| self.present(&l.0, count))?;
+                let streams = bytes.get(..stored.checked_mul(element.bytes)?)?;
+                (Packed::Plain(0), split_streams(streams, element.bytes))
+            }
+            _ => return None,
+        };
+        Some(Page { at: 0, encoding: header.encoding, left: count, levels, body, values })
+    }
+
+    /// How many of a page's values are there.
+    fn present(&self, levels: &[u8], count: usize) -> Option<usize> {
+        let mut hybrid = Hybrid::new(u32::BITS - self.levels.leading_zeros(), 0, count)?;
+        let (mut found, mut present) = (vec![0; BLOCK], 0);
+        for from in (0..count).step_by(BLOCK) {
+            let part = &mut found[..BLOCK.min(count - from)];
+            hybrid.fill(levels, part)?;
+            present += part.iter().filter(|l| **l == self.levels).count();
+        }
+        Some(present)
+    }
+
+    /// Gives so many values of the page at hand, no more than wait.
+    fn give(&mut self, count: usize, block: &mut Block) -> Option<()> {
+        self.page.left = self.page.left.checked_sub(count)?;
+        let mut present = None;
+        if let Some((bytes, levels)) = &mut self.page.levels {
+            let mut found = vec![0; count];
+            levels.fill(bytes, &mut found)?;
             // Most pages lack nothing: one run of the highest level.
-            let found = hybrid(packed, width, count)?;
             if found.iter().any(|l| *l != self.levels) {
                 present = Some(found.iter().map(|l| *l == self.levels).collect::<Vec<bool>>());
             }
         }
         let stored = present.as_ref().map_or(count, |p| p.iter().filter(|p| **p).count());
         let element = self.element();
-        let bytes = body.get(begin..)?;
-        let decoded;
-        let raw: &[u8] = match (header.encoding, self.physical) {
-            (PLAIN, Physical::Number(_)) => bytes.get(..stored.checked_mul(element.bytes)?)?,
-            (PLAIN, _) => {
-                decoded = self.plain(bytes, stored)?;
-                &decoded
-            }
-            (2 | 8, _) => {
-                let (width, packed) = bytes.split_first().or((stored == 0).then_some((&0, &[][..])))?;
-                let indices = hybrid(packed, u32::from(*width), stored)?;
-                let mut gathered = Vec::with_capacity(stored * element.bytes);
-                for index in indices {
-                    let at = (index as usize).checked_mul(element.bytes)?;
-                    gathered.extend_from_slice(self.dictionary.get(at..at + element.bytes)?);
-                }
-                decoded = gathered;
-                &decoded
-            }
-            (3, Physical::Bit) => {
-                let packed = Bytes::new(bytes).counted()?;
-                decoded = hybrid(packed, 1, stored)?.into_iter().map(|b| b as u8).collect();
-                &decoded
-            }
-            (5, Physical::Number(Element { kind: Kind::Signed | Kind::Unsigned, .. })) => {
-                let numbers = deltas(bytes, stored)?;
-                decoded = numbers.iter().flat_map(|n| n.to_le_bytes().into_iter().take(element.bytes)).collect();
-                &decoded
-            }
-            (9, Physical::Number(_)) => {
-                decoded = split_streams(bytes.get(..stored.checked_mul(element.bytes)?)?, element.bytes);
-                &decoded
-            }
-            _ => return None,
-        };
-        if raw.len() != stored * element.bytes {
-            return None;
-        }
-        self.given = 0;
-        self.numbers.clear();
-        self.stamps.clear();
-        self.rounded = None;
+        let raw = self.unpacked(stored, element.bytes)?;
         let mut each = raw.chunks_exact(element.bytes);
         match (self.target, &present) {
-            (Some(_), None) => element.decode(raw, &mut self.numbers),
-            (Some(_), Some(present)) => {
+            (Some(target), None) => element.decode(&raw, &mut block.columns[target]),
+            (Some(target), Some(present)) => {
                 let mut next =
                     |p: &bool| if *p { each.next().map_or(f64::NAN, |n| element.value(n)) } else { f64::NAN };
-                self.numbers.extend(present.iter().map(&mut next));
+                block.columns[target].extend(present.iter().map(&mut next));
             }
-            (None, None) => self.stamps.extend(each.map(|n| element.stamp(n))),
+            (None, None) => block.stamps.extend(each.map(|n| element.stamp(n))),
             (None, Some(present)) => {
                 let mut next = |p: &bool| {
                     if *p { each.next().map_or(Stamp::MISSING, |n| element.stamp(n)) } else { Stamp::MISSING }
                 };
-                self.stamps.extend(present.iter().map(&mut next));
+                block.stamps.extend(present.iter().map(&mut next));
             }
         }
-        if element.bytes == 8 && element.kind != Kind::Float && self.target.is_some() {
+        if let Some(target) = self.target
+            && element.bytes == 8
+            && element.kind != Kind::Float
+        {
             let first = raw.chunks_exact(8).position(|n| element.is_rounded(n));
             // Counted among those that are there.
-            self.rounded = first.and_then(|first| match &present {
+            block.rounded[target] = first.and_then(|first| match &present {
                 None => Some(first),
                 Some(present) => present.iter().enumerate().filter(|p| *p.1).nth(first).map(|p| p.0),
             });
@@ -256,25 +299,77 @@ impl Column {
         Some(())
     }
 
-    /// Values one after the other, as numbers of [`Column::element`].
-    fn plain(&self, bytes: &[u8], count: usize) -> Option<Vec<u8>> {
-        match self.physical {
-            Physical::Number(element) => bytes.get(..count.checked_mul(element.bytes)?).map(<[u8]>::to_vec),
-            Physical::Bit => {
-                (bytes.len() >= count.div_ceil(8)).then(|| (0..count).map(|i| bytes[i / 8] >> (i % 8) & 1).collect())
+    /// The next values of the page as numbers of [`Column::element`], of so many bytes each.
+    fn unpacked(&mut self, count: usize, bytes: usize) -> Option<Vec<u8>> {
+        let body = &self.page.body;
+        let mut out = Vec::with_capacity(count * bytes);
+        match &mut self.page.values {
+            Packed::Nothing if count == 0 => {}
+            Packed::Nothing => return None,
+            Packed::Plain(at) => {
+                let length = count * self.physical.stored_bytes();
+                out = plain(self.physical, body.get(*at..*at + length)?, count)?;
+                *at += length;
             }
-            Physical::Int96 => {
-                let mut out = Vec::new();
-                for stamp in bytes.get(..count.checked_mul(12)?)?.chunks_exact(12) {
-                    let mut parts = Bytes::new(stamp);
-                    let (of_day, day) = (parts.u64()? as i64, i64::from(parts.u32()?));
-                    let all = (day - EPOCH_DAY).wrapping_mul(86_400_000_000_000).wrapping_add(of_day);
-                    out.extend_from_slice(&all.to_le_bytes());
+            Packed::Bits { at, given } => {
+                let bit = |i: usize| body.get(*at + i / 8).map(|b| b >> (i % 8) & 1);
+                out.extend((*given..*given + count).map(bit).collect::<Option<Vec<u8>>>()?);
+                *given += count;
+            }
+            Packed::Dictionary(indices) => {
+                let mut found = vec![0; count];
+                indices.fill(body, &mut found)?;
+                for index in found {
+                    let at = (index as usize).checked_mul(bytes)?;
+                    out.extend_from_slice(self.dictionary.get(at..at + bytes)?);
                 }
-                Some(out)
+            }
+            Packed::Runs(runs) => {
+                let mut found = vec![0; count];
+                runs.fill(body, &mut found)?;
+                out.extend(found.into_iter().map(|b| b as u8));
+            }
+            Packed::Deltas(deltas) => {
+                for _ in 0..count {
+                    out.extend_from_slice(deltas.next(body)?.to_le_bytes().get(..bytes)?);
+                }
             }
         }
+        Some(out)
     }
+}
+
+/// Values one after the other, as numbers of [`Column::element`].
+fn plain(physical: Physical, bytes: &[u8], count: usize) -> Option<Vec<u8>> {
+    match physical {
+        Physical::Number(element) => bytes.get(..count.checked_mul(element.bytes)?).map(<[u8]>::to_vec),
+        Physical::Bit => {
+            (bytes.len() >= count.div_ceil(8)).then(|| (0..count).map(|i| bytes[i / 8] >> (i % 8) & 1).collect())
+        }
+        Physical::Int96 => {
+            let mut out = Vec::new();
+            for stamp in bytes.get(..count.checked_mul(12)?)?.chunks_exact(12) {
+                let mut parts = Bytes::new(stamp);
+                let (of_day, day) = (parts.u64()? as i64, i64::from(parts.u32()?));
+                let all = (day - EPOCH_DAY).wrapping_mul(86_400_000_000_000).wrapping_add(of_day);
+                out.extend_from_slice(&all.to_le_bytes());
+            }
+            Some(out)
+        }
+    }
+}
+
+/// What a column may still take, and what the other ones hold.
+struct Held<'a> {
+    budget: &'a mut Budget,
+    by_others: u64,
+}
+
+fn damaged(input: &Input, page_at: u64, encoding: i64) -> Error {
+    input.fail(
+        format!("the page at byte {page_at}: expected more values in encoding {encoding}, found damaged data"),
+        DAMAGED,
+    )
 }
 
 /// What the header of a page says.
@@ -320,21 +415,26 @@ impl PageHeader {
 pub(super) struct Columns {
     input: Input,
     columns: Vec<Column>,
+    budget: Budget,
     bytes_read: u64,
 }
 
 impl Columns {
     /// At their first row.
     pub(super) fn new(input: Input, columns: Vec<Column>) -> Self {
-        Self { input, columns, bytes_read: 0 }
+        let budget = Budget::of(input.length());
+        Self { input, columns, budget, bytes_read: 0 }
     }
 }
 
 impl Reader for Columns {
     fn next(&mut self, block: &mut Block) -> Result<bool> {
+        let mut held: u64 = self.columns.iter().map(Column::held).sum();
         for column in &mut self.columns {
             let before = column.at;
-            column.load(&self.input)?;
+            let by_others = held - column.held();
+            column.load(&self.input, Held { budget: &mut self.budget, by_others })?;
+            held = by_others + column.held();
             self.bytes_read += column.at.saturating_sub(before);
         }
         let waiting = || self.columns.iter().map(Column::waiting);
@@ -346,15 +446,8 @@ impl Reader for Columns {
             };
         }
         for column in &mut self.columns {
-            let part = column.given..column.given + count;
-            match column.target {
-                Some(target) => {
-                    block.columns[target].extend_from_slice(&column.numbers[part.clone()]);
-                    block.rounded[target] = column.rounded.filter(|r| part.contains(r)).map(|r| r - part.start);
-                }
-                None => block.stamps.extend_from_slice(&column.stamps[part.clone()]),
-            }
-            column.given += count;
+            let page = (column.page.at, column.page.encoding);
+            column.give(count, block).ok_or_else(|| damaged(&self.input, page.0, page.1))?;
         }
         block.rows = count;
         Ok(true)

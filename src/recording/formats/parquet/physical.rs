@@ -13,3 +13,14 @@ pub(crate) enum Physical {
     /// As a day and nanoseconds of it, in twelve bytes.
     Int96,
 }
+
+impl Physical {
+    /// Returns the bytes that a value takes where it is stored as it is.
+    pub(crate) fn stored_bytes(self) -> usize {
+        match self {
+            Self::Number(element) => element.bytes,
+            Self::Bit => 1,
+            Self::Int96 => 12,
+        }
+    }
+}

@@ -1,10 +1,14 @@
 //! Thrift's compact protocol, of which Parquet's metadata are made: apache.org/thrift, *compact
 //! protocol*.
 
+use crate::budget::Budget;
 use crate::bytes::Bytes;
 
 /// Structures within structures are followed so far.
 const DEEPEST: usize = 16;
+
+/// Bytes that a value is charged: it takes one of the file at least, and ten times that in memory.
+pub(super) const VALUE_BYTES: usize = 4;
 
 /// A value of a field.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,9 +71,9 @@ impl<'a> Value<'a> {
     }
 }
 
-/// Reads a structure; `None` where it is damaged.
-pub(super) fn structure<'a>(bytes: &mut Bytes<'a>) -> Option<Value<'a>> {
-    nested(bytes, 0)
+/// Reads a structure; `None` where it is damaged, or the budget is spent.
+pub(super) fn structure<'a>(bytes: &mut Bytes<'a>, budget: &mut Budget) -> Option<Value<'a>> {
+    nested(bytes, 0, budget)
 }
 
 fn varint(bytes: &mut Bytes<'_>) -> Option<u64> {
@@ -89,7 +93,7 @@ fn zigzag(bytes: &mut Bytes<'_>) -> Option<i64> {
     Some((n >> 1) as i64 ^ -((n & 1) as i64))
 }
 
-fn nested<'a>(bytes: &mut Bytes<'a>, depth: usize) -> Option<Value<'a>> {
+fn nested<'a>(bytes: &mut Bytes<'a>, depth: usize, budget: &mut Budget) -> Option<Value<'a>> {
     if depth > DEEPEST {
         return None;
     }
@@ -104,16 +108,17 @@ fn nested<'a>(bytes: &mut Bytes<'a>, depth: usize) -> Option<Value<'a>> {
             0 => i16::try_from(zigzag(bytes)?).ok()?,
             step => id.checked_add(i16::from(step))?,
         };
+        budget.visit(VALUE_BYTES).ok()?;
         let value = match head & 15 {
             1 => Value::Bool(true),
             2 => Value::Bool(false),
-            kind => value(bytes, kind, depth)?,
+            kind => value(bytes, kind, depth, budget)?,
         };
         fields.push((id, value));
     }
 }
 
-fn value<'a>(bytes: &mut Bytes<'a>, kind: u8, depth: usize) -> Option<Value<'a>> {
+fn value<'a>(bytes: &mut Bytes<'a>, kind: u8, depth: usize, budget: &mut Budget) -> Option<Value<'a>> {
     Some(match kind {
         1 | 2 => Value::Bool(bytes.u8()? == 1),
         3 => Value::Integer(i64::from(bytes.u8()? as i8)),
@@ -133,20 +138,21 @@ fn value<'a>(bytes: &mut Bytes<'a>, kind: u8, depth: usize) -> Option<Value<'a>>
             if count > bytes.len() || depth > DEEPEST {
                 return None;
             }
-            Value::List((0..count).map(|_| value(bytes, head & 15, depth + 1)).collect::<Option<_>>()?)
+            budget.visit(count.checked_mul(VALUE_BYTES)?).ok()?;
+            Value::List((0..count).map(|_| value(bytes, head & 15, depth + 1, budget)).collect::<Option<_>>()?)
         }
         11 => {
             let count = usize::try_from(varint(bytes)?).ok()?;
             if count > 0 {
                 let kinds = bytes.u8()?;
                 for _ in 0..count {
-                    value(bytes, kinds >> 4, depth + 1).filter(|_| depth < DEEPEST)?;
-                    value(bytes, kinds & 15, depth + 1)?;
+                    value(bytes, kinds >> 4, depth + 1, budget).filter(|_| depth < DEEPEST)?;
+                    value(bytes, kinds & 15, depth + 1, budget)?;
                 }
             }
             Value::List(Vec::new())
         }
-        12 => nested(bytes, depth + 1)?,
+        12 => nested(bytes, depth + 1, budget)?,
         _ => return None,
     })
 }
@@ -159,11 +165,23 @@ mod tests {
     fn a_structure_is_read_and_a_broken_one_is_none() {
         // Field 1 = i32 -2 (zigzag 3), field 3 = "ab", field 4 = list of two i32 (1, 2), stop.
         let bytes = [0x15, 3, 0x28, 2, b'a', b'b', 0x19, 0x25, 2, 4, 0];
-        let value = structure(&mut Bytes::new(&bytes)).expect("a structure");
+        let structure = |bytes: &[u8]| structure(&mut Bytes::new(bytes), &mut Budget::of(0)).map(|v| format!("{v:?}"));
+        let value = super::structure(&mut Bytes::new(&bytes), &mut Budget::of(0)).expect("a structure");
         assert_eq!((value.integer(1), value.text(3).as_deref(), value.list(4).len()), (Some(-2), Some("ab"), 2));
         for cut in 0..bytes.len() {
-            assert_eq!(structure(&mut Bytes::new(&bytes[..cut])), None, "{cut}");
+            assert_eq!(structure(&bytes[..cut]), None, "{cut}");
         }
-        assert_eq!(structure(&mut Bytes::new(&[0x1c; 100])), None, "nested without end");
+        assert_eq!(structure(&[0x1c; 100]), None, "nested without end");
+        // Lists of single bytes: one that the budget allows, one that it does not.
+        let list = |count: usize| {
+            [
+                &[0x19, 0xf3, 0x80 | (count & 0x7f) as u8][..],
+                &[0x80 | (count >> 7 & 0x7f) as u8, 0x80 | (count >> 14 & 0x7f) as u8, (count >> 21) as u8],
+                &vec![1; count],
+                &[0],
+            ]
+            .concat()
+        };
+        assert!(structure(&list(1 << 20)).is_some() && structure(&list(1 << 23)).is_none());
     }
 }
