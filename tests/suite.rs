@@ -81,6 +81,7 @@ mod suite {
     pub mod study_cli;
     pub mod sweep;
     pub mod tiers;
+    pub mod tilt;
     pub mod trial;
     pub mod tumble_bench;
     pub mod tumble_wander;
@@ -184,6 +185,8 @@ fn main() {
         suite::resume_in_motion::tests(),
         // study: a study is read as it is meant, or refused in a sentence.
         suite::study::tests(),
+        // tilt: a study along one axis says from when on its small angles are too large.
+        suite::tilt::tests(),
         // sweep: a study along one key or over two, beside the closed form.
         suite::sweep::tests(),
         // trial: the blind trial is blind, and its scoring can tell an oracle from a coin.

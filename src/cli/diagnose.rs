@@ -88,6 +88,8 @@ const REPORT: &str = "report.html";
 const VERDICT: &str = "verdict.json";
 /// Never a name that an input carries: model.toml is what the user believes.
 const REPAIRED: &str = "repaired.toml";
+/// The same sensor with the constants that a navigator subtracts left in.
+const UNCORRECTED: &str = "uncorrected.toml";
 
 fn outputs(arguments: &Arguments, model: &Model) -> output::Request {
     let reads = match model {
@@ -101,7 +103,7 @@ fn outputs(arguments: &Arguments, model: &Model) -> output::Request {
         command: "diagnose",
         inputs: arguments.recordings.iter().chain(&arguments.test).chain([&arguments.model]).cloned().collect(),
         reads,
-        writes: [REPORT, VERDICT, REPAIRED]
+        writes: [REPORT, VERDICT, REPAIRED, UNCORRECTED]
             .map(str::to_owned)
             .into_iter()
             .chain(numbers::files(arguments.parquet))
@@ -120,6 +122,9 @@ fn write(mut folder: Folder, diagnosis: &Diagnosis, costs: &[repair::Cost]) -> R
     let study = repaired::document(diagnosis.repair.as_ref(), &diagnosis.detail, &diagnosis.verdict);
     if let Some(study) = &study {
         folder.write(REPAIRED, study.as_bytes())?;
+    }
+    if let Some(study) = repaired::uncorrected(&diagnosis.detail, &diagnosis.verdict) {
+        folder.write(UNCORRECTED, study.as_bytes())?;
     }
     numbers::write(&mut folder, REPORT, page::page(diagnosis, costs, &exhibits, study.as_deref()))?;
     folder.finish()

@@ -145,7 +145,7 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
     page.section("What to do next");
     page.callout(&verdict.next_experiment);
     if let Some(study) = study {
-        page.paragraph("The repaired sensor as a study, also in repaired.toml beside this page: run it with `proofmass study repaired.toml`.");
+        page.paragraph("The repaired sensor as a study, also in repaired.toml next to this page: run it with `proofmass study repaired.toml`. Constants that a calibration subtracts are left out of it; where there are any, uncorrected.toml has them.");
         page.preformatted(study);
     }
     if !verdict.findings.is_empty() {

@@ -81,11 +81,8 @@ fn sentence(limit: &Limit, answer: &Answer) -> String {
     let keys: Vec<&str> = answer.vary.iter().map(|v| v.key.as_str()).collect();
     let keys = keys.join(" and ");
     let together = if answer.vary.len() > 1 { ", all scaled by one factor" } else { "" };
-    let wide = if answer.settled {
-        ""
-    } else {
-        " The interval is wider than requested: the result is insensitive to this key."
-    };
+    let wide =
+        if answer.settled { "" } else { " The interval is wider than requested: raise --members for a narrower one." };
     match answer.outcome {
         Outcome::Crosses { below: true } => {
             format!("The {subject} stays below {bound} up to {values}{together}.{wide}")

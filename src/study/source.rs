@@ -40,8 +40,8 @@ impl StudyText {
         Ok(Self { name: path.display().to_string(), text: read_text(path)?, overrides, surroundings })
     }
 
-    /// The default study; with a preset, its motion with that grade's sensor, under the grade's
-    /// name.
+    /// The default study; with a preset, its motion with that grade's sensor after a still start,
+    /// under the grade's name.
     ///
     /// # Errors
     /// None, as a test shows that the embedded file is sound.
@@ -52,6 +52,10 @@ impl StudyText {
             let mut document: Table = parse_toml(&name, DEFAULT)?;
             [Section::Accelerometer, Section::Gyro].iter().for_each(|section| drop(document.remove(section.name())));
             document.insert("name".into(), preset.name().into());
+            // A datasheet states biases as delivered, and the default those that a still start leaves.
+            let still: Table =
+                [("kind".to_owned(), "still".into()), ("still_s".to_owned(), 10.0.into())].into_iter().collect();
+            document.insert("alignment".into(), still.into());
             text = document.to_string();
         }
         Ok(Self { name, text, overrides, surroundings: Surroundings::new("", control) })
