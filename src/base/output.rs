@@ -19,6 +19,7 @@ use sha2::{Digest, Sha256};
 
 use crate::document::{Staged, UNFINISHED, hexadecimal};
 use crate::error::{Error, Result};
+use crate::signal::Keeping;
 use lock::Lock;
 use manifest::{Identity, Manifest, Run};
 
@@ -56,6 +57,8 @@ pub struct Folder {
     staged: BTreeMap<String, (Staged, String)>,
     /// Files of the run's own making.
     recorded: Vec<String>,
+    /// Present where the run keeps states that it writes in intervals.
+    keeping: Option<Keeping>,
     // Fields are dropped in their order: a folder that was made for nothing goes last.
     _lock: Lock,
     _made: Made,
@@ -136,6 +139,7 @@ impl Folder {
             announced: request.writes.clone(),
             staged: BTreeMap::new(),
             recorded: Vec::new(),
+            keeping: None,
             _lock: lock,
             _made: made,
         };
@@ -155,6 +159,10 @@ impl Folder {
         let there = self.matching(pattern);
         let special = |name: &&String| self.reason(name).is_some_and(|reason| reason == refusal::Reason::Special);
         self.check(there.iter().filter(|name| !resume || special(name)).map(String::as_str))?;
+        // Verdicts are written one by one, and are on the disk before the next is thought of.
+        if pattern == names::INTERRUPTED {
+            self.keeping.get_or_insert_with(Keeping::begin);
+        }
         let mut run = self.earlier();
         if !run.states.insert(pattern.into()) {
             return Ok(());

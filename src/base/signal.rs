@@ -1,7 +1,7 @@
 //! The signals that stop a run: Ctrl-C, `kill`, a closed terminal. Computations hear of them by
 //! their `Control`.
 
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicU8, AtomicUsize, Ordering};
 
 #[cfg(feature = "terminal")]
 mod listen;
@@ -52,4 +52,33 @@ pub fn raise(signal: Signal) {
 pub fn stopped_by() -> Option<Signal> {
     let code = STOP.load(Ordering::Relaxed);
     [Signal::Interrupt, Signal::Terminate, Signal::HangUp].into_iter().find(|s| s.exit_code() == code)
+}
+
+/// How many runs keep a state that is not written yet.
+static KEEPING: AtomicUsize = AtomicUsize::new(0);
+
+/// A run that keeps a state from which it can be resumed: while it lives, a signal asks the run to
+/// stop and leaves it the time to write that state. Without one, a process that has not ended soon
+/// after a signal has nothing to save, and is ended.
+#[derive(Debug)]
+pub struct Keeping(());
+
+impl Keeping {
+    /// Begins to hold the end of the process off.
+    pub fn begin() -> Self {
+        KEEPING.fetch_add(1, Ordering::SeqCst);
+        Self(())
+    }
+}
+
+impl Drop for Keeping {
+    fn drop(&mut self) {
+        KEEPING.fetch_sub(1, Ordering::SeqCst);
+    }
+}
+
+/// Returns true while a run keeps a state.
+#[cfg(feature = "terminal")]
+fn is_kept() -> bool {
+    KEEPING.load(Ordering::SeqCst) > 0
 }

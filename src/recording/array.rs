@@ -7,6 +7,8 @@ use super::element::Element;
 use super::input::Input;
 use super::reader::{Block, Choice, Heading, Log, Part, Reader};
 use super::roles;
+#[cfg(feature = "npy")]
+use crate::error::Error;
 use crate::error::Result;
 
 /// Bytes of an array that are read at once.
@@ -40,6 +42,8 @@ pub struct Place {
     pub packing: Packing,
     /// Bytes to pass over when they are unpacked.
     pub skip: u64,
+    /// CRC-32 of all bytes when they are unpacked, where the file states it.
+    pub crc32: Option<u32>,
 }
 
 impl Place {
@@ -61,6 +65,34 @@ impl Place {
             Packing::Zlib => {
                 passed(Box::new(flate2::read::ZlibDecoder::new(input.at(self.at).take(self.stored))), skip)
             }
+        }
+    }
+}
+
+#[cfg(feature = "npy")]
+impl Place {
+    /// Reads the whole place and compares its checksum with the one that the file states.
+    ///
+    /// # Errors
+    /// They differ, or it cannot be unpacked.
+    pub(crate) fn check(&self, input: &Input) -> Result<()> {
+        let Some(stated) = self.crc32 else { return Ok(()) };
+        let damaged = |words: String| input.fail(words, "the file is damaged: copy it again, or write it again");
+        let mut reader = Self { skip: 0, ..*self }.open(input, 0).map_err(|e| Error::io("read", &input.path, &e))?;
+        let (mut checksum, mut buffer) = (crc32fast::Hasher::new(), vec![0; PIECE_BYTES]);
+        loop {
+            match reader.read(&mut buffer) {
+                Ok(0) => break,
+                Ok(count) => checksum.update(&buffer[..count]),
+                Err(e) => return Err(damaged(format!("the array at byte {} cannot be unpacked: {e}", self.at))),
+            }
+        }
+        match checksum.finalize() {
+            found if found == stated => Ok(()),
+            found => Err(damaged(format!(
+                "the array at byte {} has the checksum {found:08x}, where {stated:08x} was expected (CRC-32)",
+                self.at
+            ))),
         }
     }
 }
@@ -210,6 +242,10 @@ impl Log for Arrays {
             let (index, column) = self.columns[part][place];
             let array = &self.arrays[index];
             let field = &array.fields[column];
+            #[cfg(feature = "npy")]
+            if streams.iter().all(|s| s.array != index) {
+                array.place.check(&self.input)?;
+            }
             rows = array.rows;
             let pick = |offset| Pick { element: field.element, offset, target };
             match array.row_bytes {

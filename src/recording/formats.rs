@@ -18,6 +18,8 @@ use crate::error::{Error, Result, nearest};
 pub mod array_file;
 #[cfg(feature = "arrow")]
 pub mod arrow;
+#[cfg(all(test, feature = "formats"))]
+mod checksums;
 #[cfg(feature = "dataflash")]
 pub mod dataflash;
 #[cfg(feature = "db3")]

@@ -59,7 +59,7 @@ impl Memory {
         let (mut arrays, mut parts, mut at): (Vec<Array>, Vec<Bytes>, u64) = (Vec::new(), Vec::new(), 0);
         for one in numbers {
             let stored = (*one.bytes).as_ref().len() as u64;
-            let place = Place { at, stored, packing: Packing::None, skip: 0 };
+            let place = Place { at, stored, packing: Packing::None, skip: 0, crc32: None };
             let Some(mut array) = Array::plain("", one.element, one.shape, place).filter(|a| a.bytes() <= stored)
             else {
                 return fail(format!("need rows of numbers, got {} × {}", one.shape.rows, one.shape.columns));

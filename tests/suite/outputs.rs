@@ -33,6 +33,10 @@ pub fn tests() -> Vec<Trial> {
         test("outputs: files follow the umask", unix::umask),
         test("outputs: a killed run leaves no lock", unix::killed),
         test("outputs: a stopped run ends with 128 and its signal", unix::signals),
+        test(
+            "outputs: a signal ends what looks at nothing, a file that is being opened, within two seconds",
+            unix::opening,
+        ),
         test("outputs: more files than a process may have open", unix::many),
         test("outputs: documents that are pipes or devices are refused", unix::pipes),
         test("outputs: help that cannot be printed is an error", unix::full),
@@ -329,6 +333,30 @@ mod unix {
             send(&child, signal)?;
             let ended = child.wait()?;
             check(ended.code() == Some(code), format!("{signal}: {ended:?}, expected {code}"))?;
+        }
+        Ok(())
+    }
+
+    pub fn opening() -> Result<(), Failed> {
+        for (signal, code) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
+            // Standard input that never ends is waited for, where nothing looks at the flag.
+            let mut child = program()
+                .args(["inspect", "-"])
+                .stdin(Stdio::piped())
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .spawn()?;
+            std::thread::sleep(Duration::from_millis(500));
+            check(child.try_wait()?.is_none(), "it ended before its input did")?;
+            send(&child, signal)?;
+            let asked = Instant::now();
+            while child.try_wait()?.is_none() && asked.elapsed() < Duration::from_secs(10) {
+                std::thread::sleep(Duration::from_millis(20));
+            }
+            // A little more than two seconds, on a machine that is busy.
+            let took = asked.elapsed();
+            check(took < Duration::from_secs(3), format!("{signal}: {took:?}"))?;
+            check(child.wait()?.code() == Some(code), format!("{signal}: not {code}"))?;
         }
         Ok(())
     }

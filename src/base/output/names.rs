@@ -3,9 +3,12 @@
 
 use std::path::{Component, Path};
 
+/// What parts of a study have summed up, written in intervals and when it is stopped.
+pub const INTERRUPTED: &str = "interrupted-*.json";
+
 /// Files that change while a run goes on; `*` is any text. A manifest that lists another is not of
 /// this program's making.
-pub const STATES: [&str; 3] = ["interrupted-*.json", "truth.json", "verdicts.jsonl"];
+pub const STATES: [&str; 3] = [INTERRUPTED, "truth.json", "verdicts.jsonl"];
 
 /// Results whose names the program chooses, those of `export` included. A manifest is a file that
 /// anybody can write, so a result that a run no longer has is removed under these names alone.

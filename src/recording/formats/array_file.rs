@@ -25,7 +25,8 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
         input.fail(cause, "write it again with numpy.save, as an array of numbers with one or two dimensions")
     };
     let (header, data) = describe(&head).map_err(fail)?;
-    let place = Place { at: data as u64, stored: input.length() - data as u64, packing: Packing::None, skip: 0 };
+    let place =
+        Place { at: data as u64, stored: input.length() - data as u64, packing: Packing::None, skip: 0, crc32: None };
     let array = header.array("", place).map_err(fail)?;
     if array.bytes() > place.stored {
         return Err(input.truncated("the numbers of the array", place.at, array.bytes()));

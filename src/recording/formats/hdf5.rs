@@ -43,7 +43,7 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     let (mut arrays, mut copied, mut at) = (Vec::new(), VecDeque::new(), 0);
     for table in tables {
         let bytes = (table.rows * table.columns * table.element.bytes) as u64;
-        let place = Place { at, stored: bytes, packing: Packing::None, skip: 0 };
+        let place = Place { at, stored: bytes, packing: Packing::None, skip: 0, crc32: None };
         let shape = Shape { rows: table.rows as u64, columns: table.columns as u64, in_columns: false };
         if let Some(array) = Array::plain(&table.name, table.element, shape, place) {
             arrays.push(array);

@@ -42,7 +42,7 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
         if begin + stored > input.length() {
             return Err(input.truncated("a variable", begin, stored));
         }
-        let place = Place { at: begin, stored, packing: Packing::None, skip: 0 };
+        let place = Place { at: begin, stored, packing: Packing::None, skip: 0, crc32: None };
         let mut scan = Scan { reader: place.open(input, 0).map_err(|e| damaged(input, &e))?, taken: 0, big_endian };
         match kind {
             MATRIX => scan.matrix(stored, &[], place, &mut found).map_err(|e| damaged(input, &e))?,
@@ -53,9 +53,16 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
                     MATRIX => scan.matrix(bytes, &[], place, &mut found),
                     _ => Ok(()),
                 });
-                read.map_err(|e| damaged(input, &e))?;
+                // The checksum stands behind the last byte, and is compared where the end is met.
+                read.and_then(|()| std::io::copy(&mut scan.reader, &mut std::io::sink()))
+                    .map_err(|e| damaged(input, &e))?;
             }
-            _ => {}
+            other => {
+                return Err(input.fail(
+                    format!("expected a variable at byte {at} (type 14 or 15), found type {other}"),
+                    "copy the file again, or save it again",
+                ));
+            }
         }
         at = begin + stored;
         if kind != COMPRESSED {

@@ -212,19 +212,26 @@ fn chunk(input: &Input, record: &Record) -> Result<Vec<u8>> {
     let mut parts = || {
         bytes.take(16)?;
         let size = bytes.u64()?;
-        bytes.u32()?;
+        let crc32 = bytes.u32()?;
         let compression = bytes.text()?;
         let length = bytes.u64()?;
-        Some((size, compression, bytes.take(usize::try_from(length).ok()?)?))
+        Some((size, crc32, compression, bytes.take(usize::try_from(length).ok()?)?))
     };
-    let Some((size, compression, records)) = parts() else { return Err(fail("it ends before its records".into())) };
+    let Some((size, crc32, compression, records)) = parts() else {
+        return Err(fail("it ends before its records".into()));
+    };
     let codec = match compression.as_str() {
         "" => Codec::None,
         "zstd" => Codec::Zstandard,
         "lz4" => Codec::Lz4Frame,
         other => return Err(fail(format!("compressed by `{other}`, where zstd, lz4 or nothing were expected"))),
     };
-    decompress(codec, records, size).map_err(fail)
+    let records = decompress(codec, records, size).map_err(fail)?;
+    match crc32fast::hash(&records) {
+        // Zero stands for none.
+        found if crc32 == 0 || found == crc32 => Ok(records),
+        found => Err(fail(format!("its checksum is {found:08x}, where {crc32:08x} was expected (CRC-32)"))),
+    }
 }
 
 /// The messages of some channels.

@@ -5,6 +5,7 @@ use std::io::Read;
 
 use super::array_file::{describe, header_length};
 use crate::array::{Arrays, Packing, Place};
+use crate::budget::Budget;
 use crate::bytes::Bytes;
 use crate::error::Result;
 use crate::input::Input;
@@ -14,6 +15,8 @@ use crate::reader::Log;
 const TAIL: u64 = 66_000;
 /// No list of files is longer, bytes.
 const LONGEST_LIST: u64 = 64 << 20;
+/// What an entry is charged for its head.
+const ENTRY_BYTES: usize = 1 << 10;
 /// Bytes of an array that hold its header.
 const HEADER: u64 = 1 << 16;
 
@@ -23,8 +26,23 @@ const HEADER: u64 = 1 << 16;
 /// A damaged archive, or one without arrays of numbers.
 pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     let entries = entries(input)?;
+    let mut budget = Budget::of(input.length());
     let mut arrays = Vec::new();
     for entry in &entries {
+        // Several entries may be of the same bytes, and the head of each is unpacked.
+        budget.visit(ENTRY_BYTES).map_err(|spent| spent.of(input))?;
+        // The names before the data are as long as the archive says there, not as in its list.
+        let local = input.bytes_at(entry.at, 30, "the header of an array in the archive")?;
+        let length = |i: usize| u64::from(u16::from_le_bytes([local[i], local[i + 1]]));
+        let is_named = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes) == entry.name;
+        if !local.starts_with(b"PK\x03\x04")
+            || !input.bytes_at(entry.at.saturating_add(30), length(26), "a name in the archive").is_ok_and(is_named)
+        {
+            return Err(input.fail(
+                format!("expected the header of `{}` at byte {}, found something else", entry.name, entry.at),
+                "the archive is damaged: copy it again",
+            ));
+        }
         let Some(name) = entry.name.strip_suffix(".npy") else { continue };
         let packing = match entry.method {
             0 => Packing::None,
@@ -39,34 +57,32 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
                 ));
             }
         };
-        // The names before the data are as long as the archive says there, not as in its list.
-        let local = input.bytes_at(entry.at, 30, "the header of an array in the archive")?;
-        if !local.starts_with(b"PK\x03\x04") {
-            return Err(input.fail(
-                format!("expected the header of `{}` at byte {}, found something else", entry.name, entry.at),
-                "the archive is damaged: copy it again",
-            ));
-        }
-        let length = |i: usize| u64::from(u16::from_le_bytes([local[i], local[i + 1]]));
-        let at = entry.at + 30 + length(26) + length(28);
+        let at = entry.at.saturating_add(30) + length(26) + length(28);
         if at.checked_add(entry.stored).is_none_or(|end| end > input.length()) {
             return Err(input.truncated(&format!("the array `{name}`"), at, entry.stored));
         }
-        let place = Place { at, stored: entry.stored, packing, skip: 0 };
+        let place = Place { at, stored: entry.stored, packing, skip: 0, crc32: Some(entry.crc32) };
         let mut head = Vec::new();
         let read = place.open(input, 0).and_then(|r| r.take(HEADER).read_to_end(&mut head));
         read.map_err(|e| input.fail(format!("`{}` cannot be unpacked: {e}", entry.name), "copy the archive again"))?;
-        // What is no array of numbers (text, objects) is no column.
+        // What is no array of numbers (text, objects) is no column; what is damaged is an error.
         if header_length(&head).is_none() {
+            place.check(input)?;
             continue;
         }
         if let Ok((header, skip)) = describe(&head)
             && let Ok(array) = header.array(name, Place { skip: skip as u64, ..place })
         {
-            if entry.size < array.bytes() {
-                return Err(input.truncated(&format!("the array `{name}`"), at, array.bytes()));
+            let expected = array.bytes().saturating_add(skip as u64);
+            if entry.size != expected {
+                return Err(input.fail(
+                    format!("the array `{name}` has {} bytes, where its header says {expected}", entry.size),
+                    "the archive is damaged or cut short: copy it again",
+                ));
             }
             arrays.push(array);
+        } else {
+            place.check(input)?;
         }
     }
     if arrays.is_empty() {
@@ -85,6 +101,8 @@ struct Entry {
     stored: u64,
     size: u64,
     at: u64,
+    /// Of what it holds when it is unpacked.
+    crc32: u32,
 }
 
 fn entries(input: &Input) -> Result<Vec<Entry>> {
@@ -129,6 +147,9 @@ fn entries(input: &Input) -> Result<Vec<Entry>> {
             None => return Err(damaged("an entry in the list of files")),
         }
     }
+    if !list.is_empty() {
+        return Err(damaged("the number of files in its list"));
+    }
     Ok(out)
 }
 
@@ -136,7 +157,9 @@ fn entry(list: &mut Bytes<'_>) -> Option<Entry> {
     let head = list.take(46).filter(|h| h.starts_with(b"PK\x01\x02"))?;
     let mut at = Bytes::new(&head[10..]);
     let method = at.u16()?;
-    at.take(8)?;
+    // Time and date.
+    at.take(4)?;
+    let crc32 = at.u32()?;
     let (mut stored, mut size) = (u64::from(at.u32()?), u64::from(at.u32()?));
     let (name, extra, comment) = (at.u16()?, at.u16()?, at.u16()?);
     at.take(8)?;
@@ -155,5 +178,5 @@ fn entry(list: &mut Bytes<'_>) -> Option<Entry> {
             }
         }
     }
-    Some(Entry { name, method, stored, size, at: place })
+    Some(Entry { name, method, stored, size, at: place, crc32 })
 }

@@ -9,6 +9,7 @@ use crate::backend::cpu::Precision;
 use crate::error::{Error, Result};
 use crate::kernel::job::Job;
 use crate::shard::file::{Contents, Header, Place, damaged};
+use proofmass_base::signal::Keeping;
 
 /// A shard's file, and what is packed for it.
 #[derive(Debug)]
@@ -21,13 +22,15 @@ pub struct Kept {
     first: usize,
     /// The piece begun last.
     at: Option<usize>,
+    /// What was done of it is written before a signal ends the process.
+    _keeping: Keeping,
 }
 
 impl Kept {
     /// A shard that begins anew.
     pub fn new(place: Place, header: Header) -> Self {
         let results = vec![Vec::new(); header.pieces.len()];
-        Self { place, header, results, first: 0, at: None }
+        Self { place, header, results, first: 0, at: None, _keeping: Keeping::begin() }
     }
 
     /// A shard that goes on from its file.

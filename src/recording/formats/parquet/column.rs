@@ -164,6 +164,11 @@ impl Column {
         held.budget.held(held.by_others + dictionary + page).map_err(spent)?;
         let data = input.bytes_at(page_at + taken, header.stored, "a page")?;
         self.at = page_at + taken + header.stored;
+        if let Some(stated) = header.crc32
+            && crc32fast::hash(&data) != stated
+        {
+            return Err(fail(&format!("its checksum is not {stated:08x}, as its header states (CRC-32)")));
+        }
         match header.kind {
             // An index is passed over.
             1 => Ok(()),
@@ -384,6 +389,8 @@ struct PageHeader {
     levels: usize,
     repetition: usize,
     is_packed: bool,
+    /// Of its bytes as they are stored, where the writer states it.
+    crc32: Option<u32>,
 }
 
 impl PageHeader {
@@ -405,6 +412,7 @@ impl PageHeader {
             encoding: inner.integer(encoding).unwrap_or_default(),
             levels: definition.checked_add(repetition)?,
             repetition,
+            crc32: header.integer(4).map(|n| n as u32),
             is_packed: inner.field(7) != Some(&Value::Bool(false)),
         })
     }
