@@ -51,6 +51,7 @@ pub mod ruling;
 pub mod standing;
 pub mod trajectory;
 pub mod tumble;
+mod units;
 pub mod verdict;
 mod warm_profile;
 
@@ -85,9 +86,13 @@ pub fn diagnose_all(recordings: Recordings<'_>, model: &Model, control: &Control
             Error::new("could not diagnose them together", cause, hint)
         })
     };
+    recordings.all().try_for_each(|recording| units::check(recording, model))?;
     let mut answer = match model {
         Model::Driven(model) => driven::diagnose_all(recordings, model, control)?,
-        Model::Static(model) => rest::diagnose(only()?, model, control)?,
+        Model::Static(model) => {
+            let recording = only()?;
+            rest::diagnose(recording, &units::settled(recording, model), control)?
+        }
         Model::Tumble(model) => tumble::diagnose(only()?, model, control)?,
         Model::Trajectory(model) => trajectory::diagnose(only()?, model, control)?,
     };

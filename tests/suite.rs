@@ -44,6 +44,7 @@ mod suite {
     pub mod motion;
     pub mod motion_keys;
     pub mod near_laws;
+    pub mod next_command;
     pub mod noise_law;
     pub mod numbers;
     pub mod one_sided_stop;
@@ -79,6 +80,7 @@ mod suite {
     pub mod trial;
     pub mod tumble_bench;
     pub mod tumble_wander;
+    pub mod units;
     pub mod unlike_members;
     pub mod warm_spring;
     pub mod warm_start;
@@ -177,6 +179,7 @@ fn main() {
         suite::diagnosis_tumble::tests(),
         // tumble: a wander of 1/f noise is no mismatch.
         suite::tumble_wander::tests(),
+        suite::units::tests(),
         // diagnosis_driven: planted physics is named, foreign physics is not, and a real circuit's spring is found.
         suite::diagnosis_driven::tests(),
         // several recordings: fitted together, judged by others, refused where they do not belong together.
@@ -224,6 +227,7 @@ fn main() {
         suite::near_laws::tests(),
         suite::own_noise::tests(),
         // noise_law: every noise term has the Allan deviation of its coefficient.
+        suite::next_command::tests(),
         suite::noise_law::tests(),
         // device_faults: a device that fails costs neither the run nor what was done.
         suite::device_faults::tests(),

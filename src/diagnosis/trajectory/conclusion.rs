@@ -10,7 +10,6 @@ use super::course::Case;
 use super::detail::{Detail, Series};
 use super::effects;
 use super::fit::Fit;
-use super::intake::Names;
 use super::judgement::{COLOUR, HeldOut, Standing};
 use super::log::Log;
 use super::parameters::Point;
@@ -31,6 +30,7 @@ use crate::diagnosis::standing::{Gain, Note, Ranked};
 use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Fit as FitScore, Outcome, RecordingInfo, Score};
 use crate::numerics::special::normal_cdf;
 use crate::recording::Recording;
+use crate::recording::inertial::Names;
 use crate::sensor::Sense;
 
 const ACCELEROMETER_HELD: &str =

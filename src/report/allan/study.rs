@@ -10,6 +10,7 @@ use super::fragment::{keys, to_five_digits};
 use crate::document::toml_string;
 use crate::escape::line;
 use crate::numerics::allan::law::Term;
+use crate::recording::finding::Finding;
 use crate::recording::noise::{Channel, Noise};
 use crate::recording::unit::Quantity;
 use crate::sensor::Sense;
@@ -53,6 +54,9 @@ pub fn study(path: &Path, noise: &Noise) -> Option<String> {
         return Some(toml + "\n# The log is not compared: it was read from standard input.\n");
     }
     toml += &format!("\n[compare]\nfile = {}\nrate_hz = {rate_hz:?}\n", toml_string(file));
+    if noise.source.findings.iter().any(|f| matches!(f, Finding::RateForced { .. })) {
+        toml += "force_rate = true\n";
+    }
     for (sense, scale, unit, channels) in
         [(Sense::Accelerometer, "scale_mg", MILLI_G, &accelerometers), (Sense::Gyro, "scale_deg_s", DEGREE, &gyros)]
     {
