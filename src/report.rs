@@ -7,6 +7,7 @@ pub mod allan;
 pub mod bench;
 pub mod diagnosis;
 pub mod figure;
+mod grouped;
 pub mod html;
 pub mod inspection;
 pub mod map;
