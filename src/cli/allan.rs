@@ -4,20 +4,20 @@ use std::path::{Path, PathBuf};
 
 use super::numbers;
 use super::say::{remark, say, sayln, screen};
-use crate::error::{Error, Result};
-use crate::export::imu::Imu;
-use crate::export::{self, Target};
-use crate::numerics::allan::law::Term;
-use crate::output::{self, Folder};
-use crate::progress;
-use crate::recording::finding::Finding;
-use crate::recording::noise::{self, Channel, Noise};
-use crate::recording::roles::{self, Stated};
-use crate::recording::scale::{self, Measured, Named};
-use crate::recording::stream;
-use crate::recording::unit::{Quantity, Unit};
-use crate::recording::{self, Request};
-use crate::report::allan as report;
+use proofmass_base::error::{Error, Result};
+use proofmass_base::output::{self, Folder};
+use proofmass_base::progress;
+use proofmass_export::imu::Imu;
+use proofmass_export::{self as export, Target};
+use proofmass_numerics::numerics::allan::law::Term;
+use proofmass_recording::finding::Finding;
+use proofmass_recording::noise::{self, Channel, Noise};
+use proofmass_recording::roles::{self, Stated};
+use proofmass_recording::scale::{self, Measured, Named};
+use proofmass_recording::stream;
+use proofmass_recording::unit::{Quantity, Unit};
+use proofmass_recording::{self as recording, Request};
+use proofmass_report::allan as report;
 
 /// Arguments of `allan`.
 #[derive(Debug, clap::Args)]

@@ -25,12 +25,12 @@ pub(crate) const MOST_TERMS: usize = 16;
 const VARIANCE: [f64; 6] = [1.262, 1.060, 0.957, 1.028, 0.984, 0.996];
 
 /// Terms needed for a run: until one is held for longer than it.
-pub(crate) fn terms(samples: u64) -> usize {
+pub fn terms(samples: u64) -> usize {
     (1..MOST_TERMS).find(|&j| 4_u64.pow(j as u32 - 1) >= samples).map_or(MOST_TERMS, |j| j + 1)
 }
 
 /// Standard deviation of term j for bias instability 1.
-pub(crate) fn amplitude(term: usize) -> f64 {
+pub fn amplitude(term: usize) -> f64 {
     FLICKER_FLOOR * VARIANCE[term.min(VARIANCE.len() - 1)].sqrt()
 }
 
@@ -51,7 +51,7 @@ pub(crate) fn place(first_member: u64) -> u64 {
 /// For how long term j is held, and when it may first be renewed, in samples: one first renewal for
 /// each of the places at which a run may begin, all equally likely; an even selection of at most
 /// `most`.
-pub(crate) fn hold_and_firsts(term: usize, most: u64) -> (u64, Vec<u64>) {
+pub fn hold_and_firsts(term: usize, most: u64) -> (u64, Vec<u64>) {
     let hold = 4_u64.pow(term as u32);
     let places = (hold / PLACES).max(1);
     let shown = places.min(most.max(1));

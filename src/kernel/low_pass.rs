@@ -17,7 +17,7 @@ use super::integrator::{Integrator, Reach};
 use crate::sensor::ProofMass;
 
 /// Weights of one substep.
-pub(crate) const WEIGHTS: usize = 7;
+pub const WEIGHTS: usize = 7;
 
 /// What each is the weight of, by the names that the shader uses: the low-pass's own error, then
 /// the error of the mass at the beginning of the substep, the rate of that error there, both at its
@@ -93,7 +93,7 @@ fn moments(ratio: f64, renewed: f64) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::member::coefficients;
+    use crate::member::coefficients;
     use crate::sensor::mechanics::CUBIC_STIFFNESS;
 
     const STEP_S: f64 = 1e-3;

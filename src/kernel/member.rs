@@ -19,7 +19,7 @@ use crate::sensor::terms::alike;
 use crate::sensor::{ProofMass, SensorTerm};
 
 /// Numbers of one member.
-pub(crate) const COLUMNS: usize = column::TERMS + SensorTerm::COUNT;
+pub const COLUMNS: usize = column::TERMS + SensorTerm::COUNT;
 /// Coefficients of the oscillator, the first columns.
 pub(super) const COEFFICIENTS: usize = 8;
 
@@ -78,7 +78,7 @@ pub struct Column {
 }
 
 /// Numbers of the sinusoids of the readings: a phase and a step each.
-pub(crate) const WAVES: usize = 2 * alike(ErrorLaw::Sine, SensorTerm::COUNT);
+pub const WAVES: usize = 2 * alike(ErrorLaw::Sine, SensorTerm::COUNT);
 
 /// A number of a sinusoid of the readings, and where it stands among them.
 struct Wave {
@@ -194,7 +194,7 @@ fn steps_per_m_s2(quantisation_m_s2: f64) -> f64 {
 }
 
 /// Amplitudes of the flicker terms of a run.
-pub(crate) fn flicker_amplitudes(clock: &Clock) -> Vec<f64> {
+pub fn flicker_amplitudes(clock: &Clock) -> Vec<f64> {
     (0..flicker::terms(clock.samples)).map(flicker::amplitude).collect()
 }
 

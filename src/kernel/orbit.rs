@@ -73,11 +73,11 @@ pub struct Orbit {
 
 /// Displacements beyond this count as lost, m. The cubic spring holds any orbit far inside; only a
 /// step too long for it leaves.
-pub(super) const LOST_M: f64 = 1e6;
+pub const LOST_M: f64 = 1e6;
 
 /// Periods during which the tangent vector turns into its growing direction before growth is
 /// counted.
-pub(crate) const ALIGN_PERIODS: u32 = 8;
+pub const ALIGN_PERIODS: u32 = 8;
 
 impl Orbit {
     /// Period in forcing periods, up to half the recorded strobes: the smallest shift that maps the

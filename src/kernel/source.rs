@@ -52,7 +52,7 @@ pub fn simulate(int64: bool, laws: &[StudyLaw]) -> Shader {
 }
 
 /// The same, writing the errors of every reading of a tile for `navigate`: binding 7.
-pub(crate) fn simulate_traced(int64: bool, laws: &[StudyLaw]) -> Shader {
+pub fn simulate_traced(int64: bool, laws: &[StudyLaw]) -> Shader {
     ensemble(int64, laws, true)
 }
 
@@ -139,7 +139,7 @@ pub fn lyapunov(int64: bool) -> Shader {
 }
 
 /// The kernel of orbits strobed once per period.
-pub(crate) fn poincare(int64: bool) -> Shader {
+pub fn poincare(int64: bool) -> Shader {
     with_random_numbers(
         "poincare",
         &[cubic_stiffness::WGSL, ORBIT, include_str!("../../shaders/poincare.wgsl")].join("\n"),
@@ -148,7 +148,7 @@ pub(crate) fn poincare(int64: bool) -> Shader {
 }
 
 /// The navigation in six axes.
-pub(crate) fn navigate(int64: bool) -> Shader {
+pub fn navigate(int64: bool) -> Shader {
     let streams = [("FIX", Stream::Fix), ("JITTER", Stream::Jitter)];
     let streams = streams.map(|(name, stream)| format!("const STREAM_{name} = {}u;\n", stream as u32)).concat();
     let constants = format!("const BOUND_M_S = {BOUND_M_S:?};\n{streams}");
@@ -156,16 +156,17 @@ pub(crate) fn navigate(int64: bool) -> Shader {
     with_random_numbers("navigate", &[&constants, ACCUMULATE, FIX, own].join("\n"), int64)
 }
 
-pub(crate) fn reduce() -> Shader {
+/// Returns the shader that sums the members of a workgroup.
+pub fn reduce() -> Shader {
     Shader { name: "reduce", text: [LAYOUT, include_str!("../../shaders/reduce.wgsl")].join("\n") }
 }
 
 /// Nothing but multiply-adds: the device's peak.
-pub(crate) fn peak() -> Shader {
+pub fn peak() -> Shader {
     Shader { name: "peak", text: include_str!("../../shaders/peak.wgsl").to_owned() }
 }
 
 /// A check of the device: what sums keep of a small number beside a large one.
-pub(crate) fn compensation() -> Shader {
+pub fn compensation() -> Shader {
     Shader { name: "compensation", text: [ACCUMULATE, include_str!("../../shaders/compensation.wgsl")].join("\n") }
 }

@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -16,7 +16,7 @@ use crate::units::{DEGREE, MILLI_G};
 
 /// study.toml as written.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct File {
     /// Name of the report's folder.
@@ -26,25 +26,25 @@ pub struct File {
     /// Number of sensors in the ensemble.
     pub members: Option<u64>,
     /// Length of the run, s.
-    #[cfg_attr(feature = "cli", schemars(required))]
+    #[cfg_attr(feature = "schema", schemars(required))]
     pub duration_s: Option<f64>,
     /// Integration step, s.
     pub step_s: Option<f64>,
     /// Mechanics, sampling and range.
     #[serde(default, deserialize_with = "section::sensor")]
-    #[cfg_attr(feature = "cli", schemars(schema_with = "section::schema_of_sensor"))]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "section::schema_of_sensor"))]
     pub sensor: section::Sensor,
     /// The accelerometer's reading errors.
     #[serde(default, deserialize_with = "section::accelerometer")]
-    #[cfg_attr(feature = "cli", schemars(schema_with = "section::schema_of_accelerometer"))]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "section::schema_of_accelerometer"))]
     pub accelerometer: Option<Numbers>,
     /// The gyro's reading errors.
     #[serde(default, deserialize_with = "section::gyro")]
-    #[cfg_attr(feature = "cli", schemars(schema_with = "section::schema_of_gyro"))]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "section::schema_of_gyro"))]
     pub gyro: Option<Numbers>,
     /// Excitation of the sensor.
     #[serde(default, deserialize_with = "excitation::section")]
-    #[cfg_attr(feature = "cli", schemars(schema_with = "excitation::schema"))]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "excitation::schema"))]
     pub excitation: excitation::section::Section,
     /// Times at which the errors are tabulated.
     #[serde(default)]
@@ -54,7 +54,7 @@ pub struct File {
     /// A static log to compare with the simulation.
     pub compare: Option<Compare>,
     /// Keys that take several values, one after the other: see `sweep`.
-    #[cfg_attr(feature = "cli", schemars(with = "Option<serde_json::Map<String, serde_json::Value>>"))]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<serde_json::Map<String, serde_json::Value>>"))]
     pub sweep: Option<toml::Table>,
     /// Trajectory of the body that carries the sensor (six axes).
     pub trajectory: Option<motion::Section>,
@@ -73,7 +73,7 @@ pub struct File {
 }
 
 /// `[mounting]`: where and how the sensor sits in the body.
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mounting {
@@ -85,7 +85,7 @@ pub struct Mounting {
 
 /// `[vibration]`: along each axis of the sensor a power spectral density, pairs of frequency and
 /// g²/Hz.
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Vibration {
@@ -98,7 +98,7 @@ pub struct Vibration {
 }
 
 /// `[aiding]`: measurements that aid the navigator during the run.
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Aiding {
@@ -111,7 +111,7 @@ pub struct Aiding {
 }
 
 /// `[aiding.gnss]`: satellite fixes of position, velocity or both.
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gnss {
@@ -126,7 +126,7 @@ pub struct Gnss {
 }
 
 /// `[aiding.zupt]`: zero-velocity updates.
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Zupt {
@@ -137,7 +137,7 @@ pub struct Zupt {
 }
 
 /// How a navigator uses a measurement.
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AidingMethod {
@@ -150,7 +150,7 @@ pub enum AidingMethod {
 }
 
 /// `[temperature]`: the sensor's temperature over time.
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Temperature {
@@ -166,7 +166,7 @@ pub struct Temperature {
 }
 
 /// `[navigator]`: how the readings are integrated.
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Navigator {
@@ -175,7 +175,7 @@ pub struct Navigator {
 }
 
 /// `[earth]`: place, gravity and rotation.
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Earth {
@@ -190,7 +190,7 @@ pub struct Earth {
 }
 
 /// Ways to keep height.
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum VerticalKind {
@@ -202,7 +202,7 @@ pub enum VerticalKind {
 
 /// `[report]`: the report times.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Report {
     /// Report times, s; absent: four, log-spaced up to the end.
@@ -211,7 +211,7 @@ pub struct Report {
 
 /// `[alignment]`: what is known at the start.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Alignment {
     /// Kind of alignment; absent: ideal.
@@ -226,7 +226,7 @@ pub struct Alignment {
 
 /// Ways to align at the start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum AlignmentKind {
     /// Level, with the biases that the study gives.
@@ -239,7 +239,7 @@ pub enum AlignmentKind {
 
 /// `[compare]`: a static log of the sensor that the study describes.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Compare {
     /// The log, relative to the study.
@@ -263,7 +263,7 @@ pub struct Compare {
 
 /// `[[compare.axis]]`: one column, and the errors of this axis of the sensor.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Axis {
     /// Heading in the file.
@@ -275,11 +275,11 @@ pub struct Axis {
     pub scale_deg_s: Option<f64>,
     /// Replaces the study's `[accelerometer]` for this axis.
     #[serde(default, deserialize_with = "section::accelerometer")]
-    #[cfg_attr(feature = "cli", schemars(schema_with = "section::schema_of_accelerometer"))]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "section::schema_of_accelerometer"))]
     pub accelerometer: Option<Numbers>,
     /// Replaces the study's `[gyro]` for this axis.
     #[serde(default, deserialize_with = "section::gyro")]
-    #[cfg_attr(feature = "cli", schemars(schema_with = "section::schema_of_gyro"))]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "section::schema_of_gyro"))]
     pub gyro: Option<Numbers>,
 }
 

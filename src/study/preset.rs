@@ -79,7 +79,7 @@ fn synonyms(section: &str, key: &str) -> impl Iterator<Item = &'static str> {
 mod tests {
     use super::*;
     use crate::control::Control;
-    use crate::study::{Overrides, Study, read_default};
+    use crate::{Overrides, Study, read_default};
 
     fn with(preset: Preset, set: &[&str]) -> Study {
         let set = set.iter().map(|s| s.parse().expect("an assignment")).collect();

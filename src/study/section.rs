@@ -8,16 +8,16 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::OnceLock;
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{self, DeserializeSeed, Deserializer, MapAccess, Visitor};
 
 use super::per_axis::PerAxis;
 use super::tolerances::{Tolerances, keys};
 use crate::units::key::Key;
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 use crate::units::key::Sign;
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 use crate::units::number::Number;
 
 /// The numbers given in one section, by key.
@@ -108,25 +108,25 @@ pub fn gyro<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Numbers
 }
 
 /// `[sensor]` as JSON Schema.
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 pub fn schema_of_sensor(generator: &mut SchemaGenerator) -> Schema {
     schema(generator, Section::Sensor)
 }
 
 /// `[accelerometer]` as JSON Schema.
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 pub fn schema_of_accelerometer(generator: &mut SchemaGenerator) -> Schema {
     schema(generator, Section::Accelerometer)
 }
 
 /// `[gyro]` as JSON Schema.
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 pub fn schema_of_gyro(generator: &mut SchemaGenerator) -> Schema {
     schema(generator, Section::Gyro)
 }
 
 /// A section's keys, each with its name, its unit and the values that make sense.
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 fn schema(generator: &mut SchemaGenerator, section: Section) -> Schema {
     let mut properties = serde_json::Map::new();
     if section == Section::Sensor {

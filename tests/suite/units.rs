@@ -226,7 +226,9 @@ fn other_commands() -> Result<(), Failed> {
              velocity_random_walk_m_s_rth = 0.06\n[compare]\nfile = \"u.csv\"\nrate_hz = 100.0\n{axis}\n"
         );
         std::fs::write(&study, text)?;
-        Ok::<_, Failed>(program().arg("study").arg(&study).args(["--backend", "cpu"]).output()?)
+        Ok::<_, Failed>(
+            program().current_dir(folder.path()).arg("study").arg(&study).args(["--backend", "cpu"]).output()?,
+        )
     };
     let about = |output: &std::process::Output| -> Vec<String> {
         String::from_utf8_lossy(&output.stdout).lines().filter(|l| l.contains("az_g")).map(str::to_owned).collect()

@@ -2,7 +2,7 @@
 //! its square, and its temperature. Beside each stands its WGSL.
 
 use super::lanes::{Kernel, LANES, Lane};
-use crate::kernel::fragment::Fragment;
+use crate::fragment::Fragment;
 use crate::numerics::elementary::{Real, fma};
 
 /// A law in the shader that takes a column of the member, and adds this to each reading.

@@ -7,8 +7,8 @@
 use super::lanes::{Kernel, LANES, Lane};
 use super::small;
 use super::stretch::Numbers;
-use crate::kernel::flicker::{RENEWED, RETAINED, place, slow_term};
-use crate::kernel::fragment::Fragment;
+use crate::flicker::{RENEWED, RETAINED, place, slow_term};
+use crate::fragment::Fragment;
 use crate::numerics::elementary::{Real, fma};
 use crate::rng::Stream;
 

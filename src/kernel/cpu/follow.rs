@@ -3,9 +3,9 @@
 //! Twin of `followed` in `shaders/navigate.wgsl`.
 
 use super::lanes::{Kernel, LANES, Lane};
-use crate::kernel::follow::FOLLOWED;
-use crate::kernel::passage::Passage;
+use crate::follow::FOLLOWED;
 use crate::numerics::elementary::{Real, fma};
+use crate::passage::Passage;
 
 /// The numbers, and the errors of the accelerometers' readings and of the gyros'.
 pub(super) struct Followed<'a, T> {

@@ -9,8 +9,8 @@ use super::acting::{Acting, Stage};
 use super::lanes::{Kernel, LANES, Lane};
 use super::low_pass::Moved;
 use super::oscillator::{ProofMasses, read, sines};
-use crate::kernel::force::Force;
-use crate::kernel::member::column;
+use crate::force::Force;
+use crate::member::column;
 use crate::numerics::elementary::{Real, fma};
 use crate::physics::state::{Base, Instants};
 

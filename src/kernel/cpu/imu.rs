@@ -11,12 +11,12 @@ use super::reading::TakeOff;
 use super::simulate::{Errors, Simulate, Stretch};
 use super::stretch::{Numbers, Room, STRETCH};
 use super::sums::CHUNK;
-use crate::kernel::fix::{self, Fix};
-use crate::kernel::flight::{COUPLINGS, Flight, Vertical};
-use crate::kernel::follow::FOLLOWED;
-use crate::kernel::force::Force;
-use crate::kernel::passage::Passage;
+use crate::fix::{self, Fix};
+use crate::flight::{COUPLINGS, Flight, Vertical};
+use crate::follow::FOLLOWED;
+use crate::force::Force;
 use crate::numerics::elementary::Real;
+use crate::passage::Passage;
 use crate::rng::Stream;
 
 /// Three axes, the couplings if there are any, and the errors of navigation.

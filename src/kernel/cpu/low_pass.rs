@@ -2,7 +2,7 @@
 //! `kernel::low_pass`. Twin of what `shaders/simulate.wgsl` does with them.
 
 use super::lanes::{LANES, Lane};
-use crate::kernel::low_pass::{self, WEIGHTS};
+use crate::low_pass::{self, WEIGHTS};
 use crate::numerics::elementary::{Real, fma};
 
 /// Weights of the members, and the error of what their low-pass shows.

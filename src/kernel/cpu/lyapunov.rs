@@ -10,13 +10,13 @@
 
 use super::lanes::LANES;
 use super::poincare::{Block, lose, noise, step};
-use crate::kernel::orbit::{ALIGN_PERIODS, Plan};
 use crate::numerics::elementary::Real;
+use crate::orbit::{ALIGN_PERIODS, Plan};
 use crate::physics::cubic_stiffness::{pull, tangent_stiffness};
 
 /// Exponents of the block's lanes, 1/s, and the block carried to the end of the averaging.
 #[inline(always)]
-pub(crate) fn exponents<T: Real>(block: &mut Block<T>, plan: &Plan, table: &[T]) -> [f64; LANES] {
+pub fn exponents<T: Real>(block: &mut Block<T>, plan: &Plan, table: &[T]) -> [f64; LANES] {
     let mut sum = [0.0f64; LANES];
     let mut tangent = ([T::of(1.0); LANES], [T::of(0.0); LANES]);
     for period in 0..plan.transient_periods {

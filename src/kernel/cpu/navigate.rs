@@ -20,9 +20,9 @@ use nalgebra::{Rotation3, Vector3};
 
 use super::lanes::{Kernel, LANES, Lane};
 use super::sums::CHUNK;
-use crate::kernel::flight::{Begin, COUPLINGS};
-use crate::kernel::passage::Passage;
+use crate::flight::{Begin, COUPLINGS};
 use crate::numerics::elementary::{Real, fma};
+use crate::passage::Passage;
 
 /// Axes, of the body or of north-east-down.
 type Axes<T> = [Lane<T>; 3];
@@ -339,6 +339,6 @@ fn step<T: Real, const FMA: bool, const ROUND: bool>(
 
 /// An attitude error's rotation vector about the vehicle's own level axes: roll about forward,
 /// pitch about right, heading about down. `heading_rad` is the vehicle's.
-pub(crate) fn roll_pitch_heading(turn: Vector3<f64>, heading_rad: f64) -> Vector3<f64> {
+pub fn roll_pitch_heading(turn: Vector3<f64>, heading_rad: f64) -> Vector3<f64> {
     Rotation3::from_axis_angle(&Vector3::z_axis(), -heading_rad) * turn
 }

@@ -10,7 +10,8 @@ use crate::rng::{MULTIPLIER_0, MULTIPLIER_1, Stream, WEYL_0, WEYL_1};
 
 /// Who draws: 64 members from `first` on.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Drawer {
+pub struct Drawer {
+    /// Seed of the study.
     pub seed: u64,
     /// First member; a multiple of 64.
     pub first_member: u64,
@@ -62,7 +63,7 @@ impl Drawer {
     /// Gaussian numbers of consecutive counters from `counter` on: the first `each` (2 or 4) of
     /// every counter's four.
     #[inline(always)]
-    pub(crate) fn fill<T: Real, const FMA: bool>(&self, stream: u32, counter: u32, each: usize, out: &mut [Lane<T>]) {
+    pub fn fill<T: Real, const FMA: bool>(&self, stream: u32, counter: u32, each: usize, out: &mut [Lane<T>]) {
         let mut words = [Lane::splat(0_u32); 4];
         for (i, numbers) in out.chunks_exact_mut(each).enumerate() {
             self.words(counter.wrapping_add(i as u32), stream, &mut words);
@@ -105,8 +106,11 @@ fn gaussian_pairs<T: Real, const FMA: bool>(
 /// Draws what consecutive counters have for four samples each: gaussian numbers, unless there is no
 /// room for them, and the bits that are left over.
 pub(crate) struct DrawSamples<'a, T> {
+    /// Source of random numbers.
     pub drawer: Drawer,
+    /// Stream of the process.
     pub stream: u32,
+    /// Counter of the first step.
     pub counter: u32,
     pub numbers: &'a mut [Lane<T>],
     pub bits: &'a mut [Lane<u32>],
@@ -129,12 +133,16 @@ impl<T: Real> Kernel for DrawSamples<'_, T> {
 }
 
 /// Fills lanes with the numbers of one stream: compiled once for all purposes.
-pub(crate) struct Draw<'a, T> {
+pub struct Draw<'a, T> {
+    /// Source of random numbers.
     pub drawer: Drawer,
+    /// Stream of the process.
     pub stream: u32,
+    /// Counter of the first step.
     pub counter: u32,
     /// Numbers taken of each counter, 2 or 4.
     pub each: usize,
+    /// Values of a lane for each step.
     pub out: &'a mut [Lane<T>],
 }
 

@@ -8,8 +8,8 @@
 
 use super::lanes::{Kernel, LANES, Lane};
 use super::low_pass::{LowPass, Moved};
-use crate::kernel::force::Force;
-use crate::kernel::member::{COEFFICIENTS, COLUMNS, column};
+use crate::force::Force;
+use crate::member::{COEFFICIENTS, COLUMNS, column};
 use crate::numerics::elementary::{Real, fma, sin_cos, sin_cos_turns};
 use crate::physics::cubic_stiffness::{acceleration, tangent_stiffness};
 

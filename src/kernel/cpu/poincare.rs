@@ -4,22 +4,30 @@
 #![allow(clippy::needless_range_loop, reason = "one index over many arrays is the form that vectorises")]
 
 use super::lanes::LANES;
-use crate::kernel::orbit::{LOST_M, Plan, Point};
 use crate::numerics::elementary::Real;
+use crate::orbit::{LOST_M, Plan, Point};
 use crate::physics::cubic_stiffness::pull;
 use crate::rng::{Stream, philox4x32_10};
 
 /// Parameters and state of one block of lanes.
 #[derive(Debug, Clone)]
 pub struct Block<T> {
-    pub(super) damping: [T; LANES],
-    pub(super) stiffness: [T; LANES],
-    pub(super) cubic: [T; LANES],
-    pub(super) amplitude: [T; LANES],
-    pub(super) h: [T; LANES],
-    pub(super) x: [T; LANES],
-    pub(super) v: [T; LANES],
-    pub(super) lost: [bool; LANES],
+    /// Damping of each lane, 1/s.
+    pub damping: [T; LANES],
+    /// Linear stiffness of each lane, 1/s².
+    pub stiffness: [T; LANES],
+    /// Cubic stiffness of each lane, 1/(m² s²).
+    pub cubic: [T; LANES],
+    /// Amplitude of the drive of each lane, m/s².
+    pub amplitude: [T; LANES],
+    /// Step of each lane, s.
+    pub h: [T; LANES],
+    /// Displacement of each lane, m.
+    pub x: [T; LANES],
+    /// Velocity of each lane, m/s.
+    pub v: [T; LANES],
+    /// Lanes whose orbit has left the bounds.
+    pub lost: [bool; LANES],
     /// Deviation of the force noise held over a step; `None` where no lane has any.
     sigma: Option<[T; LANES]>,
     first_member: u64,
@@ -51,7 +59,7 @@ impl<T: Real> Block<T> {
 /// Runs `plan.strobes` periods from where the block stands; `out` receives the lanes' states after
 /// each.
 #[inline(always)]
-pub(crate) fn strobes<T: Real>(
+pub fn strobes<T: Real>(
     block: &mut Block<T>,
     plan: &Plan,
     table: &[T],
@@ -70,7 +78,7 @@ pub(crate) fn strobes<T: Real>(
 
 /// One Runge–Kutta step of all lanes. `cosine` is cos ωt at the step's beginning, middle and end.
 #[inline(always)]
-pub(super) fn step<T: Real>(block: &mut Block<T>, cosine: [T; 3], noise: &[T; LANES]) {
+pub fn step<T: Real>(block: &mut Block<T>, cosine: [T; 3], noise: &[T; LANES]) {
     let (half, two, sixth) = (T::of(0.5), T::of(2.0), T::of(1.0 / 6.0));
     for l in 0..LANES {
         let (d, k, b, h) = (block.damping[l], block.stiffness[l], block.cubic[l], block.h[l]);
@@ -96,7 +104,7 @@ pub(super) fn step<T: Real>(block: &mut Block<T>, cosine: [T; 3], noise: &[T; LA
 /// moments up to the third are the normal ones. A force held over one of some hundred steps per
 /// period acts only through sums of many steps, so its own tails are never seen.
 #[inline(always)]
-pub(super) fn noise<T: Real>(block: &Block<T>, plan: &Plan, period: u32, j: usize) -> [T; LANES] {
+pub fn noise<T: Real>(block: &Block<T>, plan: &Plan, period: u32, j: usize) -> [T; LANES] {
     let Some(sigma) = &block.sigma else { return [T::of(0.0); LANES] };
     let count = period.wrapping_mul(plan.steps_per_period).wrapping_add(j as u32);
     let key = [plan.seed as u32, (plan.seed >> 32) as u32];
@@ -114,7 +122,7 @@ pub(super) fn noise<T: Real>(block: &Block<T>, plan: &Plan, period: u32, j: usiz
 /// Marks lanes that left every bound and brings them back to rest, so that they cost nothing and
 /// poison nothing.
 #[inline(always)]
-pub(super) fn lose<T: Real>(block: &mut Block<T>) {
+pub fn lose<T: Real>(block: &mut Block<T>) {
     for l in 0..LANES {
         let x = block.x[l].f64();
         if x.is_nan() || x.abs() > LOST_M {

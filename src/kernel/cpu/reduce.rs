@@ -13,12 +13,12 @@ pub const BLOCK: usize = 256;
 
 /// Moments of the four quantities over a block that has `members` members, without those that
 /// failed.
-pub(crate) fn moments(block: &[Snapshot], members: usize) -> [Moments; 4] {
+pub fn moments(block: &[Snapshot], members: usize) -> [Moments; 4] {
     Moments::of_each(rows(block, members))
 }
 
 /// Counts the members of a block.
-pub(crate) fn count(block: &[Snapshot], members: usize, histograms: &mut [Histogram; 4]) {
+pub fn count(block: &[Snapshot], members: usize, histograms: &mut [Histogram; 4]) {
     rows(block, members).for_each(|row| histograms.iter_mut().zip(row).for_each(|(h, v)| h.add(v)));
 }
 

@@ -14,9 +14,9 @@ use super::oscillator::{ExactHold, ExponentialRk2, Ideal, ProofMasses, Rosenbroc
 use super::reading::{self, Late, Limit, Samples, TakeOff};
 use super::stretch::{Numbers, Room, STRETCH};
 use super::sums::Integrate;
-use crate::kernel::force::Force;
-use crate::kernel::integrator::Integrator;
-use crate::kernel::member::column;
+use crate::force::Force;
+use crate::integrator::Integrator;
+use crate::member::column;
 use crate::numerics::elementary::Real;
 use crate::rng::Stream;
 use crate::sensor::error_law::ErrorLaw;
@@ -37,9 +37,10 @@ type Observer<'a, T> = dyn FnMut(&Seen<'_, T>) + 'a;
 
 /// Samples `first` to `first + count` of 64 members, which lie all before or all after the end of a
 /// still start; `force` holds their substeps.
-pub(crate) struct Simulate<'a, T: Real> {
+pub struct Simulate<'a, T: Real> {
     /// What all members share.
     pub shared: &'a Shared<T>,
+    /// Parameters and state of the members.
     pub members: &'a mut Members<T>,
     /// The excitation of these samples.
     pub force: &'a [Force<T>],
@@ -48,8 +49,11 @@ pub(crate) struct Simulate<'a, T: Real> {
     /// What the late force has more than the force itself at each, m/s²; empty where no reading is
     /// late.
     pub late: &'a [T],
+    /// First sample.
     pub first: u64,
+    /// Number of samples.
     pub count: u64,
+    /// Receives each sample as it is taken.
     pub observer: Option<&'a mut Observer<'a, T>>,
 }
 
@@ -77,7 +81,7 @@ pub(super) struct Errors<'a, T> {
 
 impl<T: Real> Simulate<'_, T> {
     /// Does the work with an instruction set.
-    pub(crate) fn run(mut self, level: Level) {
+    pub fn run(mut self, level: Level) {
         let zero = Lane::splat(T::of(0.0));
         let (mut stretch, mut error, mut turn) = (Stretch::new(), [zero; STRETCH], [zero; STRETCH]);
         if self.first == self.shared.still_samples && self.first > 0 {

@@ -4,7 +4,7 @@
 
 use super::lanes::{Kernel, LANES, Lane};
 use super::stretch::Numbers;
-use crate::kernel::fragment::Fragment;
+use crate::fragment::Fragment;
 use crate::numerics::elementary::{Real, fma, sin_cos_turns};
 use crate::numerics::exponential::exp;
 use crate::rng::Stream;

@@ -3,7 +3,7 @@
 //!
 //! A law that no member follows is not in the text. States of a law's own: `staged`.
 
-use crate::kernel::member::{COLUMNS, Column};
+use crate::member::{COLUMNS, Column};
 use crate::physics::coefficients::StudyLaw;
 
 /// Name of a law's function.
@@ -18,7 +18,7 @@ pub(super) fn coefficients(law: &StudyLaw) -> Vec<String> {
 
 /// Numbers of a member's laws, in the order of their columns.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Number<'a> {
+pub enum Number<'a> {
     /// A coefficient, by its place.
     Coefficient(usize),
     /// What a law's first state is at rest under a unit of force.
@@ -26,8 +26,8 @@ pub(crate) enum Number<'a> {
 }
 
 impl Number<'_> {
-    /// Of one member.
-    pub(crate) fn of(self, column: &Column) -> f64 {
+    /// Returns its value for one member.
+    pub fn of(self, column: &Column) -> f64 {
         match self {
             Self::Coefficient(place) => column.laws[place],
             Self::AtRest(law) => law.at_rest(&column.laws[law.places()]),
@@ -36,7 +36,7 @@ impl Number<'_> {
 }
 
 /// The columns of the laws given, behind the last of the others.
-pub(crate) fn columns(laws: &[StudyLaw]) -> Vec<Number<'_>> {
+pub fn columns(laws: &[StudyLaw]) -> Vec<Number<'_>> {
     let coefficients = laws.iter().flat_map(StudyLaw::places).map(Number::Coefficient);
     coefficients.chain(laws.iter().filter(|law| law.has_states()).map(Number::AtRest)).collect()
 }

@@ -6,11 +6,11 @@ use std::mem::offset_of;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use super::Shader;
-use crate::kernel::layout::{self, Bins, Fix, Flight, OrbitTile, Partial, Report, Tile};
-use crate::kernel::source;
+use crate::layout::{self, Bins, Fix, Flight, OrbitTile, Partial, Report, Tile};
 use crate::physics::coefficients::{StudyLaw, laws};
 use crate::sensor::SensorTerm;
 use crate::sensor::error_law::{ErrorLaw, Shape};
+use crate::source;
 
 /// A shader that parses and validates.
 fn parsed(shader: &Shader) -> naga::Module {

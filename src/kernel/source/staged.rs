@@ -5,7 +5,7 @@
 //! nothing where no law has any. Their text is in none of the others.
 
 use super::laws::function;
-use crate::kernel::layout::state;
+use crate::layout::state;
 use crate::physics::coefficients::StudyLaw;
 use crate::physics::law::Role;
 

@@ -5,10 +5,10 @@
 //! `cpu::slow` and `cpu::flicker`. Laws that act on the reading as a whole (constants, proportional
 //! errors, rounding, full scale) are written in the shader itself.
 
-use crate::kernel::cpu::reading;
-use crate::kernel::fragment::Fragment;
-use crate::kernel::layout::state;
-use crate::kernel::member::column;
+use crate::cpu::reading;
+use crate::fragment::Fragment;
+use crate::layout::state;
+use crate::member::column;
 use crate::sensor::error_law::ErrorLaw;
 use crate::sensor::{Sense, SensorTerm};
 
@@ -25,7 +25,7 @@ pub fn name(term: SensorTerm) -> String {
 }
 
 /// Name of the switch that says whether some member has the term.
-pub(crate) fn switch(term: SensorTerm) -> String {
+pub fn switch(term: SensorTerm) -> String {
     format!("HAS_{}", name(term))
 }
 

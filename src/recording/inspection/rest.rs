@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::numerics::least_squares::Linear;
 use crate::numerics::order;
-use crate::recording::stream::Block;
+use crate::stream::Block;
 
 /// Length of the windows that are judged still or moving, s.
 const WINDOW_S: f64 = 1.0;

@@ -1,10 +1,10 @@
 //! The inertial columns of a file, and what one unit of each is: stated, counted, or judged by size.
 
 use super::rest::Rest;
-use crate::recording::finding::Finding;
-use crate::recording::roles::{self, Stated};
-use crate::recording::scale::{self, Measured};
-use crate::recording::unit::Quantity;
+use crate::finding::Finding;
+use crate::roles::{self, Stated};
+use crate::scale::{self, Measured};
+use crate::unit::Quantity;
 use crate::units::STANDARD_GRAVITY_M_S2;
 
 /// Specific force at rest is below this in every unit but counts and mg, m/s².

@@ -3,9 +3,9 @@
 //! the shape of each swing alone. Each is held against the other with its form free. Where the chosen
 //! one departs from its stated form, some course of time may do the same, and the two are tied.
 
-use crate::diagnosis::driven::identification::fit::{Fit, fit};
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::work::Budget;
+use crate::driven::identification::fit::{Fit, fit};
+use crate::driven::intake::data::Data;
+use crate::driven::intake::work::Budget;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 use crate::physics::stiffness_drift::StiffnessDrift;
