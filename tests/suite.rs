@@ -46,6 +46,7 @@ mod suite {
     pub mod motion;
     pub mod motion_keys;
     pub mod near_laws;
+    pub mod next_command;
     pub mod noise_law;
     pub mod numbers;
     pub mod one_sided_stop;
@@ -85,6 +86,7 @@ mod suite {
     pub mod trial;
     pub mod tumble_bench;
     pub mod tumble_wander;
+    pub mod units;
     pub mod unlike_members;
     pub mod warm_spring;
     pub mod warm_start;
@@ -169,6 +171,8 @@ fn main() {
         suite::diagnose_cli::tests(),
         // driven_bad_input: damaged recordings of a proof mass are refused in a sentence or survived and mentioned.
         suite::driven_bad_input::tests(),
+        // units: the unit that a file states holds, whatever names its columns.
+        suite::units::tests(),
         // benchmarks: public ones, and a body without a spring.
         suite::benchmarks::tests(),
         // strapdown: six axes drift as theory says, at rest and over the Earth.
@@ -201,6 +205,8 @@ fn main() {
         suite::warm_start::tests(),
         // windows: a recorded log beside its prediction.
         suite::windows::tests(),
+        // next_command: `inspect` names the command that a file is for.
+        suite::next_command::tests(),
         // noise_law: every noise term has the Allan deviation of its coefficient.
         suite::noise_law::tests(),
         // device_faults: a device that fails costs neither the run nor what was done.

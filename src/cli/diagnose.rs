@@ -36,6 +36,9 @@ pub struct Arguments {
     /// Use each recording up to this many seconds after its first row
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub to_s: Option<f64>,
+    /// Use the model's rate_hz even against a recording's own clock; also `force_rate` in the model
+    #[arg(long)]
+    pub force_rate: bool,
     /// Where to write report.html, verdict.json, repaired.toml, the figures and their numbers
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -56,6 +59,9 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let mut model = model::read(&arguments.model)?;
     if let Some(topic) = &arguments.topic {
         model = model.of_topic(topic);
+    }
+    if arguments.force_rate {
+        model = model.with_forced_rate();
     }
     let control = progress::terminal();
     let seconds = model::Seconds { from_s: arguments.from_s, to_s: arguments.to_s };

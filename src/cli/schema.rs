@@ -38,11 +38,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 fn schema(kind: Kind) -> Schema {
     match kind {
-        Kind::Study | Kind::Trajectory => titled(schema_for!(File), "study.toml"),
+        Kind::Study | Kind::TrajectoryStudy => titled(schema_for!(File), "study.toml"),
         Kind::Driven => model(schema_for!(Driven), "driven"),
         Kind::Static => model(schema_for!(Static), "static"),
         Kind::Tumble => model(schema_for!(Tumble), "tumble"),
-        Kind::Flight => model(schema_for!(Trajectory), "trajectory"),
+        Kind::Trajectory => model(schema_for!(Trajectory), "trajectory"),
         Kind::Map => titled(schema_for!(Document), "map.toml"),
     }
 }

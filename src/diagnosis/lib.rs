@@ -51,6 +51,7 @@ pub mod repaired;
 pub mod rest;
 pub mod ruling;
 pub mod standing;
+mod stated_units;
 pub mod trajectory;
 pub mod tumble;
 pub mod verdict;
@@ -95,9 +96,13 @@ pub fn diagnose_all(recordings: Recordings<'_>, model: &Model, control: &Control
             Error::new("could not diagnose them together", cause, hint)
         })
     };
+    recordings.all().try_for_each(|recording| stated_units::check(recording, model))?;
     let mut answer = match model {
         Model::Driven(model) => driven::diagnose_all(recordings, model, control)?,
-        Model::Static(model) => rest::diagnose(only()?, model, control)?,
+        Model::Static(model) => {
+            let recording = only()?;
+            rest::diagnose(recording, &stated_units::settled(recording, model), control)?
+        }
         Model::Tumble(model) => tumble::diagnose(only()?, model, control)?,
         Model::Trajectory(model) => trajectory::diagnose(only()?, model, control)?,
     };

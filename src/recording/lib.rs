@@ -46,6 +46,7 @@ pub mod request;
 pub mod roles;
 pub mod rows;
 pub mod run;
+pub mod scale;
 pub mod series;
 pub mod source;
 pub mod stream;

@@ -191,12 +191,12 @@ fn answers(diagnosis: &Diagnosis, costs: &[Cost]) -> Vec<(&'static str, String)>
         [] => nothing_named(verdict.verdict).to_owned(),
         effects => statements(effects).join(" "),
     };
-    let mut out = vec![
-        ("recording", recorded(verdict)),
-        ("left out", what),
-        ("where it shows", verdict.location.summary.clone()),
-        ("how sure", sure(verdict)),
-    ];
+    let mut out = vec![("recording", recorded(verdict)), ("left out", what)];
+    // The sentence above may hold it already.
+    if !verdict.sentence.contains(verdict.location.summary.trim_end_matches('.')) {
+        out.push(("where it shows", verdict.location.summary.clone()));
+    }
+    out.push(("how sure", sure(verdict)));
     if !verdict.base.is_empty() {
         out.push(("base model", base_words(verdict)));
     }

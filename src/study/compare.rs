@@ -40,14 +40,17 @@ pub(super) fn check(name: &str, file: &File, alignment: Alignment) -> Result<()>
     }
     for axis in &section.axis {
         let scale = match (axis.scale_mg, axis.scale_deg_s) {
-            (Some(scale), None) | (None, Some(scale)) => scale,
-            _ => f64::NAN,
+            (Some(scale), None) | (None, Some(scale)) => Some(scale),
+            // The log's own unit, which is looked at where the log is.
+            (None, None) => None,
+            (Some(_), Some(_)) => Some(f64::NAN),
         };
-        if !(scale > 0.0 && scale.is_finite()) {
+        if scale.is_some_and(|scale| !(scale > 0.0 && scale.is_finite())) {
             return Err(refuse(
                 name,
                 format!("the axis `{}` of [compare] needs one scale above zero", axis.column),
-                "scale_mg = … for an accelerometer, scale_deg_s = … for a gyro: the value of one unit of the column",
+                "scale_mg = … for an accelerometer, scale_deg_s = … for a gyro: the value of one unit of the column; \
+                 without any, the unit in the heading holds",
             ));
         }
     }

@@ -248,6 +248,9 @@ pub struct Compare {
     pub topic: Option<String>,
     /// Sampling rate of the log, Hz.
     pub rate_hz: Option<f64>,
+    /// Use that rate against the log's own clock, where the two contradict each other.
+    #[serde(default)]
+    pub force_rate: bool,
     /// Heading of its time column, s. Where both are given, they must agree.
     pub time: Option<String>,
     /// Lengths of the windows into which the log is cut, s, each after its own still start; absent:
@@ -265,7 +268,8 @@ pub struct Compare {
 pub struct Axis {
     /// Heading in the file.
     pub column: String,
-    /// Value of one unit of an accelerometer column, mg.
+    /// Value of one unit of an accelerometer column, mg; without a scale, the unit that the log
+    /// states holds.
     pub scale_mg: Option<f64>,
     /// Value of one unit of a gyro column, °/s.
     pub scale_deg_s: Option<f64>,

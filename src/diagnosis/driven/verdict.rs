@@ -14,6 +14,7 @@ pub mod form;
 mod isolation;
 mod noise_words;
 mod objection;
+mod product;
 mod readout_memory;
 mod second_resonance;
 mod sensor;

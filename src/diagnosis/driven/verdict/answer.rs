@@ -55,9 +55,10 @@ pub fn answer(
 ) -> Answer {
     let Asked { recording, pieces, judging, columns, unit } = *asked;
     let output = columns.output.clone();
-    let output_unit = unit.map_or_else(|| effects::unit_of(&output, "output unit"), str::to_owned);
-    let input_unit = columns.input.as_deref().map_or_else(String::new, |i| effects::unit_of(i, "input unit"));
-    let units = data.followed.iter().map(|kept| effects::unit_of(&kept.heading, "environment unit"));
+    let output_unit = unit.map_or_else(|| effects::unit_of(recording, &output, "output unit"), str::to_owned);
+    let input_unit =
+        columns.input.as_deref().map_or_else(String::new, |i| effects::unit_of(recording, i, "input unit"));
+    let units = data.followed.iter().map(|kept| effects::unit_of(recording, &kept.heading, "environment unit"));
     let environment_units = units.collect();
     let channels = Channels { output: output.clone(), output_unit: output_unit.clone(), input_unit, environment_units };
     let forms = forms(data, c, scales);

@@ -13,10 +13,12 @@ use crate::physics::law::Noise;
 use crate::physics::library::Term;
 use crate::physics::readout_quantisation;
 use crate::physics::scales::{Coordinate, Scales};
+use crate::recording::Recording;
 use crate::standing::{Gain, Note, Ranked};
 use crate::verdict::{Effect, Estimate, Evidence, Form};
 
 use super::conclude::Conclusion;
+use super::product;
 
 /// Unit of a parameter that is a force on the mass.
 const FORCE: &str = "y/s^2";
@@ -34,12 +36,10 @@ pub struct Channels {
     pub environment_units: Vec<String>,
 }
 
-/// The unit that a heading ends in, "V2_V" → "V"; `otherwise` where it does not end in one.
-pub(crate) fn unit_of(heading: &str, otherwise: &str) -> String {
-    match heading.rsplit_once('_') {
-        Some((_, unit)) if !unit.is_empty() && unit.len() <= 5 => unit.to_owned(),
-        _ => otherwise.to_owned(),
-    }
+/// Unit of a column as file or heading state it, "V2_V" → "V"; `otherwise` where they do not. With
+/// `^2` for a square, as all units of a verdict.
+pub(crate) fn unit_of(recording: &Recording, heading: &str, otherwise: &str) -> String {
+    recording.unit_words(heading).map_or_else(|| otherwise.to_owned(), |unit| unit.replace('²', "^2"))
 }
 
 /// Unit of a term's parameter: a share per unit of the environment column where the term follows one.
@@ -50,16 +50,28 @@ pub(super) fn parameter_unit(term: &Term, parameter: usize, channels: &Channels)
     }
 }
 
-/// A candidate's unit with the recording's own units in place of `y` and `u`.
+/// A candidate's unit with the recording's own units in place of `y` and `u`, reduced where they are
+/// products of units: m over m/s² and s² is 1.
 pub fn unit(pattern: &str, channels: &Channels) -> String {
+    let composite = |unit: &str| unit.contains(['/', ' ', '^']);
+    if composite(&channels.output_unit) || composite(&channels.input_unit) {
+        let replaced =
+            substituted(pattern, [&format!("({})", channels.output_unit), &format!("({})", channels.input_unit)]);
+        return product::reduced(&replaced).unwrap_or(replaced);
+    }
+    substituted(pattern, [&channels.output_unit, &channels.input_unit])
+}
+
+/// The pattern with units in place of `y` and `u`.
+fn substituted(pattern: &str, [output, input]: [&str; 2]) -> String {
     let mut out = String::new();
     let letters: Vec<char> = pattern.chars().collect();
     for (i, c) in letters.iter().enumerate() {
         let alone = |j: Option<usize>| j.and_then(|j| letters.get(j)).is_none_or(|c| !c.is_alphabetic());
         let single = alone(i.checked_sub(1)) && alone(Some(i + 1));
         match c {
-            'y' if single => out += &channels.output_unit,
-            'u' if single => out += &channels.input_unit,
+            'y' if single => out += output,
+            'u' if single => out += input,
             c => out.push(*c),
         }
     }
