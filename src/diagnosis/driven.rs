@@ -4,6 +4,7 @@
 //! `identification` → `selection` → `verdict`, over the laws in `physics`.
 
 pub mod base;
+pub mod decay;
 pub mod free_body;
 pub mod identification;
 pub mod intake;
@@ -68,6 +69,18 @@ pub fn diagnose(recording: &Recording, model: &model::Driven, control: &Control)
 pub(crate) fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, control: &Control) -> Result<Answer> {
     let recording = &recordings.train[0];
     let Taken { prepared, pieces, judging } = several::taken(recordings, model, settled, control)?;
+    if let (None, [_], false) = (&prepared.data.input, pieces.as_slice(), prepared.own_test)
+        && let Some(decay) = decay::decay(&prepared.data, &prepared.filled)
+    {
+        let asked = Asked {
+            recording,
+            pieces: &pieces,
+            judging: &judging,
+            columns: &model.columns,
+            unit: model.unit.as_deref(),
+        };
+        return Ok(decay::answer(&asked, &prepared.data, &decay, prepared.notes));
+    }
     let mut course = Course::begin(prepared);
     let (base, scales) = course.base(control).map_err(|refusal| refusal.of(recording))?;
     let asked =

@@ -61,6 +61,7 @@ fn data(interpolation: Interpolation) -> Data {
         validation: vec![700..800, 800..900],
         test: Vec::new(),
         windows: None,
+        clock_s: Vec::new(),
         work: Default::default(),
     }
 }

@@ -21,16 +21,14 @@ use crate::sensor::{Accelerometer, ProofMass, Sensor};
 use crate::units::key::Sign;
 
 use super::asked::Asked;
-use super::conclude::Conclusion;
 
 /// Sensors with and without the terms of the final model. One unit of input is taken as 1 m/s²;
 /// without an input, one unit of output as 1 m. Readout noise with a memory is written as the white
-/// noise of the same density at low frequencies, from which drift comes.
-pub(super) fn repair(asked: &Asked<'_>, data: &Data, conclusion: &Conclusion) -> Repair {
+/// noise of the same density at low frequencies, which is `low_frequency` times that of its innovations,
+/// from which drift comes.
+pub(in crate::diagnosis::driven) fn repair(asked: &Asked<'_>, data: &Data, [before, after]: [&Fit; 2], low_frequency: f64) -> Repair {
     let input = data.input.as_ref().and(asked.columns.input.as_deref());
-    let warmth = warmth(asked, data, &conclusion.model.fit.structure.terms);
-    let [before, after] = [&conclusion.base.fit, &conclusion.model.fit];
-    let low_frequency = conclusion.noise.memory.map_or(1.0, |memory| memory.low_frequency);
+    let warmth = warmth(asked, data, &after.structure.terms);
     let mut not_expressible = Vec::new();
     let with_noise = |mut sensor: Sensor| {
         sensor.accelerometer.velocity_random_walk_m_s_rts *= low_frequency;
