@@ -6,9 +6,9 @@ use std::sync::Arc;
 use proofmass::backend::gpu::Gpu;
 use proofmass::backend::gpu::simulate::Ensembles;
 use proofmass::benchmark;
+use proofmass::benchmark::page;
 use proofmass::control::Control;
 use proofmass::error::Result;
-use proofmass::report::bench;
 
 fn main() -> Result<()> {
     let control = Control::silent();
@@ -18,6 +18,6 @@ fn main() -> Result<()> {
         let gpu = Arc::new(Gpu::open()?);
         rows.extend(benchmark::gpu(&gpu, &mut Ensembles::on(gpu.clone()), &control, &progress)?);
     }
-    println!("{}", bench::table(&rows));
+    println!("{}", page::table(&rows));
     Ok(())
 }

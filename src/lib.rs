@@ -10,22 +10,22 @@
 //!            → verdict → Report (and a repaired sensor, which a study can run)
 //! ```
 //!
-//! Imports run one way, lowest layer first and each layer from left to right, without circles among
-//! files; `tests/suite/architecture.rs` checks this:
+//! Every folder of the first level under `src` is a crate, and this one is their facade. Cargo holds
+//! the walls between crates; `tests/suite/architecture.rs` checks what it cannot: that imports
+//! within a crate run one way, lowest layer first and each layer from left to right, without circles
+//! among files.
 //!
-//! | layer | modules | answers |
+//! | crate | modules | answers |
 //! |---|---|---|
-//! | 0 | `units` `number` `escape` `signal` `error` `control` `progress` `document` `columns` `output` `shard` `parallel` | how we name, round, fail, read, write and share work among threads |
-//! | 1 | `numerics` | mathematics without a domain |
-//! | 2 | `rng` `statistics` | random numbers and what ensembles are summed to |
-//! | 3 | `physics` `recording` `sensor` `excitation` `navigation` `motion` `dynamics` | the physics, one idea each |
-//! | 4 | `kernel` `study` | the contract between host and device; what to simulate |
-//! | 5 | `backend` | CPU lanes or GPU |
-//! | 6 | `ensemble` `drift` `strapdown` `decision` | study × backend → statistics → envelopes, closed forms, error budget; in six axes; requirements |
-//! | 7 | `diagnosis` | what physics was left out |
-//! | 8 | `map` `paper` `trial` `validation` `benchmark` | the tool put to the test |
-//! | 9 | `report` `export` | figures, tables, pages; configurations for other tools |
-//! | 10 | `cli` `python` | the commands; the same for Python |
+//! | `base` | `units` `number` `escape` `signal` `error` `control` `progress` `document` `columns` `output` `shard` `parallel` `numerics` `rng` `statistics` | how we name, round, fail, read, write and share work among threads; mathematics, random numbers |
+//! | `physics` | `physics` `dynamics` | the laws of a proof mass, one file each |
+//! | `recording` | `recording` | files, clocks, units, findings |
+//! | `scenario` | `sensor` `excitation` `navigation` `motion` | sensors, what moves them, closed forms of their drift |
+//! | `simulate` | `kernel` `study` `backend` `ensemble` `drift` `strapdown` `decision` `validation` | study × backend → statistics → envelopes, error budget; requirements |
+//! | `diagnosis` | `diagnosis` | what physics was left out |
+//! | `report` `export` | `report` `export` | figures, tables, pages; configurations for other tools |
+//! | `map` `paper` `trial` `benchmark` | `map` `paper` `trial` `benchmark` | the tool put to the test |
+//! | `cli` `python` | `cli` `python` | the commands; the same for Python |
 //!
 //! An accelerometer whose bias b differs from part to part drifts by ½ b t²:
 //!
@@ -51,54 +51,25 @@
 //! reading; *tile*, members × steps in one submission; *effect*, physics that a base model leaves
 //! out; *candidate*, an effect that the library can name; *null*, a recording without any effect.
 
-// Here and not in Cargo.toml: tests and benches are binaries, where nothing is reached from
-// outside.
-#![warn(unreachable_pub)]
-// Code that only a missing feature uses is not dead.
-#![cfg_attr(
-    not(all(feature = "cli", feature = "formats", feature = "gpu", feature = "plots")),
-    allow(dead_code, unused_imports)
-)]
-
-pub mod backend;
-pub mod benchmark;
+pub use proofmass_base::{
+    columns, control, document, error, escape, number, numerics, output, parallel, progress, rng, shard, signal,
+    statistics, units,
+};
 #[cfg(feature = "cli")]
-pub mod cli;
-pub mod columns;
-pub mod control;
-pub mod decision;
-pub mod diagnosis;
-pub mod document;
-pub mod drift;
-pub mod dynamics;
-pub mod ensemble;
-pub mod error;
-pub mod escape;
-pub mod excitation;
-pub mod export;
-pub mod kernel;
-pub mod map;
-pub mod motion;
-pub mod navigation;
-pub mod number;
-pub mod numerics;
-pub mod output;
-pub mod paper;
-pub mod parallel;
-pub mod physics;
-pub mod progress;
-#[cfg(feature = "python")]
-pub mod python;
-pub mod recording;
+pub use proofmass_benchmark as benchmark;
+#[cfg(feature = "cli")]
+pub use proofmass_cli as cli;
+pub use proofmass_diagnosis as diagnosis;
+pub use proofmass_export as export;
+#[cfg(feature = "cli")]
+pub use proofmass_map as map;
+#[cfg(feature = "cli")]
+pub use proofmass_paper as paper;
+pub use proofmass_physics::{self as physics, dynamics};
+pub use proofmass_recording as recording;
 #[cfg(feature = "plots")]
-pub mod report;
-pub mod rng;
-pub mod sensor;
-pub mod shard;
-pub mod signal;
-pub mod statistics;
-pub mod strapdown;
-pub mod study;
-pub mod trial;
-pub mod units;
-pub mod validation;
+pub use proofmass_report as report;
+pub use proofmass_scenario::{excitation, motion, navigation, sensor};
+pub use proofmass_simulate::{backend, decision, drift, ensemble, kernel, strapdown, study, validation};
+#[cfg(feature = "cli")]
+pub use proofmass_trial as trial;

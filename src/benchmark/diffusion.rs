@@ -4,11 +4,11 @@
 //!
 //! A yardstick; the tool itself solves no such equation.
 
-use crate::kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
-use crate::kernel::cpu::noise::Drawer;
-use crate::numerics::elementary::{Real, fma};
-use crate::parallel;
-use crate::rng::Stream;
+use proofmass_base::numerics::elementary::{Real, fma};
+use proofmass_base::parallel;
+use proofmass_base::rng::Stream;
+use proofmass_simulate::kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
+use proofmass_simulate::kernel::cpu::noise::Drawer;
 
 pub(crate) const MEMBERS: usize = 32_768;
 pub(crate) const STEPS: usize = 256;

@@ -2,11 +2,11 @@
 //! ensemble's time.
 
 use super::duffing::{MEMBERS, STEPS};
-use crate::kernel::cpu::lanes::{LANES, Lane, Level};
-use crate::kernel::cpu::noise::{Draw, Drawer};
-use crate::numerics::elementary::Real;
-use crate::parallel;
-use crate::rng::Stream;
+use proofmass_base::numerics::elementary::Real;
+use proofmass_base::parallel;
+use proofmass_base::rng::Stream;
+use proofmass_simulate::kernel::cpu::lanes::{LANES, Lane, Level};
+use proofmass_simulate::kernel::cpu::noise::{Draw, Drawer};
 
 /// Numbers drawn at a time, as the ensemble's own kernel does.
 const STRETCH: usize = 16;

@@ -3,7 +3,7 @@
 
 /// A reading of the counters, in clock ticks since the machine and the program began.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Ticks {
+pub struct Ticks {
     all: u64,
     busy: u64,
     own: u64,
@@ -11,7 +11,7 @@ pub(crate) struct Ticks {
 
 impl Ticks {
     /// As they stand now.
-    pub(crate) fn now() -> Option<Self> {
+    pub fn now() -> Option<Self> {
         let machine = std::fs::read_to_string("/proc/stat").ok()?;
         let own = std::fs::read_to_string("/proc/self/stat").ok()?;
         Self::parse(&machine, &own)
@@ -31,7 +31,7 @@ impl Ticks {
     }
 
     /// Share of the processors that other programs used since then, 0 to 1.
-    pub(crate) fn others_since(&self, begun: &Self) -> f64 {
+    pub fn others_since(&self, begun: &Self) -> f64 {
         let busy = self.busy.saturating_sub(begun.busy);
         let others = busy.saturating_sub(self.own.saturating_sub(begun.own));
         others as f64 / self.all.saturating_sub(begun.all).max(1) as f64

@@ -3,9 +3,9 @@
 
 use std::hint::black_box;
 
-use crate::kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
-use crate::numerics::elementary::{Real, fma};
-use crate::parallel;
+use proofmass_base::numerics::elementary::{Real, fma};
+use proofmass_base::parallel;
+use proofmass_simulate::kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
 
 /// Multiply-adds per number and call.
 const LENGTH: usize = 100_000;

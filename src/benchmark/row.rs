@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use crate::control::Control;
-use crate::error::Result;
+use proofmass_base::control::Control;
+use proofmass_base::error::Result;
 
 /// One measured rate: work, machine, precision and timing.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

@@ -5,9 +5,9 @@ use rand::rand_core::UnwrapErr;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::duffing::{MEMBERS, STEP_S, STEPS};
-use crate::parallel;
-use crate::rng::{Philox, Stream};
-use crate::units::MICRO_G;
+use proofmass_base::parallel;
+use proofmass_base::rng::{Philox, Stream};
+use proofmass_base::units::MICRO_G;
 
 /// The noisy work unit for the first `members` oscillators; the sum of final displacements, m.
 pub fn duffing(members: usize) -> f64 {

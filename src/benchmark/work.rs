@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use crate::kernel::integrator::Integrator;
-use crate::kernel::job::{Clock, Job, Member};
-use crate::kernel::orbit::{ALIGN_PERIODS, Plan, Point};
-use crate::sensor::mechanics::CUBIC_STIFFNESS;
-use crate::sensor::{ProofMass, Sensor};
-use crate::units::STANDARD_GRAVITY_M_S2;
-use crate::validation::jobs::{Sine, duffing};
-use crate::validation::parity::everything;
+use proofmass_base::units::STANDARD_GRAVITY_M_S2;
+use proofmass_scenario::sensor::mechanics::CUBIC_STIFFNESS;
+use proofmass_scenario::sensor::{ProofMass, Sensor};
+use proofmass_simulate::kernel::integrator::Integrator;
+use proofmass_simulate::kernel::job::{Clock, Job, Member};
+use proofmass_simulate::kernel::orbit::{ALIGN_PERIODS, Plan, Point};
+use proofmass_simulate::validation::jobs::{Sine, duffing};
+use proofmass_simulate::validation::parity::everything;
 
 /// Name of the rows of ensembles by the full path.
 pub const FULL: &str = "full: Runge-Kutta 4, force noise, two integrations";

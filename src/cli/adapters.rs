@@ -1,10 +1,10 @@
 //! `proofmass adapters`: what could compute on this machine.
 
 use super::say::{say, sayln};
-use crate::backend::{cpu, gpu};
-use crate::error::Result;
-use crate::kernel::cpu::lanes::Level;
-use crate::report::table::Table;
+use proofmass_base::error::Result;
+use proofmass_report::table::Table;
+use proofmass_simulate::backend::{cpu, gpu};
+use proofmass_simulate::kernel::cpu::lanes::Level;
 
 /// Arguments of `adapters`.
 #[derive(Debug, clap::Args)]

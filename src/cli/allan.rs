@@ -4,17 +4,17 @@ use std::path::{Path, PathBuf};
 
 use super::numbers;
 use super::say::{remark, say, sayln, screen};
-use crate::error::{Error, Result};
-use crate::export::imu::Imu;
-use crate::export::{self, Target};
-use crate::output::{self, Folder};
-use crate::progress;
-use crate::recording::finding::Finding;
-use crate::recording::noise::{self, Noise};
-use crate::recording::unit::{Quantity, Unit};
-use crate::recording::{self, Request};
-use crate::recording::{roles, stream};
-use crate::report::allan as report;
+use proofmass_base::error::{Error, Result};
+use proofmass_base::output::{self, Folder};
+use proofmass_base::progress;
+use proofmass_export::imu::Imu;
+use proofmass_export::{self as export, Target};
+use proofmass_recording::finding::Finding;
+use proofmass_recording::noise::{self, Noise};
+use proofmass_recording::unit::{Quantity, Unit};
+use proofmass_recording::{self as recording, Request};
+use proofmass_recording::{roles, stream};
+use proofmass_report::allan as report;
 
 /// Arguments of `allan`.
 #[derive(Debug, clap::Args)]

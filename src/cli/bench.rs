@@ -3,24 +3,24 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::device::open;
+use super::device::{backends, open};
 use super::numbers;
 use super::say::{remark, say, sayln};
-use crate::backend::gpu::simulate::Ensembles;
-use crate::benchmark::others::Ticks;
-use crate::benchmark::{self, Row};
-use crate::ensemble::Choice;
-use crate::error::{Error, Result};
-use crate::output::{self, Folder};
-use crate::progress;
-use crate::report::bench;
+use proofmass_base::error::{Error, Result};
+use proofmass_base::output::{self, Folder};
+use proofmass_base::progress;
+use proofmass_benchmark::others::Ticks;
+use proofmass_benchmark::page;
+use proofmass_benchmark::{self as benchmark, Row};
+use proofmass_simulate::backend::gpu::simulate::Ensembles;
+use proofmass_simulate::ensemble::Choice;
 
 /// Arguments of `bench`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// What to measure: `auto` is the CPU and, if present, a hardware GPU; `gpu` includes software
     /// GPUs
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_parser = backends(), default_value = "auto")]
     backend: Choice,
     /// Folder for report.html, summary.md and its figures
     #[arg(long, value_name = "DIR")]
@@ -70,8 +70,8 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     if json {
         sayln!("{:#}", serde_json::json!({ "schema": "proofmass.bench/1", "others_cpu_share": others, "rows": rows }))?;
     } else {
-        say(format_args!("{}", bench::table(&rows)))?;
-        sayln!("{}", bench::busy(others))?;
+        say(format_args!("{}", page::table(&rows)))?;
+        sayln!("{}", page::busy(others))?;
     }
     written
 }
@@ -79,8 +79,8 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
 const FILES: [&str; 4] = ["report.html", "summary.md", "sizes.svg", "lengths.svg"];
 
 fn write(mut folder: Folder, rows: &[Row], others: Option<f64>) -> Result<()> {
-    let texts = [bench::summary(rows, others), bench::sizes(rows).file_svg(), bench::lengths(rows).file_svg()];
-    numbers::write(&mut folder, FILES[0], bench::page(rows, others))?;
+    let texts = [page::summary(rows, others), page::sizes(rows).file_svg(), page::lengths(rows).file_svg()];
+    numbers::write(&mut folder, FILES[0], page::page(rows, others))?;
     FILES.iter().skip(1).zip(texts).try_for_each(|(name, text)| folder.write(name, text.as_bytes()))?;
     folder.finish()
 }

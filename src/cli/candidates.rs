@@ -1,10 +1,10 @@
 //! `proofmass candidates`: the physics that `diagnose` can name.
 
 use super::say::sayln;
-use crate::diagnosis;
-use crate::diagnosis::candidate::{Candidate, Kind};
-use crate::document::to_json;
-use crate::error::Result;
+use proofmass_base::document::to_json;
+use proofmass_base::error::Result;
+use proofmass_diagnosis as diagnosis;
+use proofmass_diagnosis::candidate::{Candidate, Kind};
 
 /// Arguments of `candidates`.
 #[derive(Debug, clap::Args)]

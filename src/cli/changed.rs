@@ -1,9 +1,8 @@
 //! What a command line changes in the study that it runs: seed, grade of the sensor, any key.
 
-use clap::ValueEnum;
-use clap::builder::PossibleValue;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-use crate::study::{Assignment, Overrides, Preset};
+use proofmass_simulate::study::{Assignment, Overrides, Preset};
 
 /// Options that change the study before it is run.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -12,7 +11,7 @@ pub struct Changed {
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// Typical sensor of this grade, for each error that the study does not give itself
-    #[arg(long, value_enum, value_name = "GRADE")]
+    #[arg(long, value_parser = presets(), value_name = "GRADE")]
     pub preset: Option<Preset>,
     /// Set any key of the study: dotted path and TOML value, also inside a draw (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
@@ -36,18 +35,19 @@ impl Changed {
     }
 }
 
-impl ValueEnum for Preset {
-    fn value_variants<'a>() -> &'a [Self] {
-        &Self::ALL
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        let help = match self {
-            Self::Consumer => "ICM-20948, phone or drone grade, uncalibrated",
-            Self::Industrial => "ADIS16470, factory-calibrated MEMS",
-            Self::Tactical => "STIM300, high-end MEMS",
-            Self::Navigation => "HG9900, ring-laser gyros",
+/// Parses `--preset`.
+fn presets() -> impl TypedValueParser<Value = Preset> {
+    let values = Preset::ALL.map(|preset| {
+        let help = match preset {
+            Preset::Consumer => "ICM-20948, phone or drone grade, uncalibrated",
+            Preset::Industrial => "ADIS16470, factory-calibrated MEMS",
+            Preset::Tactical => "STIM300, high-end MEMS",
+            Preset::Navigation => "HG9900, ring-laser gyros",
         };
-        Some(PossibleValue::new(self.name()).help(help))
-    }
+        PossibleValue::new(preset.name()).help(help)
+    });
+    PossibleValuesParser::new(values).try_map(|name| {
+        let preset = Preset::ALL.into_iter().find(|preset| preset.name() == name);
+        preset.ok_or_else(|| format!("no preset is called {name}"))
+    })
 }

@@ -1,30 +1,28 @@
 //! Which device a command computes on, how that is chosen on the command line, and what it does
 //! when that device fails.
 
-use clap::ValueEnum;
-use clap::builder::PossibleValue;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::say::remark;
-use crate::backend::gpu::Gpu;
-use crate::backend::orbits::Device;
-use crate::ensemble::Choice;
-use crate::error::Result;
+use proofmass_base::error::Result;
+use proofmass_simulate::backend::gpu::Gpu;
+use proofmass_simulate::backend::orbits::Device;
+use proofmass_simulate::ensemble::Choice;
 
-impl ValueEnum for Choice {
-    fn value_variants<'a>() -> &'a [Self] {
-        &[Self::Auto, Self::Gpu, Self::Cpu]
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        let (name, help) = match self {
-            Self::Auto => {
-                ("auto", "A hardware GPU if present and the ensemble is large enough to benefit, else the CPU")
-            }
-            Self::Gpu => ("gpu", "Any GPU adapter, including software ones"),
-            Self::Cpu => ("cpu", "The CPU"),
+/// Parses `--backend`.
+pub(super) fn backends() -> impl TypedValueParser<Value = Choice> {
+    let values = Choice::ALL.map(|choice| {
+        let help = match choice {
+            Choice::Auto => "A hardware GPU if present and the ensemble is large enough to benefit, else the CPU",
+            Choice::Gpu => "Any GPU adapter, including software ones",
+            Choice::Cpu => "The CPU",
         };
-        Some(PossibleValue::new(name).help(help))
-    }
+        PossibleValue::new(choice.name()).help(help)
+    });
+    PossibleValuesParser::new(values).try_map(|name| {
+        let choice = Choice::ALL.into_iter().find(|choice| choice.name() == name);
+        choice.ok_or_else(|| format!("no device is called {name}"))
+    })
 }
 
 /// The GPU to use, opened; `None` is the CPU. One that is there and cannot be opened is said.

@@ -4,15 +4,15 @@ use std::path::PathBuf;
 
 use super::numbers;
 use super::say::{remark, sayln, screen};
-use crate::diagnosis::model::{self, Model};
-use crate::diagnosis::recordings::Recordings;
-use crate::diagnosis::{self, consequence, repair, repaired};
-use crate::document::to_json;
-use crate::error::Result;
-use crate::output::{self, Folder};
-use crate::progress;
-use crate::recording::Recording;
-use crate::report::diagnosis::{self as page, Diagnosis};
+use proofmass_base::document::to_json;
+use proofmass_base::error::Result;
+use proofmass_base::output::{self, Folder};
+use proofmass_base::progress;
+use proofmass_diagnosis::model::{self, Model};
+use proofmass_diagnosis::recordings::Recordings;
+use proofmass_diagnosis::{self as diagnosis, consequence, repair, repaired};
+use proofmass_recording::Recording;
+use proofmass_report::diagnosis::{self as page, Diagnosis};
 
 /// Arguments of `diagnose`.
 #[derive(Debug, clap::Args)]

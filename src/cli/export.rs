@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use super::say::{remark, say, sayln};
-use crate::document::{read_text, to_json};
-use crate::error::{Error, Result};
-use crate::export::imu::Imu;
-use crate::export::{self, TARGETS};
-use crate::output::{self, Folder};
+use proofmass_base::document::{read_text, to_json};
+use proofmass_base::error::{Error, Result};
+use proofmass_base::output::{self, Folder};
+use proofmass_export::imu::Imu;
+use proofmass_export::{self as export, TARGETS};
 
 /// Arguments of `export`.
 #[derive(Debug, clap::Args)]

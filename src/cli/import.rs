@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use super::export::deliver;
-use crate::document::read_text;
-use crate::error::Result;
-use crate::export;
-use crate::output;
+use proofmass_base::document::read_text;
+use proofmass_base::error::Result;
+use proofmass_base::output;
+use proofmass_export as export;
 
 /// Arguments of `import`.
 #[derive(Debug, clap::Args)]

@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use super::say::{remark, sayln};
-use crate::error::Result;
-use crate::progress;
-use crate::recording::Request;
-use crate::recording::inspection;
-use crate::report::inspection as report;
+use proofmass_base::error::Result;
+use proofmass_base::progress;
+use proofmass_recording::Request;
+use proofmass_recording::inspection;
+use proofmass_report::inspection as report;
 
 /// Arguments of `inspect`.
 #[derive(Debug, clap::Args)]

@@ -1,6 +1,6 @@
 //! Whether several copies of the program were started at once, by `mpirun` or the like.
 
-use crate::error::{Error, Result};
+use proofmass_base::error::{Error, Result};
 
 /// Where launchers write how many there are: Open MPI, and those that speak PMI (MPICH, Slurm).
 const SIZES: [&str; 2] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE"];

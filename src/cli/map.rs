@@ -4,24 +4,24 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use super::device::on_device;
+use super::device::{backends, on_device};
 use super::launched::refuse_ranks;
 use super::numbers;
 use super::say::{remark, say, sayln};
 use super::sharded::tell;
-use crate::document::{parse_toml, read_text};
-use crate::ensemble::Choice;
-use crate::error::Result;
-use crate::map::document::Document;
-use crate::map::grid::Grid;
-use crate::map::{Atlas, compute, divided};
-use crate::number::significant;
-use crate::output::{self, Folder};
-use crate::progress;
-use crate::report::map as page;
-use crate::shard::Shard;
-use crate::shard::file::Place;
-use crate::shard::gather::Found;
+use proofmass_base::document::{parse_toml, read_text};
+use proofmass_base::error::Result;
+use proofmass_base::number::significant;
+use proofmass_base::output::{self, Folder};
+use proofmass_base::progress;
+use proofmass_base::shard::Shard;
+use proofmass_base::shard::file::Place;
+use proofmass_base::shard::gather::Found;
+use proofmass_map::document::Document;
+use proofmass_map::grid::Grid;
+use proofmass_map::page;
+use proofmass_map::{Atlas, compute, divided};
+use proofmass_simulate::ensemble::Choice;
 
 const EXAMPLE: &str = "map.toml:
   name = \"my proof mass\"
@@ -70,7 +70,7 @@ pub struct Arguments {
     #[arg(long, requires = "out")]
     pub parquet: bool,
     /// Where to integrate: auto takes a hardware GPU if present, else the CPU
-    #[arg(long, value_enum, default_value_t = Choice::Auto)]
+    #[arg(long, value_parser = backends(), default_value = "auto")]
     pub backend: Choice,
 }
 
@@ -201,7 +201,7 @@ fn write(mut folder: Folder, atlas: &Atlas) -> Result<()> {
         significant(atlas.document.drive.amplitude_n, 4),
         significant(atlas.document.drive.omega_rad_s(), 4),
     );
-    let mut paper = crate::report::html::Page::new(&atlas.document.name, &lede);
+    let mut paper = proofmass_report::html::Page::new(&atlas.document.name, &lede);
     paper.table(&page::table(atlas));
     page::write(&mut paper, atlas);
     for (name, figure) in page::figures(atlas) {

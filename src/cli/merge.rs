@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use super::numbers;
 use super::study::{answer, in_motion};
-use crate::drift::{carried, divided as study};
-use crate::error::{Error, Result};
-use crate::map::divided as map;
-use crate::output::{self, Folder};
-use crate::progress;
-use crate::shard::gather::{Found, are_whole, find};
-use crate::trial::divided as trial;
+use proofmass_base::error::{Error, Result};
+use proofmass_base::output::{self, Folder};
+use proofmass_base::progress;
+use proofmass_base::shard::gather::{Found, are_whole, find};
+use proofmass_map::divided as map;
+use proofmass_simulate::drift::{carried, divided as study};
+use proofmass_trial::divided as trial;
 
 const EXAMPLES: &str = "Examples:
   for k in 1 2 3 4; do proofmass study study.toml --shard $k/4 --out shards; done

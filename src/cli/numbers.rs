@@ -1,10 +1,10 @@
 //! A page into a folder, with the numbers behind its figures beside it: `numbers/FIGURE.csv`, and
 //! Parquet on request.
 
-use crate::columns::Format;
-use crate::error::Result;
-use crate::output::Folder;
-use crate::report::html::Page;
+use proofmass_base::columns::Format;
+use proofmass_base::error::Result;
+use proofmass_base::output::Folder;
+use proofmass_report::html::Page;
 
 const PARQUET: &str = "numbers/*.parquet";
 

@@ -4,16 +4,16 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::device::on_device;
+use super::device::{backends, on_device};
 use super::numbers;
 use super::say::{say, sayln};
-use crate::ensemble::Choice;
-use crate::error::{Error, Result};
-use crate::output::{self, Folder};
-use crate::paper::compute;
-use crate::progress;
-use crate::report::paper as page;
-use crate::trial::real;
+use proofmass_base::error::{Error, Result};
+use proofmass_base::output::{self, Folder};
+use proofmass_base::progress;
+use proofmass_paper::compute;
+use proofmass_paper::page;
+use proofmass_simulate::ensemble::Choice;
+use proofmass_trial::real;
 
 /// Arguments of `paper`.
 #[derive(Debug, clap::Args)]
@@ -32,7 +32,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR", env = "PROOFMASS_DATA")]
     pub data: Option<PathBuf>,
     /// Where to integrate the maps: auto takes a hardware GPU if present, else the CPU
-    #[arg(long, value_enum, default_value_t = Choice::Auto)]
+    #[arg(long, value_parser = backends(), default_value = "auto")]
     pub backend: Choice,
 }
 

@@ -5,16 +5,16 @@ use std::path::PathBuf;
 
 use super::changed::Changed;
 use super::say::{say, sayln};
-use crate::decision::document::{Document, Found};
-use crate::decision::parts::{self, Asked, Catalogue};
-use crate::decision::require::{self, Question};
-use crate::decision::statistic::Limit;
-use crate::document::to_json;
-use crate::error::{Error, Result};
-use crate::output::{self, Folder};
-use crate::progress;
-use crate::report::require as page;
-use crate::study::{Study, StudyText};
+use proofmass_base::document::to_json;
+use proofmass_base::error::{Error, Result};
+use proofmass_base::output::{self, Folder};
+use proofmass_base::progress;
+use proofmass_report::require as page;
+use proofmass_simulate::decision::document::{Document, Found};
+use proofmass_simulate::decision::parts::{self, Asked, Catalogue};
+use proofmass_simulate::decision::require::{self, Question};
+use proofmass_simulate::decision::statistic::Limit;
+use proofmass_simulate::study::{Study, StudyText};
 
 const EXAMPLES: &str = "EXPR is STAT(QUANTITY, TIME_S) < NUMBER
   STAT      mean sd p01 p05 p50 p95 p99 of the signed error; abs95, the 95 % of its absolute value;

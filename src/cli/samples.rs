@@ -4,12 +4,12 @@ use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
 use super::say::remark;
-use crate::columns::{Columns, Format, Values};
-use crate::ensemble;
-use crate::error::{Error, Result};
-use crate::output::{self, Folder};
-use crate::progress;
-use crate::study::Study;
+use proofmass_base::columns::{Columns, Format, Values};
+use proofmass_base::error::{Error, Result};
+use proofmass_base::output::{self, Folder};
+use proofmass_base::progress;
+use proofmass_simulate::ensemble;
+use proofmass_simulate::study::Study;
 
 /// What is asked for.
 pub(super) struct Request<'a> {

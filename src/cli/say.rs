@@ -5,8 +5,8 @@
 use std::fmt::Arguments;
 use std::io::{IsTerminal, Write};
 
-use crate::error::{Error, Result};
-use crate::escape::terminal;
+use proofmass_base::error::{Error, Result};
+use proofmass_base::escape::terminal;
 
 /// Writes to stdout.
 ///
@@ -60,7 +60,7 @@ pub fn not_printed(cause: &std::io::Error) -> Error {
 
 /// Like `println!`, with an error to pass on.
 macro_rules! sayln {
-    ($($arg:tt)*) => { $crate::cli::say::say(format_args!("{}\n", format_args!($($arg)*))) };
+    ($($arg:tt)*) => { $crate::say::say(format_args!("{}\n", format_args!($($arg)*))) };
 }
 
 /// Like `eprintln!`, for words whose loss changes nothing.
@@ -68,7 +68,7 @@ macro_rules! remark {
     ($($arg:tt)*) => {{
         use std::io::Write as _;
         let text = format!($($arg)*);
-        let _ = writeln!(std::io::stderr(), "{}", $crate::escape::terminal(&text));
+        let _ = writeln!(std::io::stderr(), "{}", proofmass_base::escape::terminal(&text));
     }};
 }
 

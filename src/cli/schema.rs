@@ -8,11 +8,11 @@ use serde_json::json;
 
 use super::say::sayln;
 use super::template::Kind;
-use crate::diagnosis::model::{Driven, Static, Trajectory, Tumble};
-use crate::document::to_json;
-use crate::error::Result;
-use crate::map::document::Document;
-use crate::study::file::File;
+use proofmass_base::document::to_json;
+use proofmass_base::error::Result;
+use proofmass_diagnosis::model::{Driven, Static, Trajectory, Tumble};
+use proofmass_map::document::Document;
+use proofmass_simulate::study::file::File;
 
 /// Arguments of `schema`.
 #[derive(Debug, clap::Args)]

@@ -5,8 +5,8 @@ use std::path::Path;
 use serde_json::json;
 
 use super::say::sayln;
-use crate::error::Result;
-use crate::shard::file::Header;
+use proofmass_base::error::Result;
+use proofmass_base::shard::file::Header;
 
 /// How many units of a kind a shard has done, with a note on them, and where they are.
 ///

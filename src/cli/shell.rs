@@ -4,7 +4,7 @@
 use clap_complete::Shell;
 
 use super::say::say;
-use crate::error::{Error, Result};
+use proofmass_base::error::{Error, Result};
 
 /// Arguments of `completions`.
 #[derive(Debug, clap::Args)]

@@ -12,21 +12,22 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use super::changed::Changed;
+use super::device::backends;
 use super::launched;
 use super::numbers;
 use super::samples;
 use super::say::remark;
 use super::sweep;
-use crate::decision::digits;
-use crate::decision::statistic::Limit;
-use crate::drift;
-use crate::ensemble::{Backends, Choice, Keeper, Options};
-use crate::error::{Error, Result};
-use crate::output::{self, Folder};
-use crate::progress;
-use crate::report::study as report;
-use crate::shard::{MOST as MOST_SHARDS, Shard};
-use crate::study::{Axis, Study, StudyText};
+use proofmass_base::error::{Error, Result};
+use proofmass_base::output::{self, Folder};
+use proofmass_base::progress;
+use proofmass_base::shard::{MOST as MOST_SHARDS, Shard};
+use proofmass_report::study as report;
+use proofmass_simulate::decision::digits;
+use proofmass_simulate::decision::statistic::Limit;
+use proofmass_simulate::drift;
+use proofmass_simulate::ensemble::{Backends, Choice, Keeper, Options};
+use proofmass_simulate::study::{Axis, Study, StudyText};
 
 const EXAMPLES: &str = "Examples:
   proofmass study study.toml --members 100000
@@ -48,7 +49,7 @@ pub struct Arguments {
     /// The study (study.toml); without one, the default study
     pub study: Option<PathBuf>,
     /// Backend that integrates the members
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_parser = backends(), default_value = "auto")]
     pub backend: Choice,
     /// Number of members, overriding the study's
     #[arg(long, value_name = "N", allow_negative_numbers = true)]

@@ -3,20 +3,20 @@
 use std::path::Path;
 
 use super::say::{say, sayln};
-use crate::decision::statistic::Limit;
-use crate::decision::sweep::{self, Plan, Summed, Work};
-use crate::decision::sweep_document::Document;
-use crate::decision::watched::IN_MOTION;
-use crate::document::to_json;
-use crate::ensemble::{Backends, Choice, Keeper, Options};
-use crate::error::{Error, Result};
-use crate::output::{self, Folder};
-use crate::progress;
-use crate::report::sweep as page;
-use crate::statistics::Statistics;
-use crate::strapdown::backends::run_on;
-use crate::study::sweep::Sweep;
-use crate::study::{Axis, Study, StudyText};
+use proofmass_base::document::to_json;
+use proofmass_base::error::{Error, Result};
+use proofmass_base::output::{self, Folder};
+use proofmass_base::progress;
+use proofmass_base::statistics::Statistics;
+use proofmass_report::sweep as page;
+use proofmass_simulate::decision::statistic::Limit;
+use proofmass_simulate::decision::sweep::{self, Plan, Summed, Work};
+use proofmass_simulate::decision::sweep_document::Document;
+use proofmass_simulate::decision::watched::IN_MOTION;
+use proofmass_simulate::ensemble::{Backends, Choice, Keeper, Options};
+use proofmass_simulate::strapdown::backends::run_on;
+use proofmass_simulate::study::sweep::Sweep;
+use proofmass_simulate::study::{Axis, Study, StudyText};
 
 /// What `study` was asked.
 pub(super) struct Asked<'a> {

@@ -1,8 +1,8 @@
 //! `proofmass template`: a complete, commented file of each kind, to begin from.
 
 use super::say::{say, sayln};
-use crate::document::to_json;
-use crate::error::Result;
+use proofmass_base::document::to_json;
+use proofmass_base::error::Result;
 
 /// Arguments of `template`.
 #[derive(Debug, clap::Args)]
@@ -67,10 +67,10 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::diagnosis::model;
-    use crate::document::parse_toml;
-    use crate::map::document::Document;
-    use crate::study;
+    use proofmass_base::document::parse_toml;
+    use proofmass_diagnosis::model;
+    use proofmass_map::document::Document;
+    use proofmass_simulate::study;
 
     fn parsed(kind: Kind, text: &str) -> Result<()> {
         match kind {

@@ -1,18 +1,19 @@
 //! `proofmass validate`: laws, closed forms, orders and parities on this machine.
 
+use super::device::backends;
 use super::say::{say, sayln};
-use crate::ensemble::Choice;
-use crate::error::{Error, Result};
-use crate::number::significant;
-use crate::progress;
-use crate::report::table::Table;
-use crate::validation::{self, Row, jobs::Place};
+use proofmass_base::error::{Error, Result};
+use proofmass_base::number::significant;
+use proofmass_base::progress;
+use proofmass_report::table::Table;
+use proofmass_simulate::ensemble::Choice;
+use proofmass_simulate::validation::{self, Row, jobs::Place};
 
 /// Arguments of `validate`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// What to check: `auto` is the CPU and, if present, a GPU (including software GPUs)
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_parser = backends(), default_value = "auto")]
     backend: Choice,
 }
 

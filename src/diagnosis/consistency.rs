@@ -136,11 +136,11 @@ fn misses(answer: &Answer) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::answer::{Detail, Places};
-    use crate::diagnosis::candidate::Kind;
-    use crate::diagnosis::driven;
-    use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Fit, Noise, RecordingInfo, Whiteness};
+    use crate::answer::{Detail, Places};
+    use crate::candidate::Kind;
+    use crate::driven;
     use crate::recording::Recording;
+    use crate::verdict::{Effect, Estimate, Evidence, Fit, Noise, RecordingInfo, Whiteness};
 
     /// An answer that contradicts nothing, named or not.
     fn sound(outcome: Outcome, named: bool) -> Answer {

@@ -19,7 +19,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use crate::diagnosis::candidate::Kind;
+use crate::candidate::Kind;
 use crate::document::{from_table, parse_toml, read_text};
 use crate::error::Result;
 use crate::recording::Recording;

@@ -161,7 +161,7 @@ fn columns<'a>(recording: &'a Recording, model: &model::Tumble, findings: &mut V
 ///
 /// # Errors
 /// Fewer poses than the fit needs.
-pub(crate) fn calibrate(imu: Imu<'_>, poses: &[Range<usize>]) -> Result<Calibration> {
+pub fn calibrate(imu: Imu<'_>, poses: &[Range<usize>]) -> Result<Calibration> {
     use calibration::{accelerometer, gyro};
     check::enough(std::path::Path::new("the recording"), poses.len())?;
     let mut observed = imu.observe(poses);

@@ -4,7 +4,7 @@
 use super::drift::{self, Form};
 use super::imu::Imu;
 use super::sheet::{Field, Sheet};
-use crate::units::{DEGREE_PER_HOUR, DEGREE_PER_ROOT_HOUR, MICRO_G, MILLI_G};
+use proofmass_base::units::{DEGREE_PER_HOUR, DEGREE_PER_ROOT_HOUR, MICRO_G, MILLI_G};
 
 /// The times that AirSim itself starts from, s: gyro, accelerometer.
 const TAU_S: [f64; 2] = [500.0, 800.0];

@@ -8,7 +8,7 @@
 use super::drift::{self, Form};
 use super::imu::Imu;
 use super::sheet::{Field, Sheet};
-use crate::units::DEGREE;
+use proofmass_base::units::DEGREE;
 
 /// Rate of SITL's first IMU, Hz.
 const RATE_HZ: f64 = 1000.0;

@@ -2,7 +2,7 @@
 //! first-order Gauss–Markov process; and how far its Allan deviation is from that of the sensor.
 
 use super::imu::Errors;
-use crate::number::short;
+use proofmass_base::number::short;
 
 /// The process that a tool has for a moving bias.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,7 +101,7 @@ fn gauss_markov(process: &Process, tau_s: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::export::imu::Value;
+    use crate::imu::Value;
 
     #[test]
     fn a_substitute_agrees_with_bias_instability_where_it_says() {

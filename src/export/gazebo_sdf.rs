@@ -5,7 +5,7 @@
 use super::drift::{self, Form};
 use super::imu::{Errors, Imu, Value};
 use super::sheet::{Field, Sheet};
-use crate::error::{Error, Result};
+use proofmass_base::error::{Error, Result};
 
 pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     sheet.line("<sensor name=\"imu\" type=\"imu\">");

@@ -4,7 +4,7 @@
 use super::drift::{self, Form};
 use super::imu::{Errors, Imu};
 use super::sheet::{Sheet, number};
-use crate::units::{DEGREE_PER_HOUR, DEGREE_PER_ROOT_HOUR};
+use proofmass_base::units::{DEGREE_PER_HOUR, DEGREE_PER_ROOT_HOUR};
 
 pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     sheet.head("gnss-ins-sim, README, section IMU, and pathgen.py, bias_drift");

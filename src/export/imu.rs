@@ -1,12 +1,12 @@
 //! The part of a sensor that configurations speak of, in SI units: noise by its law, bias, and what
 //! else was given.
 
-use crate::error::{Error, Result};
-use crate::sensor::error_law::ErrorLaw;
-use crate::sensor::{Sense, SensorTerm, coupling};
-use crate::study;
-use crate::study::tolerances::{Tolerances, keys};
-use crate::units::key::Key;
+use proofmass_base::error::{Error, Result};
+use proofmass_base::units::key::Key;
+use proofmass_scenario::sensor::error_law::ErrorLaw;
+use proofmass_scenario::sensor::{Sense, SensorTerm, coupling};
+use proofmass_simulate::study;
+use proofmass_simulate::study::tolerances::{Tolerances, keys};
 
 /// Mean and standard deviation over members.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -121,7 +121,7 @@ impl Imu {
         let mut toml = format!(
             "# Imported from {} ({target}) by proofmass {}. White levels are two-sided random walks (N = n/√2).\n\n\
              [sensor]\nsample_rate_hz = {:?}\n",
-            crate::escape::line(&self.source),
+            proofmass_base::escape::line(&self.source),
             env!("CARGO_PKG_VERSION"),
             self.rate_hz
         );
@@ -171,7 +171,7 @@ fn together(axes: [Errors; 3]) -> Errors {
 
 /// Nine significant digits: what configurations are written with.
 fn digits(value: f64) -> f64 {
-    crate::number::rounded(value, 9)
+    proofmass_base::number::rounded(value, 9)
 }
 
 /// The line of a term, with a list where the axes differ.

@@ -4,7 +4,7 @@
 use super::drift::{self, Form};
 use super::imu::{Imu, Value};
 use super::sheet::{Field, Sheet, WALK, WHITE};
-use crate::error::{Error, Result, nearest};
+use proofmass_base::error::{Error, Result, nearest};
 
 const DOCUMENTED: &str = "the Kalibr wiki, IMU Noise Model, section The Noise Model Parameters in Kalibr";
 

@@ -4,7 +4,7 @@
 use super::drift::{self, Form};
 use super::imu::{Errors, Imu};
 use super::sheet::{Sheet, number};
-use crate::units::{DEGREE_PER_HOUR, DEGREE_PER_ROOT_HOUR};
+use proofmass_base::units::{DEGREE_PER_HOUR, DEGREE_PER_ROOT_HOUR};
 
 /// Correlation time, h: a bias is a random walk for runs that are short against it.
 const CORRELATION_H: f64 = 100.0;

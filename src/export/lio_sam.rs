@@ -4,7 +4,7 @@
 use super::drift::{self, Form};
 use super::imu::Imu;
 use super::sheet::{Field, Sheet, WALK, WHITE};
-use crate::units::STANDARD_GRAVITY_M_S2;
+use proofmass_base::units::STANDARD_GRAVITY_M_S2;
 
 pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     sheet.head("LIO-SAM, config/params.yaml, IMU Settings, and GTSAM, class PreintegrationParams");

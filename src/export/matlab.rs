@@ -6,7 +6,7 @@
 use super::drift::{self, Form};
 use super::imu::{Errors, Imu, Value};
 use super::sheet::{Field, Sheet, WALK, WHITE};
-use crate::error::{Error, Result};
+use proofmass_base::error::{Error, Result};
 
 pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     sheet.head("MATLAB, accelparams and gyroparams, Properties, and imuSensor, Algorithms");

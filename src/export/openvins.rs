@@ -4,7 +4,7 @@
 use super::imu::Imu;
 use super::kalibr;
 use super::sheet::Sheet;
-use crate::error::Result;
+use proofmass_base::error::Result;
 
 pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     // OpenCV's reader wants this first.

@@ -3,8 +3,8 @@
 
 use super::drift::Process;
 use super::imu::{Errors, Imu, Other};
-use crate::number::short;
-use crate::sensor::{SensorTerm, coupling};
+use proofmass_base::number::short;
+use proofmass_scenario::sensor::{SensorTerm, coupling};
 
 /// How a tool writes numbers and comments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,7 +101,7 @@ impl Sheet {
         let mut head = vec![format!(
             "{}: from {} by proofmass {}, for {} readings per second",
             about,
-            crate::escape::line(&source),
+            proofmass_base::escape::line(&source),
             env!("CARGO_PKG_VERSION"),
             imu.rate_hz
         )];

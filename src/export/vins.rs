@@ -5,7 +5,7 @@
 use super::drift::{self, Form};
 use super::imu::Imu;
 use super::sheet::{Field, Sheet};
-use crate::units::STANDARD_GRAVITY_M_S2;
+use proofmass_base::units::STANDARD_GRAVITY_M_S2;
 
 pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     sheet.line("%YAML:1.0");

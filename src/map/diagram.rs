@@ -1,10 +1,10 @@
 //! One bifurcation diagram: the force swept up and down, and where the two ways differ.
 
 use super::document::{Diagram, Document};
-use crate::control::{Control, Progress};
-use crate::dynamics::bifurcation::{Sweep, sweep};
-use crate::error::Result;
-use crate::parallel;
+use proofmass_base::control::{Control, Progress};
+use proofmass_base::error::Result;
+use proofmass_base::parallel;
+use proofmass_physics::dynamics::bifurcation::{Sweep, sweep};
 
 /// A computed bifurcation diagram, with the force rising and falling.
 #[derive(Debug, Clone)]
@@ -60,5 +60,7 @@ pub(super) fn compute(document: &Document, d: &Diagram, control: &Control, progr
     let (up, down) = parallel::join(|| sweep(&oscillator, &up, control), || sweep(&oscillator, &down, control));
     progress.step();
     let swept = || Ok(Bifurcation { diagram: d.clone(), up: up?, down: down? });
-    swept().map_err(|s: crate::control::Stopped| s.during("could not finish the bifurcation diagram", "run it again"))
+    swept().map_err(|s: proofmass_base::control::Stopped| {
+        s.during("could not finish the bifurcation diagram", "run it again")
+    })
 }

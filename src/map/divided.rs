@@ -13,16 +13,16 @@ use super::atlas::Atlas;
 use super::diagram::{self, Bifurcation};
 use super::document::Document;
 use super::grid::{self, Grid};
-use crate::backend::orbits::Device;
-use crate::control::Control;
-use crate::document::{hexadecimal, parse_toml};
-use crate::error::{Error, Result};
-use crate::shard::file::{Header, Progress, Run, damaged};
-use crate::shard::gather::Found;
-use crate::shard::{Part, Piece, Shard};
+use proofmass_base::control::Control;
+use proofmass_base::document::{hexadecimal, parse_toml};
+use proofmass_base::error::{Error, Result};
+use proofmass_base::shard::file::{Header, Progress, Run, damaged};
+use proofmass_base::shard::gather::Found;
+use proofmass_base::shard::{Part, Piece, Shard};
+use proofmass_simulate::backend::orbits::Device;
 
 /// The subcommand that divides maps.
-pub(crate) const COMMAND: &str = "map";
+pub const COMMAND: &str = "map";
 
 /// The map, as a shard's file carries it.
 #[derive(Serialize, Deserialize)]
@@ -68,7 +68,7 @@ fn run(document: &Document) -> Run {
 ///
 /// # Errors
 /// None for the types of this crate, whose keys are strings.
-pub(crate) fn header(
+pub fn header(
     document: &Document,
     text: &str,
     input: &Path,
@@ -160,7 +160,7 @@ fn unpack_diagram(bytes: &[u8], asked: &super::document::Diagram) -> Option<Bifu
 ///
 /// # Errors
 /// A file that is damaged.
-pub(crate) fn merged(found: &[Found]) -> Result<(Atlas, Vec<String>)> {
+pub fn merged(found: &[Found]) -> Result<(Atlas, Vec<String>)> {
     let carried = |found: &Found| -> Result<Carried> {
         serde_json::from_value(found.header.document.clone()).map_err(|e| damaged(&found.path, &e.to_string()))
     };

@@ -1,15 +1,15 @@
 //! map.toml: the oscillator, its drive, and which parameters are laid out over which ranges.
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::dynamics::duffing::Oscillator;
-use crate::error::{Error, Result};
+use proofmass_base::error::{Error, Result};
+use proofmass_physics::dynamics::duffing::Oscillator;
 
 /// map.toml: an oscillator, its drive, and the maps and diagrams to compute.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Document {
     /// Name of the report.
@@ -36,7 +36,7 @@ fn unnamed() -> String {
 
 /// `[oscillator]`: m x″ + D₀x′ + kx + εx³ = F.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Coefficients {
     /// Mass m, kg.
@@ -67,7 +67,7 @@ impl From<Coefficients> for Oscillator {
 
 /// `[drive]`: F₀ cos ωt, with either frequency key.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Force {
     /// Amplitude F₀ of the force, N.
@@ -87,7 +87,7 @@ impl Force {
 
 /// Parameter that an axis may hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
     /// Amplitude F₀ of the force, N.
@@ -120,7 +120,7 @@ impl Quantity {
 
 /// One axis of a map: evenly spaced cells from `from` to `to`, values at the cells' centres.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Range {
     /// Parameter along the axis; the ends below are in its unit.
@@ -142,7 +142,7 @@ impl Range {
 
 /// `[[map]]`: two parameters, each cell an orbit.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Map {
     /// Heading in the report.
@@ -168,7 +168,7 @@ fn default_count() -> u32 {
 
 /// `[[bifurcation]]`: the force swept up and down.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Diagram {
     /// Heading in the report.
@@ -298,7 +298,7 @@ fn count(key: &str, value: u64, most: u64) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::parse_toml;
+    use proofmass_base::document::parse_toml;
 
     #[test]
     fn the_paper_s_own_map_is_in_order_and_mistakes_are_named() {

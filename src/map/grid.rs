@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use super::document::{Document, Map, Quantity};
-use crate::backend::orbits::{Device, explore_on};
-use crate::control::{Control, Progress};
-use crate::dynamics::duffing::{Drive, Oscillator};
-use crate::error::Result;
-use crate::kernel::orbit::{Plan, Point};
+use proofmass_base::control::{Control, Progress};
+use proofmass_base::error::Result;
+use proofmass_physics::dynamics::duffing::{Drive, Oscillator};
+use proofmass_simulate::backend::orbits::{Device, explore_on};
+use proofmass_simulate::kernel::orbit::{Plan, Point};
 
 /// Strobes recorded to recognise a period: up to half as many can be found.
 const STROBES: u32 = 32;

@@ -2,8 +2,8 @@
 //! the accelerometer.
 
 use super::inertial::{PRINTED_ACCELEROMETER_DENSITY, PRINTED_GYRO_DENSITY};
-use crate::navigation::kalman::{Model, Weighting};
-use crate::units::{DEGREE, DENSITY_TO_RANDOM_WALK, STANDARD_GRAVITY_M_S2};
+use proofmass_base::units::{DEGREE, DENSITY_TO_RANDOM_WALK, STANDARD_GRAVITY_M_S2};
+use proofmass_scenario::navigation::kalman::{Model, Weighting};
 
 /// Three ways to trust the accelerometer, in the order of all arrays here.
 pub(super) const WEIGHTINGS: [Weighting; 3] = [Weighting::Plain, Weighting::Magnitude, Weighting::Adaptive];

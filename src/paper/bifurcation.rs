@@ -8,8 +8,8 @@
 use super::check::Check;
 use super::cubic::respond;
 use super::linear::{END_S, RECTANGLE, reading};
-use crate::dynamics::duffing::{Drive, PAPER};
-use crate::dynamics::linear::MassResponse;
+use proofmass_physics::dynamics::duffing::{Drive, PAPER};
+use proofmass_physics::dynamics::linear::MassResponse;
 
 /// Step of integration: 800 per period of the force.
 const STEP_S: f64 = 0.005;

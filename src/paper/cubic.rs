@@ -5,8 +5,8 @@
 
 use super::check::{Check, Exhibit};
 use super::linear::{END_S, RECTANGLE};
-use crate::dynamics::duffing::{Drive, Oscillator, PAPER, State};
-use crate::dynamics::linear::{MassResponse, Rectangle, rectangle_response};
+use proofmass_physics::dynamics::duffing::{Drive, Oscillator, PAPER, State};
+use proofmass_physics::dynamics::linear::{MassResponse, Rectangle, rectangle_response};
 
 /// Curves and checks of figure 16.
 #[derive(Debug, Clone)]

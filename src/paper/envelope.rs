@@ -2,8 +2,8 @@
 //!
 //! Small ensembles held in memory; large ones stream through `statistics`.
 
-use crate::numerics::moments::mean;
-use crate::numerics::order;
+use proofmass_base::numerics::moments::mean;
+use proofmass_base::numerics::order;
 
 /// Mean, spread and quantiles of an ensemble over time.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,11 +5,11 @@
 //! periodic one. An exponent counts here only after a long transient, and from several starts,
 //! since attractors coexist. Not the two-dimensional maps (`map`).
 
-use crate::backend::orbits::explore;
-use crate::control::{Control, Stopped};
-use crate::dynamics::duffing::{Drive, PAPER};
-use crate::kernel::orbit::{Orbit, Plan, Point};
-use crate::numerics::order;
+use proofmass_base::control::{Control, Stopped};
+use proofmass_base::numerics::order;
+use proofmass_physics::dynamics::duffing::{Drive, PAPER};
+use proofmass_simulate::backend::orbits::explore;
+use proofmass_simulate::kernel::orbit::{Orbit, Plan, Point};
 
 /// "f = 1.5 Hz" read as an angular frequency.
 pub(super) const OMEGA_RAD_S: f64 = 1.5;

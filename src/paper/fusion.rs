@@ -8,10 +8,10 @@
 use super::beliefs::{STEP_S, WEIGHTINGS, model};
 use super::check::{Check, Exhibit};
 use super::moved::{Moved, moved_checks};
-use crate::navigation::kalman::{Filter, Model, Reading, Weighting};
-use crate::numerics::order;
-use crate::parallel;
-use crate::rng::{Philox, Stream};
+use proofmass_base::numerics::order;
+use proofmass_base::parallel;
+use proofmass_base::rng::{Philox, Stream};
+use proofmass_scenario::navigation::kalman::{Filter, Model, Reading, Weighting};
 
 /// The paper's times: still until, moved until, back only after, s.
 pub(crate) const STILL_UNTIL_S: f64 = 1.2;

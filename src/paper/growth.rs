@@ -3,12 +3,12 @@
 
 use super::check::{Check, Exhibit};
 use super::envelope::Envelope;
-use crate::dynamics::estimate::{Estimate, slope};
-use crate::navigation::closed_form::Process;
-use crate::navigation::dead_reckoning::Drift;
-use crate::parallel;
-use crate::rng::{Philox, Stream};
-use crate::units::{DEGREE, DEGREE_PER_HOUR, DEGREE_PER_ROOT_HOUR, MILLI_G, STANDARD_GRAVITY_M_S2};
+use proofmass_base::parallel;
+use proofmass_base::rng::{Philox, Stream};
+use proofmass_base::units::{DEGREE, DEGREE_PER_HOUR, DEGREE_PER_ROOT_HOUR, MILLI_G, STANDARD_GRAVITY_M_S2};
+use proofmass_physics::dynamics::estimate::{Estimate, slope};
+use proofmass_scenario::navigation::closed_form::Process;
+use proofmass_scenario::navigation::dead_reckoning::Drift;
 
 const TILT_BIAS_RAD: f64 = 0.2 * DEGREE;
 /// White noise of the accelerometer in figure 2 (a density of 200 µg/√Hz), two-sided, m/s/√s.

@@ -7,13 +7,13 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::check::Provenance;
-use crate::control::Control;
-use crate::diagnosis::tumble::{Imu, Slow, calibrate, poses};
-use crate::error::{Error, Result};
-use crate::navigation::tilt::{Vector, turn};
-use crate::recording::{Request, read};
-use crate::rng::{Philox, Stream};
-use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
+use proofmass_base::control::Control;
+use proofmass_base::error::{Error, Result};
+use proofmass_base::rng::{Philox, Stream};
+use proofmass_base::units::{DEGREE, STANDARD_GRAVITY_M_S2};
+use proofmass_diagnosis::tumble::{Imu, Slow, calibrate, poses};
+use proofmass_recording::{Request, read};
+use proofmass_scenario::navigation::tilt::{Vector, turn};
 
 /// Readings in SI on a uniform clock, and where the IMU lay still.
 #[derive(Debug, Clone)]
@@ -136,7 +136,7 @@ pub(crate) fn simulated() -> Inertial {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::navigation::tilt::{mean, norm};
+    use proofmass_scenario::navigation::tilt::{mean, norm};
 
     #[test]
     fn the_simulation_lies_still_where_it_says() {

@@ -4,12 +4,12 @@
 //! Not noisy: everything here is an error of the mechanics alone.
 
 use super::check::{Check, Exhibit};
-use crate::dynamics::duffing::{Oscillator, PAPER, State};
-use crate::dynamics::estimate::slope;
-use crate::dynamics::linear::{
+use proofmass_base::numerics::moments::mean;
+use proofmass_physics::dynamics::duffing::{Oscillator, PAPER, State};
+use proofmass_physics::dynamics::estimate::slope;
+use proofmass_physics::dynamics::linear::{
     MassResponse, Rectangle, exact_hold, hold_step, printed_roots, rectangle_response, residual_n, roots,
 };
-use crate::numerics::moments::mean;
 
 /// One metre per second squared for half a minute. The paper prints neither; only ratios matter in
 /// a linear equation.

@@ -8,10 +8,10 @@ use super::beliefs::{WEIGHTINGS, model};
 use super::check::{Check, Provenance};
 use super::inertial::Inertial;
 use super::pitch::{Pitch, up};
-use crate::navigation::kalman::{Filter, Model, Reading};
-use crate::navigation::tilt::{norm, pitch_rad, pitch_rate_rad_s, turn};
-use crate::numerics::order;
-use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
+use proofmass_base::numerics::order;
+use proofmass_base::units::{DEGREE, STANDARD_GRAVITY_M_S2};
+use proofmass_scenario::navigation::kalman::{Filter, Model, Reading};
+use proofmass_scenario::navigation::tilt::{norm, pitch_rad, pitch_rate_rad_s, turn};
 
 /// "Back" on a recording: within this of the pose's own mean, for good. Several deviations of each
 /// filter's noise.

@@ -4,10 +4,10 @@
 //! The noise is a force on the proof mass, far below the drive, as its Brownian motion would be.
 
 use super::check::{Check, Exhibit};
-use crate::dynamics::duffing::{Drive, Oscillator, PAPER, State};
-use crate::dynamics::estimate::{Estimate, slope};
-use crate::parallel;
-use crate::rng::{Philox, Stream};
+use proofmass_base::parallel;
+use proofmass_base::rng::{Philox, Stream};
+use proofmass_physics::dynamics::duffing::{Drive, Oscillator, PAPER, State};
+use proofmass_physics::dynamics::estimate::{Estimate, slope};
 
 /// Force noise, two-sided coefficient, N·√s.
 pub(crate) const NOISE_N_RTS: f64 = 1e-6;

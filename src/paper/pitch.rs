@@ -5,13 +5,13 @@
 
 use super::check::{Check, Exhibit};
 use super::inertial::{Inertial, PRINTED_GYRO_DENSITY};
-use crate::dynamics::estimate::{Estimate, slope};
-use crate::navigation::tilt::{Vector, mean, norm, pitch_rad, pitch_rate_rad_s, turn};
-use crate::numerics::allan;
-use crate::numerics::allan::fit::{Coefficient, fit};
-use crate::numerics::moments::{self, mean_sd, rms};
-use crate::rng::{Philox, Stream};
-use crate::units::{DEGREE, DENSITY_TO_RANDOM_WALK};
+use proofmass_base::numerics::allan;
+use proofmass_base::numerics::allan::fit::{Coefficient, fit};
+use proofmass_base::numerics::moments::{self, mean_sd, rms};
+use proofmass_base::rng::{Philox, Stream};
+use proofmass_base::units::{DEGREE, DENSITY_TO_RANDOM_WALK};
+use proofmass_physics::dynamics::estimate::{Estimate, slope};
+use proofmass_scenario::navigation::tilt::{Vector, mean, norm, pitch_rad, pitch_rate_rad_s, turn};
 
 /// Time against a value.
 pub(crate) type Curve = Vec<(f64, f64)>;

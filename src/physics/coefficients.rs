@@ -9,7 +9,7 @@ use super::study::Given;
 use crate::units::key::Key;
 
 /// Most coefficients that there may be.
-pub(crate) const MOST: usize = 24;
+pub const MOST: usize = 24;
 
 /// A law that a study can run: one that gives a key for each of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,12 +76,12 @@ pub fn laws() -> &'static [StudyLaw] {
 }
 
 /// States of their own that all of them have together.
-pub(crate) fn own_states() -> usize {
+pub fn own_states() -> usize {
     laws().iter().map(|law| law.term.states()).sum()
 }
 
 /// The keys of all of them, in the order of their coefficients.
-pub(crate) fn keys() -> impl Iterator<Item = &'static Key> {
+pub fn keys() -> impl Iterator<Item = &'static Key> {
     // Gathered once: each member of an ensemble is drawn by them.
     static KEYS: LazyLock<Vec<&'static Key>> =
         LazyLock::new(|| laws().iter().flat_map(|law| law.given()).map(|given| &given.key).collect());
@@ -155,7 +155,7 @@ fn place(key: &Key) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::{cubic_stiffness, squeeze_film_damping};
+    use crate::{cubic_stiffness, squeeze_film_damping};
 
     #[test]
     fn every_runnable_law_has_a_place_and_a_key_per_parameter() {

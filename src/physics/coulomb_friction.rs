@@ -34,7 +34,7 @@ pub enum Sides {
 pub struct CoulombFriction(pub Sides);
 
 /// What the library says of it.
-pub(crate) const CANDIDATE: Candidate = Candidate {
+pub const CANDIDATE: Candidate = Candidate {
     id: "coulomb-friction",
     kind: Kind::Driven,
     statement: "Dry friction opposes motion with a constant force and can hold the mass still.",
@@ -59,7 +59,7 @@ pub(crate) const APART: Candidate = Candidate {
 };
 
 /// How a study gives it.
-pub(crate) const GIVEN: &[Given] =
+pub const GIVEN: &[Given] =
     &[Given::new(Key::new(6, "sensor.coulomb_friction_m_s2", "Coulomb friction", "m/s²", 1.0, Sign::NotNegative))];
 
 impl Law for CoulombFriction {
@@ -114,7 +114,7 @@ impl Law for CoulombFriction {
 }
 
 /// What holds each lane back: forwards, and backwards.
-pub(crate) fn resistance(p: &[Lanes]) -> [Lanes; 2] {
+pub fn resistance(p: &[Lanes]) -> [Lanes; 2] {
     match p {
         [size, difference, ..] => {
             [std::array::from_fn(|l| size[l] + difference[l]), std::array::from_fn(|l| size[l] - difference[l])]
@@ -126,7 +126,7 @@ pub(crate) fn resistance(p: &[Lanes]) -> [Lanes; 2] {
 
 /// The force of friction on a lane that slides this way; 0 where it holds.
 #[inline(always)]
-pub(crate) fn against(friction: &[Lanes; 2], side: f64, l: usize) -> f64 {
+pub fn against(friction: &[Lanes; 2], side: f64, l: usize) -> f64 {
     if side > 0.0 {
         friction[0][l]
     } else if side < 0.0 {
@@ -140,7 +140,7 @@ pub(crate) fn against(friction: &[Lanes; 2], side: f64, l: usize) -> f64 {
 /// than friction; 0 where it holds. `at` is displacement, velocity and what accelerates besides
 /// friction and the base.
 #[inline(always)]
-pub(crate) fn sides(base: &BaseLanes, friction: &[Lanes; 2], at: [&Lanes; 3]) -> Lanes {
+pub fn sides(base: &BaseLanes, friction: &[Lanes; 2], at: [&Lanes; 3]) -> Lanes {
     let [x, v, acceleration] = at;
     let mut sides = [0.0; LANES];
     for l in 0..LANES {
@@ -160,8 +160,10 @@ pub(crate) fn sides(base: &BaseLanes, friction: &[Lanes; 2], at: [&Lanes; 3]) ->
 
 /// A step taken with each lane sliding the way it did at the beginning.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Sliding<'a> {
+pub struct Sliding<'a> {
+    /// Length of a step, s.
     pub step_s: f64,
+    /// The oscillator on each lane.
     pub base: &'a BaseLanes,
     /// Friction forwards and backwards.
     pub friction: &'a [Lanes; 2],
@@ -175,7 +177,7 @@ impl Sliding<'_> {
     /// Puts the event where it belongs in the lanes that had one: those that changed direction, and
     /// those that were held.
     #[inline(always)]
-    pub(crate) fn switch(&self, begin: [&Lanes; 2], end: [&mut Lanes; 2]) {
+    pub fn switch(&self, begin: [&Lanes; 2], end: [&mut Lanes; 2]) {
         let [x, v] = end;
         // No early end: the whole of it is vector code.
         let happens = |any, (side, v): (&f64, &f64)| any | (*side == 0.0) | (side * v < 0.0);

@@ -28,25 +28,25 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
 
 /// `sum` and the acceleration −βx³. Every simulation with a cubic spring takes it from here.
 #[inline(always)]
-pub(crate) fn acceleration<T: Real, const FMA: bool>(beta: T, x: T, sum: T) -> T {
+pub fn acceleration<T: Real, const FMA: bool>(beta: T, x: T, sum: T) -> T {
     fma::<T, FMA>(-(beta * x * x), x, sum)
 }
 
 /// What a spring of linear stiffness and β pulls back with, per mass: x(k + βx²). Orbits that are
 /// followed for long take this form, which rounds once less.
 #[inline(always)]
-pub(crate) fn pull<T: Real>(stiffness: T, beta: T, x: T) -> T {
+pub fn pull<T: Real>(stiffness: T, beta: T, x: T) -> T {
     x * (stiffness + beta * (x * x))
 }
 
 /// By how much the spring is stiffer at `x`: 3βx², the derivative of βx³.
 #[inline(always)]
-pub(crate) fn tangent_stiffness<T: Real>(beta: T, x: T) -> T {
+pub fn tangent_stiffness<T: Real>(beta: T, x: T) -> T {
     T::of(3.0) * (beta * (x * x))
 }
 
 /// The same three for shaders.
-pub(crate) const WGSL: &str = "fn cubic_acceleration(beta: f32, x: f32, sum: f32) -> f32 {
+pub const WGSL: &str = "fn cubic_acceleration(beta: f32, x: f32, sum: f32) -> f32 {
     return fma(-(beta * x * x), x, sum);
 }
 fn cubic_pull(stiffness: f32, beta: f32, x: f32) -> f32 {
@@ -58,7 +58,7 @@ fn cubic_tangent_stiffness(beta: f32, x: f32) -> f32 {
 ";
 
 /// How a study gives it.
-pub(crate) const GIVEN: &[Given] =
+pub const GIVEN: &[Given] =
     &[Given::new(Key::new(2, "sensor.cubic_stiffness_per_m2_s2", "cubic stiffness β", "1/(m² s²)", 1.0, Sign::Any))];
 
 impl Law for CubicStiffness {

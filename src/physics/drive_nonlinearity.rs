@@ -14,7 +14,7 @@ use crate::units::key::{Key, Sign};
 pub struct DriveNonlinearity;
 
 /// What the library says of it.
-pub(crate) const CANDIDATE: Candidate = Candidate {
+pub const CANDIDATE: Candidate = Candidate {
     id: "drive-nonlinearity",
     kind: Kind::Driven,
     statement: "The force is not proportional to the input: its square acts too, as with electrostatic drive.",

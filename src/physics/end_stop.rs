@@ -61,7 +61,7 @@ const SOFTEST_BESIDE_A_BEND: f64 = 0.3;
 
 impl EndStop {
     /// Whether it is too soft to be told from the bend of another spring in the same model.
-    pub(crate) fn may_be_a_bend(parameters: &[f64], s: &Scales) -> bool {
+    pub fn may_be_a_bend(parameters: &[f64], s: &Scales) -> bool {
         parameters[0] < SOFTEST_BESIDE_A_BEND * s.omega_rad_s.powi(2)
     }
 }

@@ -91,7 +91,8 @@ impl Default for FreeForm {
     }
 }
 
-pub(crate) const VALUES: usize = 4;
+/// Values of a form.
+pub const VALUES: usize = 4;
 /// Where the slope of the form turns about, in sizes.
 const PIVOT: f64 = 0.7;
 

@@ -1,7 +1,7 @@
 //! The free linear oscillator: how displacement and velocity go on without any force, exactly.
 
 /// exp(At) for A = [[0, 1], [−ω², −2ζω]], row by row; any ζ ≥ 0.
-pub(crate) fn transition(omega: f64, zeta: f64, t: f64) -> [f64; 4] {
+pub fn transition(omega: f64, zeta: f64, t: f64) -> [f64; 4] {
     let decay = (-zeta * omega * t).exp();
     let d = 1.0 - zeta * zeta;
     // C = cos(w t) and S = sin(w t)/w, continued analytically through critical damping.

@@ -68,7 +68,7 @@ pub(crate) const SHARP: Candidate = Candidate {
 };
 
 /// How a study gives it. A run begins without a memory: z = 0.
-pub(crate) const GIVEN: &[Given] = &[
+pub const GIVEN: &[Given] = &[
     Given::new(Key::new(
         83,
         "sensor.hysteresis_per_s2",

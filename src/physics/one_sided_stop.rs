@@ -55,7 +55,7 @@ pub(crate) const GIVEN: &[Given] = &[
 
 impl OneSidedStop {
     /// The values of an end stop on one side; `None` for one on both.
-    pub(crate) fn values_of(stop: EndStop, p: &[f64]) -> Option<[f64; 2]> {
+    pub fn values_of(stop: EndStop, p: &[f64]) -> Option<[f64; 2]> {
         match stop.0 {
             Side::Both => None,
             Side::Upper => Some([p[0], p[1]]),

@@ -14,7 +14,7 @@ use crate::units::key::{Key, Sign};
 pub struct QuadraticDamping;
 
 /// What the library says of it.
-pub(crate) const CANDIDATE: Candidate = Candidate {
+pub const CANDIDATE: Candidate = Candidate {
     id: "quadratic-damping",
     kind: Kind::Driven,
     statement: "Damping grows with speed, as in a gas stream or a turbulent fluid.",
@@ -27,7 +27,7 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
 };
 
 /// How a study gives it.
-pub(crate) const GIVEN: &[Given] =
+pub const GIVEN: &[Given] =
     &[Given::new(Key::new(4, "sensor.quadratic_damping_per_m", "quadratic damping c₂", "1/m", 1.0, Sign::NotNegative))];
 
 impl Law for QuadraticDamping {

@@ -27,7 +27,7 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
 };
 
 /// How a study gives it.
-pub(crate) const GIVEN: &[Given] = &[Given::turning(Key::new(
+pub const GIVEN: &[Given] = &[Given::turning(Key::new(
     3,
     "sensor.quadratic_stiffness_per_m_s2",
     "quadratic stiffness α",

@@ -10,7 +10,7 @@ use super::scales::{Coordinate, Scales};
 pub struct ReadoutQuantisation;
 
 /// What the library says of it.
-pub(crate) const CANDIDATE: Candidate = Candidate {
+pub const CANDIDATE: Candidate = Candidate {
     id: "readout-quantisation",
     kind: Kind::Driven,
     statement: "The reading is rounded to steps that are coarse beside the noise.",

@@ -27,7 +27,7 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
 };
 
 /// How a study gives it.
-pub(crate) const GIVEN: &[Given] = &[Given::new(Key::new(
+pub const GIVEN: &[Given] = &[Given::new(Key::new(
     5,
     "sensor.squeeze_film_per_m2_s",
     "squeeze-film damping",

@@ -8,12 +8,12 @@
 /// Parameter sets that the diagnosis simulates side by side.
 pub const LANES: usize = 8;
 /// One value per parameter set.
-pub(crate) type Lanes = [f64; LANES];
+pub type Lanes = [f64; LANES];
 /// Most values of one law: its parameters and the unknown initial values of its states.
-pub(crate) const MOST_VALUES: usize = 6;
+pub const MOST_VALUES: usize = 6;
 /// Most states of laws that act on the mass, together: they go through the stages of a step with
 /// it.
-pub(crate) const MOST_STAGED: usize = 3;
+pub const MOST_STAGED: usize = 3;
 
 /// The base model of N masses: x″ + 2ζω₀x′ + ω₀²x = gain · input.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +27,7 @@ pub struct Base<T, const N: usize> {
 }
 
 /// The base model of the diagnosis.
-pub(crate) type BaseLanes = Base<f64, LANES>;
+pub type BaseLanes = Base<f64, LANES>;
 
 /// State of one mass at one instant.
 #[derive(Debug, Clone, Copy, Default)]
@@ -82,7 +82,7 @@ impl<T: Copy, const N: usize> Instants<'_, T, N> {
 }
 
 /// What a law needs at every step of a pass and that does not change during it.
-pub(crate) type Constants = [Lanes; 6];
+pub type Constants = [Lanes; 6];
 
 /// One step of the masses: states before and after, and the input.
 #[derive(Debug, Clone, Copy)]

@@ -30,7 +30,7 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
 };
 
 /// How a study gives it: with time, from the beginning of the run on, its still start included.
-pub(crate) const GIVEN: &[Given] =
+pub const GIVEN: &[Given] =
     &[Given::new(Key::new(74, "sensor.stiffness_drift_per_s", "stiffness drift κ", "1/s", 1.0, Sign::Any))];
 
 impl Law for StiffnessDrift {

@@ -30,7 +30,7 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
 };
 
 /// How a study gives it.
-pub(crate) const GIVEN: &[Given] =
+pub const GIVEN: &[Given] =
     &[Given::new(Key::new(92, "sensor.stiffness_per_k", "stiffness over temperature κ", "1/K", 1.0, Sign::Any))];
 
 impl Law for WarmStiffness {

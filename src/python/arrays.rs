@@ -6,10 +6,10 @@ use std::sync::Arc;
 use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
-use crate::error::{Error, Result};
-use crate::recording::array::Shape;
-use crate::recording::element::{Element, Kind};
-use crate::recording::memory::{Memory, Numbers};
+use proofmass_base::error::{Error, Result};
+use proofmass_recording::array::Shape;
+use proofmass_recording::element::{Element, Kind};
+use proofmass_recording::memory::{Memory, Numbers};
 
 /// A recording as the package hands it over.
 #[derive(FromPyObject)]

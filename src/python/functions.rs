@@ -12,22 +12,22 @@ use super::answer::Answer;
 use super::arrays::{Given, Recorded};
 use super::value::{self, Document};
 use super::work::{detached, raised};
-use crate::cli;
-use crate::cli::allan::{Asked, Scales};
-use crate::columns::Values;
-use crate::control::Control;
-use crate::diagnosis::model::{self, Model};
-use crate::diagnosis::recordings::Recordings;
-use crate::diagnosis::{self, consequence, repaired};
-use crate::document::to_json;
-use crate::drift;
-use crate::drift::document;
-use crate::ensemble::{self, Backends, Choice, Keeper, Options};
-use crate::error::{Error, Result};
-use crate::recording::{self, Recording, Request};
-use crate::report;
-use crate::strapdown;
-use crate::study::{self as studies, Overrides, Preset, Study};
+use proofmass_base::columns::Values;
+use proofmass_base::control::Control;
+use proofmass_base::document::to_json;
+use proofmass_base::error::{Error, Result};
+use proofmass_cli as cli;
+use proofmass_cli::allan::{Asked, Scales};
+use proofmass_diagnosis::model::{self, Model};
+use proofmass_diagnosis::recordings::Recordings;
+use proofmass_diagnosis::{self as diagnosis, consequence, repaired};
+use proofmass_recording::{self as recording, Recording, Request};
+use proofmass_report as report;
+use proofmass_simulate::drift;
+use proofmass_simulate::drift::document;
+use proofmass_simulate::ensemble::{self, Backends, Choice, Keeper, Options};
+use proofmass_simulate::strapdown;
+use proofmass_simulate::study::{self as studies, Overrides, Preset, Study};
 
 /// The command, from its words to its exit code. A defect that panics ends it as it ends the
 /// binary, with 101.

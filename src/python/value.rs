@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyString};
 use toml::{Table, Value};
 
-use crate::error::{Error, Result};
+use proofmass_base::error::{Error, Result};
 
 /// A document: the path of a file, or a dictionary.
 #[derive(FromPyObject)]

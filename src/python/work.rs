@@ -9,9 +9,9 @@ use std::time::Duration;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyUserWarning};
 use pyo3::prelude::*;
 
-use crate::control::{Control, Stage, Watcher};
-use crate::error::{Error, Kind, Result};
-use crate::signal::Signal;
+use proofmass_base::control::{Control, Stage, Watcher};
+use proofmass_base::error::{Error, Kind, Result};
+use proofmass_base::signal::Signal;
 
 /// How often Python is asked whether a signal has come.
 const LOOK: Duration = Duration::from_millis(50);

@@ -27,14 +27,14 @@ pub enum Codec {
 
 /// No part of a file is larger when it is decompressed: files are read part by part, and one must
 /// fit in memory.
-pub(super) const LARGEST_BYTES: u64 = 256 << 20;
+pub const LARGEST_BYTES: u64 = 256 << 20;
 
 /// Decompresses a part whose size is stated.
 ///
 /// # Errors
 /// In words: damaged data, another size than the one stated, or one beyond [`LARGEST_BYTES`].
 #[allow(unused_variables, reason = "which codecs there are is a matter of features")]
-pub(crate) fn decompress(codec: Codec, from: &[u8], size: u64) -> Result<Vec<u8>, String> {
+pub fn decompress(codec: Codec, from: &[u8], size: u64) -> Result<Vec<u8>, String> {
     if size > LARGEST_BYTES {
         return Err(format!(
             "{} bytes are said to become {size} when decompressed, more than the {} MiB that one part may have",

@@ -10,7 +10,7 @@ const PIECE: usize = 1 << 17;
 
 /// A file being read.
 #[derive(Debug)]
-pub(crate) struct Feed {
+pub struct Feed {
     input: Input,
     cursor: Cursor,
     buffer: Vec<u8>,
@@ -19,12 +19,12 @@ pub(crate) struct Feed {
 
 impl Feed {
     /// From a place in the file on.
-    pub(crate) fn new(input: &Input, at: u64) -> Self {
+    pub fn new(input: &Input, at: u64) -> Self {
         Self { input: input.clone(), cursor: input.at(at), buffer: Vec::new(), start: 0 }
     }
 
     /// Place in the file of the next byte.
-    pub(crate) fn place(&self) -> u64 {
+    pub fn place(&self) -> u64 {
         self.cursor.place() - (self.buffer.len() - self.start) as u64
     }
 
@@ -32,7 +32,7 @@ impl Feed {
     ///
     /// # Errors
     /// When the file cannot be read.
-    pub(crate) fn ahead(&mut self, count: usize) -> Result<&[u8]> {
+    pub fn ahead(&mut self, count: usize) -> Result<&[u8]> {
         if self.buffer.len() - self.start < count {
             self.buffer.drain(..self.start);
             self.start = 0;
@@ -44,7 +44,7 @@ impl Feed {
     }
 
     /// Passes over bytes that were looked at.
-    pub(crate) fn pass(&mut self, count: usize) {
+    pub fn pass(&mut self, count: usize) {
         self.start = self.buffer.len().min(self.start + count);
     }
 }

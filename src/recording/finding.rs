@@ -242,7 +242,7 @@ pub(crate) fn settle(findings: &mut Vec<Finding>) {
 }
 
 /// Every finding as a sentence.
-pub(crate) fn sentences(findings: &[Finding]) -> Vec<String> {
+pub fn sentences(findings: &[Finding]) -> Vec<String> {
     findings.iter().map(ToString::to_string).collect()
 }
 

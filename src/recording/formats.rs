@@ -138,7 +138,7 @@ pub enum Opened {
 ///
 /// # Errors
 /// A folder that holds none, or several.
-pub(crate) fn located(path: &Path) -> Result<PathBuf> {
+pub fn located(path: &Path) -> Result<PathBuf> {
     if !path.is_dir() {
         return Ok(path.into());
     }
@@ -233,7 +233,7 @@ fn known(input: Input, head: &[u8]) -> Result<Found> {
 /// # Errors
 /// As [`find`]; a part that is not there, that holds no numbers, or none that can be chosen without
 /// a word of the user.
-pub(crate) fn open(path: &Path, topic: Option<&str>) -> Result<Opened> {
+pub fn open(path: &Path, topic: Option<&str>) -> Result<Opened> {
     open_in(path, None, topic)
 }
 

@@ -8,7 +8,7 @@ const ON_GRID: f64 = 0.05;
 
 /// Looks at the values of a channel as they pass.
 #[derive(Debug, Clone)]
-pub(crate) struct Watch {
+pub struct Watch {
     name: String,
     count: usize,
     high: Rail,
@@ -81,7 +81,7 @@ impl Watch {
     }
 
     /// All of a column.
-    pub(crate) fn of(name: &str, values: &[f64]) -> Self {
+    pub fn of(name: &str, values: &[f64]) -> Self {
         let mut watch = Self::new(name);
         values.iter().for_each(|v| watch.push(*v));
         watch
@@ -119,7 +119,7 @@ impl Watch {
 
     /// The step that all values since it was first seen are whole multiples of, if values repeat so
     /// often that it is no accident of printing.
-    pub(crate) fn step(&self) -> Option<f64> {
+    pub fn step(&self) -> Option<f64> {
         let span = (self.high.value + self.low.value) / self.step;
         (self.step.is_finite() && self.off_grid < ON_GRID && 20.0 * span < self.count as f64).then_some(self.step)
     }

@@ -106,7 +106,7 @@ impl Memory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::{self, Request};
+    use crate::{self as recording, Request};
 
     fn column(name: &str, values: Vec<f64>) -> Column {
         Column { name: name.into(), values }

@@ -12,7 +12,7 @@ use super::finding::Finding;
 use crate::error::Result;
 
 /// About how many rows a block holds.
-pub(super) const BLOCK_ROWS: usize = 4096;
+pub const BLOCK_ROWS: usize = 4096;
 
 /// A column as its file describes it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

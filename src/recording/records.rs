@@ -54,13 +54,14 @@ pub fn inertial(names: &mut [Heading]) -> bool {
 
 /// Bytes that belong to no record.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct Strays {
+pub struct Strays {
     bytes: u64,
     first: u64,
 }
 
 impl Strays {
-    pub(super) fn add(&mut self, at: u64, bytes: u64) {
+    /// Counts a record dropped at a byte.
+    pub fn add(&mut self, at: u64, bytes: u64) {
         if self.bytes == 0 {
             self.first = at;
         }
@@ -68,7 +69,7 @@ impl Strays {
     }
 
     /// What is to be said of them.
-    pub(super) fn finding(&self) -> Option<Finding> {
+    pub fn finding(&self) -> Option<Finding> {
         (self.bytes > 0).then_some(Finding::SkippedBytes { bytes: self.bytes, first: self.first })
     }
 }

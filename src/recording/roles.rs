@@ -109,7 +109,7 @@ pub fn of(names: &[String]) -> Roles {
 
 /// The unit of a column that is one of an inertial sensor's by its name alone, which says unit and
 /// quantity: `gyro_rad_s`, or with a sensor's number `accelerometer_2_m_s2`.
-pub(crate) fn alone(name: &str) -> Option<Unit> {
+pub fn alone(name: &str) -> Option<Unit> {
     let (stem, unit) = stem(name);
     let unit = Unit::of_file(unit?)?;
     let plain = stem.trim_end_matches(|c: char| c.is_ascii_digit());

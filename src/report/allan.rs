@@ -13,9 +13,9 @@ pub use study::study;
 pub use words::{answer, notes, tables};
 
 use super::html::Page;
-use crate::number::rounded;
-use crate::recording::finding::sentences;
-use crate::recording::noise::Noise;
+use proofmass_base::number::rounded;
+use proofmass_recording::finding::sentences;
+use proofmass_recording::noise::Noise;
 
 /// The report page of `allan`.
 pub fn page(file: &str, noise: &Noise, fragments: &[Fragment]) -> Page {

@@ -22,17 +22,17 @@ pub use words::{Diagnosis, worded};
 
 use std::collections::HashSet;
 
-use crate::diagnosis::answer::Detail;
-use crate::diagnosis::repair::{Cost, Repair, Row};
-use crate::diagnosis::standing::{Note, Ranked};
-use crate::diagnosis::verdict::{Detectable, Effect, Outcome, Verdict, named};
+use proofmass_diagnosis::answer::Detail;
+use proofmass_diagnosis::repair::{Cost, Repair, Row};
+use proofmass_diagnosis::standing::{Note, Ranked};
+use proofmass_diagnosis::verdict::{Detectable, Effect, Outcome, Verdict, named};
 
 use super::figure::Figure;
 use super::html::Page;
 use super::table::Table;
-use crate::number::{duration, rounded, significant};
 use fit::{base_table, base_words, fit_table, sure};
 use numbers::{estimate, formula};
+use proofmass_base::number::{duration, rounded, significant};
 
 /// The figures of any kind of diagnosis, no two of one file name.
 pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
@@ -57,7 +57,7 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
 }
 
 /// What stands on a terminal.
-pub(crate) fn terminal(diagnosis: &Diagnosis, costs: &[Cost]) -> String {
+pub fn terminal(diagnosis: &Diagnosis, costs: &[Cost]) -> String {
     let verdict = &diagnosis.verdict;
     let mut out = format!("{}: {}\n\n", verdict.verdict.name(), verdict.sentence);
     out += &answers(diagnosis, costs).iter().map(|(k, v)| format!("{:<18}{v}\n", format!("{k}:"))).collect::<String>();

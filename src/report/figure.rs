@@ -21,14 +21,14 @@ mod simplify;
 pub mod theme;
 mod tick;
 
-use crate::escape::xml;
 use legend::Legend;
 use plot::Plot;
+use proofmass_base::escape::xml;
 
 pub use axis::{Axis, Scale, labelled};
 pub use chart::{Chart, Mark, Note, Series};
 pub use numbers::Numbers;
-pub(crate) use raster::Raster;
+pub use raster::Raster;
 pub use theme::Ink;
 
 impl Chart {

@@ -12,7 +12,7 @@ use sha2::{Digest, Sha256};
 use super::figure::theme;
 use super::figure::{Figure, Numbers};
 use super::table::Table;
-use crate::escape::html;
+use proofmass_base::escape::html;
 
 /// A page being written, top to bottom.
 #[derive(Debug, Clone)]

@@ -3,10 +3,10 @@
 use serde_json::{Value, json};
 
 use super::table::Table;
-use crate::number::{duration, rounded, short};
-use crate::recording::finding::sentences;
-use crate::recording::inspection::{Inspection, Rows, Stretch};
-use crate::recording::unit::Quantity;
+use proofmass_base::number::{duration, rounded, short};
+use proofmass_recording::finding::sentences;
+use proofmass_recording::inspection::{Inspection, Rows, Stretch};
+use proofmass_recording::unit::Quantity;
 
 /// Parts shown on a terminal.
 const SHOWN: usize = 40;
@@ -18,7 +18,7 @@ const POSES: usize = 9;
 const WORTHWHILE_S: f64 = 60.0;
 
 /// The tables: what parts there are, what the columns hold.
-pub(crate) fn tables(seen: &Inspection) -> Vec<Table> {
+pub fn tables(seen: &Inspection) -> Vec<Table> {
     let mut out = Vec::new();
     if seen.parts.iter().any(|p| !p.name.is_empty()) {
         let mut table = Table::new(&["part", "type", "rows", "columns"]);
@@ -51,7 +51,7 @@ fn longest(still: &[Stretch]) -> Option<&Stretch> {
 }
 
 /// What is to be said of the file, a sentence a line.
-pub(crate) fn notes(seen: &Inspection) -> Vec<String> {
+pub fn notes(seen: &Inspection) -> Vec<String> {
     let mut out = Vec::new();
     let part = seen.part.as_ref().map_or(String::new(), |name| format!(", `{name}`"));
     let Some(rows) = &seen.rows else {
@@ -99,7 +99,7 @@ fn quoted(word: &str) -> String {
 }
 
 /// The command that suits what was seen; none where something must be chosen first.
-pub(crate) fn next(file: &str, seen: &Inspection) -> Option<String> {
+pub fn next(file: &str, seen: &Inspection) -> Option<String> {
     let rows = seen.rows.as_ref()?;
     let rate_hz = rows.rate_hz?;
     let several = seen.parts.iter().filter(|p| p.is_imu).count() > 1 || seen.parts.iter().all(|p| !p.is_imu);

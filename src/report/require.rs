@@ -4,13 +4,13 @@
 use super::figure::{Axis, Chart, Figure, Ink, Mark, labelled};
 use super::html::Page;
 use super::table::Table;
-use crate::decision::document::Found;
-use crate::decision::parts::Judged;
-use crate::decision::require::{Answer, Outcome, Value};
-use crate::decision::statistic::{Limit, Statistic};
-use crate::decision::watched::{self, Watched};
-use crate::number::{significant, with_uncertainty, worth};
-use crate::study::Study;
+use proofmass_base::number::{significant, with_uncertainty, worth};
+use proofmass_simulate::decision::document::Found;
+use proofmass_simulate::decision::parts::Judged;
+use proofmass_simulate::decision::require::{Answer, Outcome, Value};
+use proofmass_simulate::decision::statistic::{Limit, Statistic};
+use proofmass_simulate::decision::watched::{self, Watched};
+use proofmass_simulate::study::Study;
 
 /// Name and unit of an error.
 fn named(quantity: Watched) -> (&'static str, &'static str) {

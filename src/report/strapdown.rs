@@ -10,16 +10,16 @@ use super::html::Page;
 use super::study::moment::{moment, plain};
 use super::study::{jcgm101, percent};
 use super::table::Table;
-use crate::backend::flight::Quantity;
-use crate::number::{duration, significant, worth};
-use crate::statistics::jcgm101::Stated;
-use crate::strapdown::answer::Answer;
-use crate::strapdown::covariance::{Cause, Part};
-use crate::study::Study;
-use crate::units::DEGREE;
+use proofmass_base::number::{duration, significant, worth};
+use proofmass_base::statistics::jcgm101::Stated;
+use proofmass_base::units::DEGREE;
+use proofmass_simulate::backend::flight::Quantity;
+use proofmass_simulate::strapdown::answer::Answer;
+use proofmass_simulate::strapdown::covariance::{Cause, Part};
+use proofmass_simulate::study::Study;
 
 /// The page; `stated` is the last horizontal error where digits were asked for.
-pub(crate) fn page(study: &Study, answer: &Answer, stated: Option<&Stated>) -> Page {
+pub fn page(study: &Study, answer: &Answer, stated: Option<&Stated>) -> Page {
     let mut page = Page::new(&format!("{}: how far it drifts", study.name), &lede(answer));
     page.section("How far it drifts");
     let distance = figures::distance(answer).draw();
@@ -67,7 +67,7 @@ pub(crate) fn page(study: &Study, answer: &Answer, stated: Option<&Stated>) -> P
 }
 
 /// The answer in a sentence.
-pub(crate) fn lede(answer: &Answer) -> String {
+pub fn lede(answer: &Answer) -> String {
     let Some(last) = answer.report.last().copied() else { return String::new() };
     let aided = !answer.flight.fixes.is_empty();
     let (last, when) = match outages::worst(answer) {
@@ -89,7 +89,7 @@ pub(crate) fn lede(answer: &Answer) -> String {
 }
 
 /// Position errors at the report times.
-pub(crate) fn position_table(answer: &Answer) -> Table {
+pub fn position_table(answer: &Answer) -> Table {
     let mut table = Table::new(&[
         "time / s",
         "north sd / m",
@@ -113,7 +113,7 @@ pub(crate) fn position_table(answer: &Answer) -> Table {
 }
 
 /// Velocity and attitude errors at the report times.
-pub(crate) fn attitude_table(answer: &Answer) -> Table {
+pub fn attitude_table(answer: &Answer) -> Table {
     let mut table = Table::new(&[
         "time / s",
         "north sd / (m/s)",
@@ -137,7 +137,7 @@ pub(crate) fn attitude_table(answer: &Answer) -> Table {
 }
 
 /// What each source does to the position.
-pub(crate) fn budget_table(answer: &Answer) -> Table {
+pub fn budget_table(answer: &Answer) -> Table {
     let covariance = &answer.covariance;
     let times = answer.report_times_s();
     let mut headings = vec!["source".to_owned()];
@@ -158,7 +158,7 @@ pub(crate) fn budget_table(answer: &Answer) -> Table {
 }
 
 /// Whether the ensemble is what the linear model says, and what that model leaves out.
-pub(crate) fn findings(answer: &Answer) -> Vec<String> {
+pub fn findings(answer: &Answer) -> Vec<String> {
     let mut all = Vec::new();
     let worst = answer.apart.iter().max_by(|a, b| a.standard_errors.total_cmp(&b.standard_errors));
     if let Some(apart) = worst {
@@ -227,7 +227,7 @@ pub fn inflated_toml(study: &Study, answer: &Answer) -> Option<String> {
 }
 
 /// What the terminal shows.
-pub(crate) fn terminal(answer: &Answer) -> String {
+pub fn terminal(answer: &Answer) -> String {
     let (ensemble, machine) = (&answer.ensemble, &answer.ensemble.machine);
     let flown: String = match &answer.compared {
         Some(compared) => {

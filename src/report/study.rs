@@ -12,13 +12,13 @@ mod windows;
 
 use super::html::Page;
 use super::table::Table;
-use crate::drift::Drift;
-use crate::drift::budget::Contribution;
-use crate::navigation::power_law::EXPONENTS;
-use crate::number::{duration, significant, with_uncertainty, worth};
-use crate::statistics::{Origin, Statistics, Summary, quantity};
-use crate::study::Study;
-use crate::study::alignment::Alignment;
+use proofmass_base::number::{duration, significant, with_uncertainty, worth};
+use proofmass_base::statistics::{Origin, Statistics, Summary, quantity};
+use proofmass_scenario::navigation::power_law::EXPONENTS;
+use proofmass_simulate::drift::Drift;
+use proofmass_simulate::drift::budget::Contribution;
+use proofmass_simulate::study::Study;
+use proofmass_simulate::study::alignment::Alignment;
 
 pub use envelope::log_log as envelope_figure;
 use moment::{moment, plain};
@@ -93,7 +93,7 @@ pub(super) fn note(page: &mut Page, study: &Study) {
 }
 
 /// What a study gives that changes nothing; `None` where all of it does.
-pub(crate) fn without_effect(study: &Study) -> Option<&'static str> {
+pub fn without_effect(study: &Study) -> Option<&'static str> {
     study.temperature_is_idle().then_some("[temperature] has no effect: no temperature coefficient is set")
 }
 
@@ -321,7 +321,7 @@ fn origins(statistics: &Statistics) -> String {
 }
 
 /// What the terminal shows.
-pub(crate) fn terminal(study: &Study, drift: &Drift) -> String {
+pub fn terminal(study: &Study, drift: &Drift) -> String {
     let machine = &drift.statistics.machine;
     let sentences = windows::sentences(&drift.compared).into_iter().chain(compared::sentences(&drift.compared));
     let compared: String = sentences.map(|s| format!("{s}\n")).collect();

@@ -5,11 +5,11 @@ use super::figure::{Axis, Chart, Figure, Ink, Mark, Raster, labelled};
 use super::html::Page;
 use super::require::{subject_of, unit_of};
 use super::table::Table;
-use crate::decision::sweep::{Crossing, Plan, Point, Sweep};
-use crate::decision::watched::Watched;
-use crate::number::{significant, with_uncertainty, worth};
-use crate::statistics::{Summary, quantity};
-use crate::study::{self, Study};
+use proofmass_base::number::{significant, with_uncertainty, worth};
+use proofmass_base::statistics::{Summary, quantity};
+use proofmass_simulate::decision::sweep::{Crossing, Plan, Point, Sweep};
+use proofmass_simulate::decision::watched::Watched;
+use proofmass_simulate::study::{self, Study};
 
 const CURVE: &str = "curve.svg";
 const TIMES: &str = "times.svg";

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::escape::{html, line};
+use proofmass_base::escape::{html, line};
 
 /// A table of more columns is a matrix, set close so that a page holds it.
 const DENSE: usize = 14;

@@ -16,13 +16,13 @@ use super::said::{Ending, Said};
 use super::scratch::Scratch;
 use super::seal::{Sealed, Truth};
 use super::workers::side_by_side;
-use crate::control::{Control, Stopped};
-use crate::diagnosis::verdict::Verdict;
-use crate::error::{Error, Result};
-use crate::parallel;
+use proofmass_base::control::{Control, Stopped};
+use proofmass_base::error::{Error, Result};
+use proofmass_base::parallel;
+use proofmass_diagnosis::verdict::Verdict;
 
 /// Anything that turns a recording and a base model into a verdict.
-pub(crate) type Subject<'a> = dyn Fn(&Files) -> Result<Verdict> + Sync + 'a;
+pub type Subject<'a> = dyn Fn(&Files) -> Result<Verdict> + Sync + 'a;
 
 /// Verdicts by case number.
 pub type Verdicts = BTreeMap<usize, Said>;
@@ -41,7 +41,7 @@ pub fn prepare(plan: Plan, folder: &Path, resume: bool, control: &Control) -> Re
 ///
 /// # Errors
 /// As [`prepare`].
-pub(crate) fn prepare_some(
+pub fn prepare_some(
     plan: Plan,
     numbers: Range<usize>,
     folder: &Path,
@@ -131,7 +131,7 @@ pub(super) fn verdicts(bytes: &[u8], sealed: &Sealed) -> (Verdicts, usize) {
 ///
 /// # Errors
 /// When the files cannot be written. A diagnosis that fails is a verdict too: "error".
-pub(crate) fn ask(case: &Case, subject: &Subject<'_>, scratch: &Scratch) -> Result<Said> {
+pub fn ask(case: &Case, subject: &Subject<'_>, scratch: &Scratch) -> Result<Said> {
     let folder = scratch.case()?;
     Ok(said(&case.write(folder.path())?, subject))
 }

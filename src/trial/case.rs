@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::driven::Driven;
 use super::standstill::Still;
 use super::turning::{GRAVITY_M_S2, Turned};
-use crate::diagnosis::candidate::Kind;
-use crate::error::{Error, Result};
+use proofmass_base::error::{Error, Result};
+use proofmass_diagnosis::candidate::Kind;
 
 /// How an effect is concealed, or what else a case is for. Each is a row of the report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

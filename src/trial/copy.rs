@@ -12,10 +12,10 @@ use super::physics::{Physics, Term};
 use super::plant::{self, Size};
 use super::refit::{self, Window};
 use super::standstill::{Slow, Still};
-use crate::diagnosis::model;
-use crate::error::{Error, Result};
-use crate::recording::Recording;
-use crate::rng::{Philox, Stream};
+use proofmass_base::error::{Error, Result};
+use proofmass_base::rng::{Philox, Stream};
+use proofmass_diagnosis::model;
+use proofmass_recording::Recording;
 
 /// Rows used of a longer recording: the diagnosis of each planted copy takes as long as that of the
 /// original.
@@ -96,7 +96,7 @@ pub fn driven(data: &Recording, model: &model::Driven, rows: Range<usize>, seed:
 }
 
 /// A sensor at rest with the white part of the recorded noise.
-pub(crate) fn still(data: &Recording, model: &model::Static, seed: u64) -> (Still, String) {
+pub fn still(data: &Recording, model: &model::Static, seed: u64) -> (Still, String) {
     let samples = data.samples().min(ROWS);
     let mut white = [0.0; 3];
     let mut bias = [0.0; 3];
@@ -133,7 +133,7 @@ pub(crate) fn still(data: &Recording, model: &model::Static, seed: u64) -> (Stil
 
 /// The nth copy, with an effect of a size over its noise planted, or with nothing. None where the
 /// effect cannot be planted.
-pub(crate) fn plant_driven(bare: &Driven, n: u64, job: Option<(Physics, f64)>) -> Option<(Family, Body)> {
+pub fn plant_driven(bare: &Driven, n: u64, job: Option<(Physics, f64)>) -> Option<(Family, Body)> {
     let mut case = bare.clone();
     case.seed = bare.seed.wrapping_add(n);
     let Some((physics, size)) = job else {
@@ -160,7 +160,7 @@ pub(crate) fn plant_driven(bare: &Driven, n: u64, job: Option<(Physics, f64)>) -
 }
 
 /// The same at rest.
-pub(crate) fn plant_still(bare: &Still, n: u64, job: Option<(Slow, f64)>) -> (Family, Body) {
+pub fn plant_still(bare: &Still, n: u64, job: Option<(Slow, f64)>) -> (Family, Body) {
     let mut case = bare.clone();
     case.seed = bare.seed.wrapping_add(n);
     let Some((slow, size)) = job else {
@@ -179,9 +179,9 @@ pub(crate) fn plant_still(bare: &Still, n: u64, job: Option<(Slow, f64)>) -> (Fa
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::model::{DrivenColumns, Split, Start, StaticColumns};
-    use crate::recording::Column;
-    use crate::trial::excitation::Lines;
+    use crate::excitation::Lines;
+    use proofmass_diagnosis::model::{DrivenColumns, Split, Start, StaticColumns};
+    use proofmass_recording::Column;
 
     fn recording(rate_hz: f64, columns: Vec<(&str, Vec<f64>)>) -> Recording {
         let columns = columns.into_iter().map(|(name, values)| Column { name: name.into(), values }).collect();

@@ -12,21 +12,21 @@ use super::blind::{Verdicts, verdicts};
 use super::case::Case;
 use super::plan::Plan;
 use super::seal::{Sealed, Truth};
-use crate::document::hexadecimal;
-use crate::error::{Error, Result};
-use crate::shard::file::{Header, Progress, Run, damaged};
-use crate::shard::gather::Found;
-use crate::shard::{Part, Piece, Shard};
+use proofmass_base::document::hexadecimal;
+use proofmass_base::error::{Error, Result};
+use proofmass_base::shard::file::{Header, Progress, Run, damaged};
+use proofmass_base::shard::gather::Found;
+use proofmass_base::shard::{Part, Piece, Shard};
 
 /// The subcommand that divides trials.
-pub(crate) const COMMAND: &str = "trial";
+pub const COMMAND: &str = "trial";
 
 /// The head of a shard's file before anything is done. Cases of all families follow each other: any
 /// stretch is like another.
 ///
 /// # Errors
 /// None for the types of this crate, whose keys are strings.
-pub(crate) fn header(plan: Plan, shard: Shard) -> Result<Header> {
+pub fn header(plan: Plan, shard: Shard) -> Result<Header> {
     let units = plan.families().len() as u64;
     let document = serde_json::to_value(plan)
         .map_err(|e| Error::new("could not divide the trial", e.to_string(), "report this as a defect"))?;
@@ -46,19 +46,22 @@ pub(crate) fn header(plan: Plan, shard: Shard) -> Result<Header> {
 ///
 /// # Errors
 /// One of them cannot be read.
-pub(crate) fn pack(truth: &Path, verdicts: &Path) -> Result<Vec<u8>> {
+pub fn pack(truth: &Path, verdicts: &Path) -> Result<Vec<u8>> {
     let read = |path: &Path| std::fs::read(path).map_err(|e| Error::io("read", path, &e));
     Ok([read(truth)?, b"\n".to_vec(), read(verdicts)?].concat())
 }
 
 /// A trial, put together.
-pub(crate) struct Merged {
+pub struct Merged {
     /// Plan that the cases were drawn by.
     pub plan: Plan,
+    /// Cases of the campaign.
     pub cases: Vec<Case>,
+    /// Verdicts so far.
     pub verdicts: Verdicts,
     /// The whole truth as one trial seals it.
     pub truth: Vec<u8>,
+    /// SHA-256 of the plan, in hexadecimal digits.
     pub sha256: String,
 }
 
@@ -66,7 +69,7 @@ pub(crate) struct Merged {
 ///
 /// # Errors
 /// A file that is damaged, or whose truth is not the one that its verdicts were given on.
-pub(crate) fn merged(found: &[Found]) -> Result<Merged> {
+pub fn merged(found: &[Found]) -> Result<Merged> {
     let first =
         found.first().ok_or_else(|| Error::new("could not merge", "there are no shards", "give their folders"))?;
     let plan: Plan = serde_json::from_value(first.header.document.clone())

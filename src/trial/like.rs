@@ -17,11 +17,11 @@ use super::said::{Ending, Said};
 use super::scratch::Scratch;
 use super::standstill::Slow;
 use super::workers::side_by_side;
-use crate::control::Control;
-use crate::diagnosis::candidate::Kind;
-use crate::diagnosis::model::{self, Model};
-use crate::error::{Error, Result};
-use crate::parallel;
+use proofmass_base::control::Control;
+use proofmass_base::error::{Error, Result};
+use proofmass_base::parallel;
+use proofmass_diagnosis::candidate::Kind;
+use proofmass_diagnosis::model::{self, Model};
 
 /// Sizes planted, visible rms over noise rms: in a driven recording, in one at rest, and the few of
 /// a quick answer.
@@ -31,7 +31,7 @@ const QUICK: [f64; 2] = [0.3, 3.0];
 
 /// What was tried with one effect.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Tried {
+pub struct Tried {
     /// Visible rms over noise rms.
     pub effect_over_noise: f64,
     /// Planted value of the effect's first parameter by the library's symbol, where the law has
@@ -41,6 +41,7 @@ pub(crate) struct Tried {
     pub noticed: bool,
     /// Whether the effect was named, alone or with one other.
     pub named: bool,
+    /// Planted physics, in words.
     pub said: String,
     /// Ids said that were not planted.
     pub others: Vec<String>,
@@ -48,7 +49,8 @@ pub(crate) struct Tried {
 
 /// One effect in this recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Revealed {
+pub struct Revealed {
+    /// Id of the effect.
     pub id: String,
     /// Smallest size noticed, and at every larger one; null when none was.
     pub noticed_from: Option<f64>,
@@ -63,12 +65,16 @@ pub(crate) struct Revealed {
 
 /// What a recording could reveal.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Power {
+pub struct Power {
+    /// Name and version of the document.
     pub schema: &'static str,
+    /// File of the recording.
     pub file: String,
     /// Kind of recording, as in model.toml.
     pub kind: &'static str,
+    /// Number of samples.
     pub samples: usize,
+    /// Sampling rate, Hz.
     pub rate_hz: f64,
     /// Noise per sample that the planted copies have, unit of the output.
     pub noise: f64,
@@ -78,6 +84,7 @@ pub(crate) struct Power {
     pub alarms: usize,
     /// Number of copies with nothing planted.
     pub nulls: usize,
+    /// Planted effects.
     pub effects: Vec<Revealed>,
     /// Pairs that this recording does not tell apart.
     pub inseparable: Vec<[String; 2]>,
@@ -89,7 +96,7 @@ pub(crate) struct Power {
 /// # Errors
 /// A recording or model that cannot be read, a base model that does not fit, a tumble recording, or
 /// Ctrl-C.
-pub(crate) fn power(
+pub fn power(
     recording: &Path,
     model_path: &Path,
     quick: bool,

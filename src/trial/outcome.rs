@@ -10,7 +10,7 @@ use super::case::{Case, Family};
 use super::interval::{Power, Proportion, median};
 use super::judge::{self, Covered, Mark};
 use super::said::Said;
-use crate::diagnosis::candidate::Kind;
+use proofmass_diagnosis::candidate::Kind;
 
 /// Where the limit of an effect was never found, cases of at least this size over the noise count
 /// as above it.

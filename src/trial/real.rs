@@ -13,9 +13,9 @@ use super::blind::{self, Subject};
 use super::case::Files;
 use super::said::Said;
 use super::scratch::Scratch;
-use crate::diagnosis::verdict::Verdict;
-use crate::document::read_toml;
-use crate::error::{Error, Result};
+use proofmass_base::document::read_toml;
+use proofmass_base::error::{Error, Result};
+use proofmass_diagnosis::verdict::Verdict;
 
 /// A list of real recordings with their models and known effects.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -148,7 +148,7 @@ pub struct Found {
 }
 
 /// The folder of recordings: `PROOFMASS_DATA`, else `../shared/data` beside the working directory.
-pub(crate) fn folder() -> Option<PathBuf> {
+pub fn folder() -> Option<PathBuf> {
     let folder = std::env::var_os("PROOFMASS_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
     folder.is_dir().then_some(folder)
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::diagnosis::verdict::{Effect, Outcome, Verdict};
+use proofmass_diagnosis::verdict::{Effect, Outcome, Verdict};
 
 /// A fitted number with its interval.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -105,7 +105,7 @@ impl Said {
     }
 
     /// When the diagnosis stopped with an error.
-    pub fn from_error(error: &crate::error::Error, seconds: f64) -> Self {
+    pub fn from_error(error: &proofmass_base::error::Error, seconds: f64) -> Self {
         Self {
             outcome: Ending::Error,
             groups: Vec::new(),
@@ -169,7 +169,7 @@ fn grouped(outcome: Outcome, effects: &[Effect]) -> Vec<Vec<String>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::verdict::Evidence;
+    use proofmass_diagnosis::verdict::Evidence;
 
     #[test]
     fn a_tie_is_one_group_also_where_something_else_is_left_and_a_sure_name_is_no_part_of_it() {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use tempfile::TempDir;
 
-use crate::error::{Error, Result};
+use proofmass_base::error::{Error, Result};
 
 /// How the names of such folders begin.
 const PREFIX: &str = ".proofmass-cases-";

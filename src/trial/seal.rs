@@ -8,8 +8,8 @@ use sha2::{Digest, Sha256};
 
 use super::case::Case;
 use super::plan::Plan;
-use crate::document::{hexadecimal, write_whole};
-use crate::error::{Error, Result};
+use proofmass_base::document::{hexadecimal, write_whole};
+use proofmass_base::error::{Error, Result};
 
 /// Contents of the sealed file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -98,14 +98,14 @@ impl Sealed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trial::campaign::Campaign;
+    use crate::campaign::Campaign;
 
     #[test]
     fn a_changed_truth_is_refused_and_an_untouched_one_comes_back_whole() {
         let folder = tempfile::tempdir().expect("temporary folder");
         let path = folder.path().join("truth.json");
         let plan = Plan { seed: 1, cases: 17, samples: 400, campaign: Campaign::Concealed };
-        let cases = vec![plan.draw(0, crate::trial::case::Family::Null, 0)];
+        let cases = vec![plan.draw(0, crate::case::Family::Null, 0)];
         let truth = Truth::new(plan, cases);
         let sealed = truth.seal(&path).expect("written");
         let opened = sealed.open().expect("opens");

@@ -9,8 +9,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::ThreadPoolBuilder;
 
-use crate::error::{Error, Result};
-use crate::parallel;
+use proofmass_base::error::{Error, Result};
+use proofmass_base::parallel;
 
 /// Does `work` for every item in their order, as many at a time as there are threads; the first
 /// error ends it.

@@ -6,8 +6,7 @@ use proofmass::control::Control;
 use proofmass::dynamics::fractal::{Scales, correlation};
 use proofmass::navigation::kalman::{Filter, Model, Reading, Weighting};
 use proofmass::paper::check::{Check, Exhibit, Provenance};
-use proofmass::paper::{beliefs, compute, fusion, inertial, moved, pitch};
-use proofmass::report;
+use proofmass::paper::{self, beliefs, compute, fusion, inertial, moved, pitch};
 use proofmass::rng::{Philox, Stream};
 
 use super::pages::{whole, without_own_script};
@@ -45,7 +44,7 @@ fn simulated() -> Result<(), Failed> {
     let numbers: Vec<u32> = exhibits.iter().map(|e| e.figure).collect();
     check(numbers == (1..=20).collect::<Vec<u32>>(), format!("figures are {numbers:?}"))?;
     check(exhibits.iter().all(|e| e.source == Provenance::Simulated), "nothing was recorded here")?;
-    let page = report::paper::page(&paper).finish();
+    let page = paper::page::page(&paper).finish();
     check(page.len() < 5_000_000, format!("the page has {} bytes", page.len()))?;
     check(!without_own_script(&page)?.contains("<script"), "the page holds a script that is not its own")?;
     let json = serde_json::to_value(exhibits[0])?;

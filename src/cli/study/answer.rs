@@ -4,16 +4,16 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::cli::numbers;
-use crate::cli::say::{sayln, screen};
-use crate::document::to_json;
-use crate::drift::Drift;
-use crate::drift::document::Document;
-use crate::error::Result;
-use crate::output::Folder;
-use crate::report::study as page;
-use crate::statistics::jcgm101::{Linear, Stated};
-use crate::study::Study;
+use crate::numbers;
+use crate::say::{sayln, screen};
+use proofmass_base::document::to_json;
+use proofmass_base::error::Result;
+use proofmass_base::output::Folder;
+use proofmass_base::statistics::jcgm101::{Linear, Stated};
+use proofmass_report::study as page;
+use proofmass_simulate::drift::Drift;
+use proofmass_simulate::drift::document::Document;
+use proofmass_simulate::study::Study;
 
 const REPORT: &str = "report.html";
 const ENVELOPE: &str = "envelope.svg";

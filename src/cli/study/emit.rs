@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
-use crate::cli::say::{say, sayln};
-use crate::ensemble::Choice;
-use crate::error::Result;
-use crate::output::{self, Folder};
-use crate::study::Study;
+use crate::say::{say, sayln};
+use proofmass_base::error::Result;
+use proofmass_base::output::{self, Folder};
+use proofmass_simulate::ensemble::Choice;
+use proofmass_simulate::study::Study;
 
 /// For which batch system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,9 +104,8 @@ fn full(path: &Path) -> PathBuf {
 
 /// `--backend` and what else was given.
 fn arguments(request: &Request<'_>) -> Vec<String> {
-    let backend = request.backend.to_possible_value().map(|value| value.get_name().to_owned());
-    let backend = backend.into_iter().filter(|_| request.backend != Choice::Auto);
-    backend.flat_map(|name| ["--backend".into(), name]).chain(request.arguments.iter().cloned()).collect()
+    let backend = (request.backend != Choice::Auto).then(|| request.backend.name().to_owned());
+    backend.into_iter().flat_map(|name| ["--backend".into(), name]).chain(request.arguments.iter().cloned()).collect()
 }
 
 fn slurm(name: &str, request: &Request<'_>) -> String {

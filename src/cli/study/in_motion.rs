@@ -3,27 +3,27 @@
 use std::path::Path;
 
 use super::shard;
-use crate::cli::say::{say, sayln};
-use crate::cli::sharded::tell;
-use crate::decision::digits;
-use crate::document::to_json;
-use crate::ensemble::{Choice, Keeper};
-use crate::error::Result;
-use crate::output::{self, Folder};
-use crate::progress;
-use crate::report::strapdown as page;
-use crate::report::study::jcgm101::sentence;
-use crate::shard::file::Place;
-use crate::shard::gather::Found;
-use crate::statistics::jcgm101::Stated;
-use crate::strapdown::answer::{Answer, answer_kept, flight};
-use crate::strapdown::backends::run_share;
-use crate::strapdown::divided;
-use crate::strapdown::document::Document;
-use crate::strapdown::kept::Kept;
-use crate::strapdown::share::Share;
-use crate::study::Study;
-use crate::study::in_motion::InMotion;
+use crate::say::{say, sayln};
+use crate::sharded::tell;
+use proofmass_base::document::to_json;
+use proofmass_base::error::Result;
+use proofmass_base::output::{self, Folder};
+use proofmass_base::progress;
+use proofmass_base::shard::file::Place;
+use proofmass_base::shard::gather::Found;
+use proofmass_base::statistics::jcgm101::Stated;
+use proofmass_report::strapdown as page;
+use proofmass_report::study::jcgm101::sentence;
+use proofmass_simulate::decision::digits;
+use proofmass_simulate::ensemble::{Choice, Keeper};
+use proofmass_simulate::strapdown::answer::{Answer, answer_kept, flight};
+use proofmass_simulate::strapdown::backends::run_share;
+use proofmass_simulate::strapdown::divided;
+use proofmass_simulate::strapdown::document::Document;
+use proofmass_simulate::strapdown::kept::Kept;
+use proofmass_simulate::strapdown::share::Share;
+use proofmass_simulate::study::Study;
+use proofmass_simulate::study::in_motion::InMotion;
 
 const REPORT: &str = "report.html";
 const INFLATED: &str = "inflated.toml";
@@ -107,7 +107,7 @@ pub(super) fn shard(study: &Study, motion: &InMotion, request: &shard::Request<'
 ///
 /// # Errors
 /// As [`divided::merged`]; a folder that cannot be written.
-pub(in crate::cli) fn merge(
+pub(crate) fn merge(
     study: &Study,
     motion: &InMotion,
     found: &[Found],

@@ -11,18 +11,18 @@ use mpi::traits::{Communicator, CommunicatorCollectives, Destination, Root, Sour
 use serde_json::json;
 
 use super::answer;
-use crate::control::Control;
-use crate::drift::carried;
-use crate::drift::divided::{Divided, merged};
-use crate::ensemble::divided::run_pieces;
-use crate::ensemble::{Backends, Choice, Keeper, Kept, Options};
-use crate::error::{Error, Kind, Result};
-use crate::output::{self, Folder};
-use crate::progress;
-use crate::shard::Shard;
-use crate::shard::file::{Contents, Header, Place};
-use crate::shard::gather::{Found, are_whole, belong_together, find, missing};
-use crate::study::Study;
+use proofmass_base::control::Control;
+use proofmass_base::error::{Error, Kind, Result};
+use proofmass_base::output::{self, Folder};
+use proofmass_base::progress;
+use proofmass_base::shard::Shard;
+use proofmass_base::shard::file::{Contents, Header, Place};
+use proofmass_base::shard::gather::{Found, are_whole, belong_together, find, missing};
+use proofmass_simulate::drift::carried;
+use proofmass_simulate::drift::divided::{Divided, merged};
+use proofmass_simulate::ensemble::divided::run_pieces;
+use proofmass_simulate::ensemble::{Backends, Choice, Keeper, Kept, Options};
+use proofmass_simulate::study::Study;
 
 /// What is asked of the ranks.
 pub(super) struct Request<'a> {

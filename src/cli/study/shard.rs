@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use crate::cli::sharded::tell;
-use crate::drift::divided::Divided;
-use crate::ensemble::divided::run_pieces;
-use crate::ensemble::{Backends, Choice, Keeper, Kept, Options};
-use crate::error::Result;
-use crate::progress;
-use crate::shard::Shard;
-use crate::shard::file::Place;
-use crate::study::Study;
+use crate::sharded::tell;
+use proofmass_base::error::Result;
+use proofmass_base::progress;
+use proofmass_base::shard::Shard;
+use proofmass_base::shard::file::Place;
+use proofmass_simulate::drift::divided::Divided;
+use proofmass_simulate::ensemble::divided::run_pieces;
+use proofmass_simulate::ensemble::{Backends, Choice, Keeper, Kept, Options};
+use proofmass_simulate::study::Study;
 
 /// What is asked of a shard.
 pub(super) struct Request<'a> {

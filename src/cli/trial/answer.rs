@@ -1,16 +1,16 @@
 //! The outcome of a trial, whoever ran it: on stdout, and as files.
 
-use crate::cli::numbers;
-use crate::cli::say::{say, sayln};
-use crate::document::to_json;
-use crate::error::Result;
-use crate::output::Folder;
-use crate::report::trial as report;
-use crate::trial::blind::Verdicts;
-use crate::trial::case::Case;
-use crate::trial::outcome::Outcome;
-use crate::trial::plan::Plan;
-use crate::trial::real::Found;
+use crate::numbers;
+use crate::say::{say, sayln};
+use proofmass_base::document::to_json;
+use proofmass_base::error::Result;
+use proofmass_base::output::Folder;
+use proofmass_trial::blind::Verdicts;
+use proofmass_trial::case::Case;
+use proofmass_trial::outcome::Outcome;
+use proofmass_trial::page as report;
+use proofmass_trial::plan::Plan;
+use proofmass_trial::real::Found;
 
 /// The sealed truth, and a line for each verdict: what a stopped trial goes on from.
 pub(super) const STATES: [&str; 2] = ["truth.json", "verdicts.jsonl"];

@@ -2,21 +2,21 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::say::{remark, say, sayln};
-use crate::control::Control;
-use crate::diagnosis::verdict::Verdict;
-use crate::diagnosis::{self, model};
-use crate::document::to_json;
-use crate::error::{Error, Result};
-use crate::output::{self, Folder};
-use crate::report::diagnosis::worded;
-use crate::report::trial::independent as report;
-use crate::trial::independent::case::Case;
-use crate::trial::independent::judge::coverage;
-use crate::trial::independent::run::{self, Plan};
-use crate::trial::independent::score::Score;
-use crate::trial::independent::stage::Size;
-use crate::trial::scratch::Scratch;
+use crate::say::{remark, say, sayln};
+use proofmass_base::control::Control;
+use proofmass_base::document::to_json;
+use proofmass_base::error::{Error, Result};
+use proofmass_base::output::{self, Folder};
+use proofmass_diagnosis::verdict::Verdict;
+use proofmass_diagnosis::{self as diagnosis, model};
+use proofmass_report::diagnosis::worded;
+use proofmass_trial::independent::case::Case;
+use proofmass_trial::independent::judge::coverage;
+use proofmass_trial::independent::run::{self, Plan};
+use proofmass_trial::independent::score::Score;
+use proofmass_trial::independent::stage::Size;
+use proofmass_trial::page::independent as report;
+use proofmass_trial::scratch::Scratch;
 
 const STATES: [&str; 2] = ["truth.json", "verdicts.jsonl"];
 const FILES: [&str; 3] = ["report.html", "summary.md", "trial.json"];
@@ -165,7 +165,7 @@ fn one(plan: Plan, number: usize, path: &Path, force: bool, json: bool, control:
     sayln!("said: {} {:?} in {:.1} s\n{}", said.outcome.name(), said.groups, said.seconds, said.words)?;
     sayln!("held out: rmse {:.4e} → {:.4e}, noise floor {:.4e}", said.rmse[0], said.rmse[1], said.rmse[2])?;
     for n in &said.numbers {
-        let of = |p: &&crate::trial::independent::truth::Parameter| p.id == n.id && p.name == n.name;
+        let of = |p: &&proofmass_trial::independent::truth::Parameter| p.id == n.id && p.name == n.name;
         let truth =
             case.truth.parameters.iter().find(of).map_or(String::new(), |p| format!("  (true {:.5e})", p.value));
         sayln!("  {} {} = {:.5e} [{:.5e}, {:.5e}]{truth}", n.id, n.name, n.value, n.ci95[0], n.ci95[1])?;

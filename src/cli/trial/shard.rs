@@ -8,18 +8,18 @@ use std::path::{Path, PathBuf};
 
 use super::super::numbers;
 use super::answer::{self, FILES, Run, STATES};
-use crate::cli::say::remark;
-use crate::cli::sharded::tell;
-use crate::control::Control;
-use crate::error::{Error, Result};
-use crate::output::{self, Folder};
-use crate::shard::Shard;
-use crate::shard::file::{Place, read_head};
-use crate::shard::gather::Found;
-use crate::trial::blind::{self, Subject, Verdicts};
-use crate::trial::divided;
-use crate::trial::outcome::Outcome;
-use crate::trial::plan::Plan;
+use crate::say::remark;
+use crate::sharded::tell;
+use proofmass_base::control::Control;
+use proofmass_base::error::{Error, Result};
+use proofmass_base::output::{self, Folder};
+use proofmass_base::shard::Shard;
+use proofmass_base::shard::file::{Place, read_head};
+use proofmass_base::shard::gather::Found;
+use proofmass_trial::blind::{self, Subject, Verdicts};
+use proofmass_trial::divided;
+use proofmass_trial::outcome::Outcome;
+use proofmass_trial::plan::Plan;
 
 /// What is asked of a shard.
 pub(crate) struct Request<'a> {
@@ -80,7 +80,7 @@ pub(crate) fn run(request: &Request<'_>, subject: &Subject<'_>, control: &Contro
 ///
 /// # Errors
 /// A file that is damaged; a folder that cannot be written.
-pub(in crate::cli) fn merge(found: &[Found], places: &[PathBuf], out: Option<(&Path, bool)>, json: bool) -> Result<()> {
+pub(crate) fn merge(found: &[Found], places: &[PathBuf], out: Option<(&Path, bool)>, json: bool) -> Result<()> {
     let request = |force| output::Request {
         command: "merge",
         inputs: places.to_vec(),

@@ -1,6 +1,6 @@
 //! model.toml with kind = "driven": input and output of one proof mass.
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -8,7 +8,7 @@ use super::split::{Ranges, Split};
 
 /// model.toml with kind = "driven".
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Driven {
     /// Topic, message or array, where the recording has several.
@@ -32,7 +32,7 @@ pub struct Driven {
 
 /// Columns of a driven recording.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DrivenColumns {
     /// Stamps, in the unit of the heading; absent where `rate_hz` is given.
@@ -48,7 +48,7 @@ pub struct DrivenColumns {
 
 /// Hints for the base model.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Start {
     /// Resonance ω₀/2π, Hz: a place to begin, not a bound.

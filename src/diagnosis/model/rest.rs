@@ -1,6 +1,6 @@
 //! model.toml with kind = "static": a sensor at rest.
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -8,7 +8,7 @@ use super::split::{Ranges, Split};
 
 /// model.toml with kind = "static".
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Static {
     /// Topic, message or array, where the recording has several.
@@ -36,7 +36,7 @@ pub struct Static {
 
 /// Columns of a static recording.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct StaticColumns {
     /// Stamps, in the unit of the heading; absent where `rate_hz` is given.
@@ -50,7 +50,7 @@ pub struct StaticColumns {
 
 /// Noise as a datasheet states it.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Noise {
     /// White noise, one-sided density, unit/√Hz.

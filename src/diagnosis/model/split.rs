@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -11,7 +11,7 @@ pub type Ranges = Vec<[usize; 2]>;
 
 /// Which samples are fitted and which judge; absent means interleaved blocks.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Split {
     /// Ranges that are fitted, half-open, samples.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -12,7 +12,7 @@ use crate::motion::file::format::{Format, Order, Up};
 
 /// model.toml with kind = "trajectory".
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Trajectory {
     /// Topic, message or array, where the recording has several.
@@ -38,7 +38,7 @@ pub struct Trajectory {
 
 /// Columns of an IMU in motion.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TrajectoryColumns {
     /// Stamps, in the unit of the heading.
@@ -58,7 +58,7 @@ impl TrajectoryColumns {
 
 /// The reference motion and how its file is read.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Reference {
     /// EuRoC, TUM, KITTI or a table with headings.
@@ -78,7 +78,7 @@ pub struct Reference {
 
 /// A half of each pose that a reference can be used for alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Half {
     /// How the body is turned.
@@ -97,7 +97,7 @@ impl Reference {
 
 /// Noise of both sensors as a datasheet states it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct InertialNoise {
     /// Noise of the gyro, rad/s.

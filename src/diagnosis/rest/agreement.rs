@@ -14,8 +14,8 @@ use super::residual::{TOLERANCE, residual};
 use super::round::{Tried, try_all};
 use super::selection::{self, Selection};
 use super::standing::{self, CLOSE, Standing, others, prune};
-use crate::diagnosis::remainder::REAL;
 use crate::parallel;
+use crate::remainder::REAL;
 
 /// Twice the log-likelihood that a name must gain over one that another channel bears. Before any
 /// data each of the nine candidates is as likely as another, and one that is at work in a neighbour

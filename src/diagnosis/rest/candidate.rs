@@ -22,7 +22,7 @@ pub(super) use gauss_markov::{MEMORIES, is_filter, memories};
 pub(super) use row::{MOST_LAWS, Offer, Placed, Row};
 
 use super::cause::Cause;
-use crate::diagnosis::candidate::Candidate;
+use crate::candidate::Candidate;
 use row::JUMP;
 
 /// What one pose cannot tell from biases and scale factors: in the library to be said, never to be

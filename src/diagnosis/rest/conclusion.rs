@@ -20,15 +20,15 @@ use super::spectrum::{self, Law};
 use super::standing::correction;
 use super::statement::Statement;
 use super::{describe, earth, location, plausible, sensor, statements, telegraph};
-use crate::diagnosis::answer::{self, Answer};
-use crate::diagnosis::candidate::Kind;
-use crate::diagnosis::model;
-use crate::diagnosis::remainder::{REAL, Remainder, Size, Test};
-use crate::diagnosis::ruling::{Evidence, rule};
-use crate::diagnosis::verdict::{Effect, Estimate, RecordingInfo};
+use crate::answer::{self, Answer};
+use crate::candidate::Kind;
+use crate::model;
 use crate::numerics::order;
 use crate::parallel;
 use crate::recording::Recording;
+use crate::remainder::{REAL, Remainder, Size, Test};
+use crate::ruling::{Evidence, rule};
+use crate::verdict::{Effect, Estimate, RecordingInfo};
 
 /// What a conclusion is drawn from.
 pub(super) struct Material<'a> {

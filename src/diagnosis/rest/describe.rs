@@ -3,7 +3,7 @@
 use super::channel::{Channel, Fitted};
 use super::detail::ChannelDetail;
 use super::spectrum::{self, Bin, Law};
-use crate::diagnosis::model::Noise;
+use crate::model::Noise;
 use crate::numerics::allan;
 
 /// Variance per bin that a datasheet promises beyond white noise, in the channel's scale.

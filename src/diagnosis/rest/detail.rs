@@ -2,7 +2,7 @@
 //! words.
 
 use super::statement::Statement;
-use crate::diagnosis::verdict::Stretch;
+use crate::verdict::Stretch;
 
 /// Plain numbers behind the figures.
 #[derive(Debug, Clone, Default)]

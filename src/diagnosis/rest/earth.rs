@@ -8,14 +8,14 @@ use std::ops::RangeInclusive;
 
 use super::candidate::{EARTH_RATE, LOCAL_GRAVITY};
 use super::statement::{Difference, Earth, Statement};
-use crate::diagnosis::model::Static;
-use crate::diagnosis::standing::{Gain, Note, Ranked};
-use crate::diagnosis::verdict::Estimate;
 use crate::error::{Error, Result};
+use crate::model::Static;
 use crate::motion::earth::{self, Place, RATE_RAD_S};
 use crate::numerics::special::{normal_cdf, normal_quantile};
 use crate::recording::unit::{Quantity, Unit};
+use crate::standing::{Gain, Note, Ranked};
 use crate::units::DEGREE;
+use crate::verdict::Estimate;
 
 /// How far gravity commonly is from that of the ellipsoid, m/s²: three times the rms of free-air
 /// anomalies, 34 mGal (EGM2008; Pavlis et al., Journal of Geophysical Research 117, 2012).

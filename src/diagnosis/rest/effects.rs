@@ -12,10 +12,10 @@ use super::slow::is_slow;
 use super::spectrum::Law;
 use super::standing::ALPHA;
 use super::{describe, estimate};
-use crate::diagnosis::model;
-use crate::diagnosis::remainder::REAL;
-use crate::diagnosis::verdict::{Effect, Estimate, Evidence};
+use crate::model;
 use crate::numerics::special::chi_squared_survival;
+use crate::remainder::REAL;
+use crate::verdict::{Effect, Estimate, Evidence};
 
 /// Rounding that makes up this share of the white variance is worth a name.
 const COARSE: f64 = 0.1;

@@ -2,9 +2,9 @@
 //! in file units.
 
 use super::channel::{Addition, Channel, Fitted};
-use crate::diagnosis::verdict::Estimate;
 use crate::numerics::order;
 use crate::numerics::special::{chi_squared_quantile, normal_quantile};
+use crate::verdict::Estimate;
 
 /// 95 % interval of a variance: χ² with the degrees of freedom that its standard error amounts to.
 pub(super) fn variance_interval(value: f64, error: f64) -> [f64; 2] {

@@ -8,8 +8,8 @@
 use std::f64::consts::PI;
 
 use super::channel::{Channel, Fitted};
-use crate::diagnosis::verdict::Stretch;
 use crate::numerics::special::chi_squared_survival;
+use crate::verdict::Stretch;
 
 /// Coefficients in a window.
 const WIDTHS: [usize; 3] = [8, 32, 128];

@@ -60,7 +60,7 @@ fn best(coarse: &Coarse) -> Option<Told> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::rest::channel::Channel;
+    use crate::rest::channel::Channel;
     use crate::rng::{Philox, Stream};
 
     const COUNT: usize = 4000;

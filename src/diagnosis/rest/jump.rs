@@ -11,9 +11,9 @@ use super::cause::Cause;
 use super::channel::{Addition, Channel, Curve, Fitted, Term};
 use super::slow::is_slow;
 use super::standing::CLOSE;
-use crate::diagnosis::remainder::REAL;
 use crate::numerics::cosine;
 use crate::numerics::special::normal_cdf;
+use crate::remainder::REAL;
 
 /// Places at which the variance of a step's size is worked out; between them it is smooth.
 const PLACES: usize = 512;
@@ -154,7 +154,7 @@ pub(super) fn alone(channel: &Channel, fitted: &Fitted) -> Option<Jump> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::rest::spectrum::Law;
+    use crate::rest::spectrum::Law;
     use crate::rng::{Philox, Stream};
 
     fn walk_fit(values: &[f64]) -> (Channel, Fitted) {

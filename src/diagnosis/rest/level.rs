@@ -5,7 +5,7 @@
 use super::cause::Cause;
 use super::channel::{Channel, Fitted};
 use super::residual::Residual;
-use crate::diagnosis::remainder::REAL;
+use crate::remainder::REAL;
 
 /// Fraction of a bin's variance that has to be white for the bin to count.
 const DOMINATES: f64 = 0.8;

@@ -6,10 +6,10 @@ use super::detail::{Hops, Jump, Knocked, Location, Mismatch, Spiky};
 use super::residual::{Residual, residual};
 use super::selection::Selection;
 use super::telegraph::Telegraph;
-use crate::diagnosis::answer::Places;
-use crate::diagnosis::remainder::REAL;
-use crate::diagnosis::verdict::Stretch;
+use crate::answer::Places;
 use crate::numerics::order;
+use crate::remainder::REAL;
+use crate::verdict::Stretch;
 
 /// Channels told of one by one; the page shows all.
 const SPOKEN_OF: usize = 3;

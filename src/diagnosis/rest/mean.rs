@@ -15,9 +15,9 @@ use super::laws::{SLOW, merit};
 use super::spectrum::Law;
 use super::standing::CLOSE;
 use super::statement::Statement;
-use crate::diagnosis::model::Noise;
-use crate::diagnosis::verdict::Estimate;
+use crate::model::Noise;
 use crate::numerics::special::normal_quantile;
+use crate::verdict::Estimate;
 
 /// Variance over that by white noise alone from which the mean of a recording and the bias are told
 /// apart: the interval is then half as wide again.

@@ -16,8 +16,8 @@ use super::residual::{TOLERANCE, residual};
 use super::selection::Selection;
 use super::spectrum::Law;
 use super::standing::{correction, worth};
-use crate::diagnosis::remainder::REAL;
-use crate::diagnosis::verdict::{Estimate, Evidence};
+use crate::remainder::REAL;
+use crate::verdict::{Estimate, Evidence};
 
 /// How far from a whole exponent a law may be and still have its name: half way to the next.
 const HALF_WAY: f64 = 0.5;
@@ -117,7 +117,7 @@ pub(super) fn one_for_all(of: &Judged<'_>) -> Option<Found> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::rest::profile::Profiled;
+    use crate::rest::profile::Profiled;
 
     #[test]
     fn a_law_that_may_be_a_power_law_ties_with_those_that_this_is_near() {

@@ -64,7 +64,7 @@ fn begun_at(column: &[f64], first: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::rest::channel::{Channel, Curve};
+    use crate::rest::channel::{Channel, Curve};
     use crate::rng::{Philox, Stream};
 
     #[test]

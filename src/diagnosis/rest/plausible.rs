@@ -6,7 +6,7 @@
 
 use super::channel::{Channel, Fitted};
 use super::describe;
-use crate::diagnosis::model::Noise;
+use crate::model::Noise;
 use crate::number::short;
 use crate::recording::unit::{Quantity, Unit};
 use crate::units::STANDARD_GRAVITY_M_S2;

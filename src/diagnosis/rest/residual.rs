@@ -9,10 +9,10 @@ use super::jump;
 pub(super) use super::jump::TOLERANCE;
 use super::spectrum::Bin;
 use super::telegraph::Telegraph;
-use crate::diagnosis::remainder::REAL;
-use crate::diagnosis::verdict::Stretch;
 use crate::numerics::cosine;
 use crate::numerics::special::{chi_squared_survival, discoveries, normal_cdf};
+use crate::remainder::REAL;
+use crate::verdict::Stretch;
 
 /// False discoveries among the stretches named.
 const RATE: f64 = 0.01;

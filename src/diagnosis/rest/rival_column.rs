@@ -108,8 +108,8 @@ impl Beside {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::rest::channel::Curve;
-    use crate::diagnosis::rest::spectrum::Law;
+    use crate::rest::channel::Curve;
+    use crate::rest::spectrum::Law;
     use crate::rng::{Philox, Stream};
 
     const COUNT: usize = 4000;

@@ -6,9 +6,9 @@ use super::effects::Found;
 use super::selection::Selection;
 use super::spectrum::{self, Part};
 use super::standing::correction;
-use crate::diagnosis::standing::{Gain, Note, Ranked};
-use crate::diagnosis::verdict::{Fit, LogScore, Score};
 use crate::numerics::order;
+use crate::standing::{Gain, Note, Ranked};
+use crate::verdict::{Fit, LogScore, Score};
 
 /// Errors on either half of the recording and the log-likelihood, with the base model's `before`
 /// per bin.

@@ -9,12 +9,12 @@ use super::channel::{Channel, Fitted};
 use super::describe;
 use super::effects::{Basis, Found};
 use super::warmth::{self, Unfit};
-use crate::diagnosis::model;
-use crate::diagnosis::repair::{Cost, Repair, Row, Vibration};
+use crate::model;
 use crate::motion::temperature::Temperature;
 use crate::number::short;
 use crate::recording::Recording;
 use crate::recording::unit::{Quantity, Unit};
+use crate::repair::{Cost, Repair, Row, Vibration};
 use crate::sensor::{Sensor, SensorTerm};
 use crate::units::DENSITY_TO_RANDOM_WALK;
 
@@ -197,10 +197,10 @@ fn instead(cause: Cause, unfit: Option<Unfit>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::rest::channel::{Addition, Term};
-    use crate::diagnosis::rest::spectrum::Law;
-    use crate::diagnosis::verdict::{Estimate, Evidence};
+    use crate::rest::channel::{Addition, Term};
+    use crate::rest::spectrum::Law;
     use crate::rng::{Philox, Stream};
+    use crate::verdict::{Estimate, Evidence};
 
     fn found(cause: Cause, values: [f64; 2]) -> Found {
         let estimate = |value: f64| Estimate { name: String::new(), value, unit: String::new(), ci95: [value; 2] };

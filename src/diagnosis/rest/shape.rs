@@ -78,7 +78,7 @@ pub(super) fn find(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::rest::channel::{Addition, Channel, Curve};
+    use crate::rest::channel::{Addition, Channel, Curve};
     use crate::rng::{Philox, Stream};
 
     const COUNT: usize = 12_000;

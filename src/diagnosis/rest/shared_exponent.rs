@@ -113,8 +113,8 @@ fn share(members: &[Member<'_>], together: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::rest::channel::{Addition, Term};
     use crate::numerics::cosine;
+    use crate::rest::channel::{Addition, Term};
     use crate::rng::{Philox, Stream};
 
     const COUNT: usize = 16_000;

@@ -187,7 +187,7 @@ impl Pool<'_> {
 mod tests {
     use super::*;
     use crate::control::{Stage, Watcher};
-    use crate::diagnosis::rest::followed::Followed;
+    use crate::rest::followed::Followed;
     use crate::rng::{Philox, Stream};
 
     const COUNT: usize = 4000;

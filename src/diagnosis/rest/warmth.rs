@@ -4,10 +4,10 @@
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Fitted, Term};
 use super::followed::{Delay, Followed};
-use crate::diagnosis::warm_profile::{is_possible, profile};
 use crate::motion::temperature::Temperature;
 use crate::numerics::moments;
 use crate::recording::Recording;
+use crate::warm_profile::{is_possible, profile};
 
 /// What a study takes of a named sensitivity.
 #[derive(Debug, Clone, PartialEq)]

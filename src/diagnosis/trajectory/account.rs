@@ -2,7 +2,7 @@
 //! `report::diagnosis`.
 
 use super::candidate::Term;
-use crate::diagnosis::model::Half;
+use crate::model::Half;
 
 /// What the verdict's sentence and the next experiment rest on.
 #[derive(Debug, Clone, PartialEq)]

@@ -257,8 +257,8 @@ impl Linear {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::trajectory::colour::Held;
     use crate::rng::{Philox, Stream};
+    use crate::trajectory::colour::Held;
 
     #[test]
     fn a_turn_that_is_eliminated_is_the_one_that_leaves_least() {

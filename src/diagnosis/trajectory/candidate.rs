@@ -1,7 +1,7 @@
 //! What a model of an IMU in motion may leave out, each with the parameters it frees.
 
 use super::log::Halves;
-use crate::diagnosis::candidate::Candidate;
+use crate::candidate::Candidate;
 
 mod clock;
 mod frame;

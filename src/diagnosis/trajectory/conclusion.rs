@@ -22,16 +22,16 @@ use super::selection::{Named, Selection, base};
 use super::sensor::Diagnosed;
 use super::start::Start;
 use super::vibration::{self, Vibration};
-use crate::diagnosis::answer::{self, Answer, Places};
-use crate::diagnosis::candidate::Kind;
-use crate::diagnosis::model::{Half, InertialNoise, Noise, Reference, Trajectory};
-use crate::diagnosis::remainder::{Remainder, Size, Test};
-use crate::diagnosis::ruling::{self, rule};
-use crate::diagnosis::standing::{Gain, Note, Ranked};
-use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Fit as FitScore, Outcome, RecordingInfo, Score};
+use crate::answer::{self, Answer, Places};
+use crate::candidate::Kind;
+use crate::model::{Half, InertialNoise, Noise, Reference, Trajectory};
 use crate::numerics::special::normal_cdf;
 use crate::recording::Recording;
+use crate::remainder::{Remainder, Size, Test};
+use crate::ruling::{self, rule};
 use crate::sensor::Sense;
+use crate::standing::{Gain, Note, Ranked};
+use crate::verdict::{Effect, Estimate, Evidence, Fit as FitScore, Outcome, RecordingInfo, Score};
 
 const ACCELEROMETER_HELD: &str =
     "scale factors and axes of the accelerometer are not fitted in motion: its matrix is left as it is";

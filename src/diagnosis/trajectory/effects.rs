@@ -15,11 +15,11 @@ use super::scatter::Excess;
 use super::selection::{Named, Selection};
 use super::start::Start;
 use super::vibration::Vibration;
-use crate::diagnosis::candidate::Candidate;
-use crate::diagnosis::verdict::{Effect, Estimate, Evidence};
+use crate::candidate::Candidate;
 use crate::number::short;
 use crate::sensor::Sense;
 use crate::units::DEGREE;
+use crate::verdict::{Effect, Estimate, Evidence};
 
 /// What a mounting that needed no fit is known to, °: below, it would cost nothing.
 const SMALL_DEG: f64 = 0.1;

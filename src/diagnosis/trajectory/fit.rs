@@ -13,7 +13,7 @@ use super::position::{POSITION, Steady, position_rows};
 use super::rows::{Bins, Orders, Row};
 use super::whitening::Whitening;
 use crate::control::{Control, Stopped};
-use crate::diagnosis::model::Half;
+use crate::model::Half;
 use crate::numerics::order;
 
 /// Rounds at most, and the fraction of a standard error below which none is needed any more.

@@ -9,8 +9,8 @@ use nalgebra::{DMatrix, DVector};
 use super::blocks::{BLOCKS, Linear};
 use super::candidate::Term;
 use super::parameters::Point;
-use crate::diagnosis::remainder::REAL;
 use crate::numerics::special::{f_survival, t_quantile};
+use crate::remainder::REAL;
 
 /// Chance of a false name that is accepted, over all candidates together: what every kind calls
 /// real.

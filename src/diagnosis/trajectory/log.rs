@@ -2,7 +2,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::diagnosis::model::Half;
+use crate::model::Half;
 use crate::motion::file::format::Order;
 
 /// Readings in order of time.

@@ -14,9 +14,9 @@ use super::parameters::{
 use super::permutation::Permutation;
 use super::selection::Selection;
 use super::slow::{self, deviation, half_width};
-use crate::diagnosis::by_axis::Drawn;
-use crate::diagnosis::verdict::{Estimate, SensorCalibration, Triads};
+use crate::by_axis::Drawn;
 use crate::units::DEGREE;
+use crate::verdict::{Estimate, SensorCalibration, Triads};
 
 /// How well the accelerometer's scale and axes are known, which are held or nearly so: what a sensor
 /// may have at most.

@@ -9,15 +9,15 @@ use std::path::{Path, PathBuf, absolute};
 
 use nalgebra::UnitQuaternion;
 
-use crate::diagnosis::by_axis::{Drawn, drawn, line, number, over, three};
-use crate::diagnosis::model::{Half, Reference};
-use crate::diagnosis::repair::{name, preamble, round_rate};
-use crate::diagnosis::verdict::Verdict;
+use crate::by_axis::{Drawn, drawn, line, number, over, three};
 use crate::document::toml_string;
+use crate::model::{Half, Reference};
 use crate::motion::file::format::{Format, Order};
+use crate::repair::{name, preamble, round_rate};
 use crate::sensor::{SensorTerm, coupling};
 use crate::units::key::Key;
 use crate::units::{DEGREE, DENSITY_TO_RANDOM_WALK};
+use crate::verdict::Verdict;
 
 /// Longest study, s.
 const LONGEST_S: f64 = 60.0;
@@ -79,7 +79,7 @@ pub struct Repaired {
 
 impl Repaired {
     /// As a study.
-    pub(in crate::diagnosis) fn document(&self, verdict: &Verdict) -> String {
+    pub(crate) fn document(&self, verdict: &Verdict) -> String {
         let [from_s, to_s] = self.along.ends_s;
         let from_s = (from_s * 100.0).ceil() / 100.0;
         let mut lacking = self.not_expressible.clone();

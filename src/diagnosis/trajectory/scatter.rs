@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use super::blocks::BLOCKS;
 use super::judgement::FALSE_NAME;
 use super::log::Log;
-use crate::diagnosis::model::{InertialNoise, Noise};
+use crate::model::{InertialNoise, Noise};
 use crate::numerics::order;
 use crate::numerics::special::{f_survival, t_quantile};
 use crate::numerics::spectrum::welch;

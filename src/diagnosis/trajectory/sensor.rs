@@ -12,7 +12,7 @@ use super::published::Fitted;
 use super::repaired::{Along, Repaired};
 use super::selection::Selection;
 use super::start::Start;
-use crate::diagnosis::model::Reference;
+use crate::model::Reference;
 
 /// What the sensor is made from.
 pub(super) struct Diagnosed<'a> {

@@ -2,7 +2,7 @@
 
 use super::calibration::{Calibration, Triad, accelerometer, gyro};
 use super::candidate::Term;
-use crate::diagnosis::by_axis::{Drawn, over};
+use crate::by_axis::{Drawn, over};
 use crate::sensor::{SensorTerm, coupling};
 use crate::units::key::Key;
 

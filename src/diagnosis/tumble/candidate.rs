@@ -1,7 +1,7 @@
 //! What an IMU's calibration model may leave out; one file per candidate, each with the parameters
 //! it frees.
 
-use crate::diagnosis::candidate::Candidate;
+use crate::candidate::Candidate;
 use crate::sensor::Sense;
 
 mod earth_rate;

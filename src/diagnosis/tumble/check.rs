@@ -10,8 +10,8 @@ use super::group::Group;
 use super::imu::Observed;
 use super::selection::interleaved;
 use super::standing::Folds;
-use crate::diagnosis::model::{Split, Tumble};
 use crate::error::{Error, Result};
+use crate::model::{Split, Tumble};
 use crate::numerics::order::median;
 use crate::recording::Recording;
 

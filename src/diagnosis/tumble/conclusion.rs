@@ -17,17 +17,17 @@ use super::residual::Residual;
 use super::selection::{Drifting, Named, Selection};
 use super::standing::{Folds, Standing, held_out_squares};
 use super::units::{factor, name_and_unit};
-use crate::diagnosis::answer::{self, Answer};
-use crate::diagnosis::candidate::Kind;
-use crate::diagnosis::model::Tumble;
-use crate::diagnosis::ruling::{self, rule};
-use crate::diagnosis::standing::{Gain, Note, Ranked};
-use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Fit as FitScore, RecordingInfo, Score};
+use crate::answer::{self, Answer};
+use crate::candidate::Kind;
+use crate::model::Tumble;
 use crate::numerics::moments;
 use crate::numerics::special::t_quantile;
 use crate::recording::Recording;
+use crate::ruling::{self, rule};
 use crate::sensor::Sense;
+use crate::standing::{Gain, Note, Ranked};
 use crate::units::DEGREE;
+use crate::verdict::{Effect, Estimate, Evidence, Fit as FitScore, RecordingInfo, Score};
 
 /// What a search found.
 pub(super) struct Found {

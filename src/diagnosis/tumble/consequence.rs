@@ -10,14 +10,14 @@ use super::calibration::Calibration;
 use super::candidate::Term;
 use super::conclusion::Case;
 use super::selection::Selection;
-use crate::diagnosis::repair::{Cost, Repair, Row, Vibration};
-use crate::diagnosis::warm_profile::{is_possible, profile};
 use crate::motion::temperature::Temperature;
 use crate::navigation::closed_form::Process;
 use crate::number::short;
 use crate::numerics::moments;
+use crate::repair::{Cost, Repair, Row, Vibration};
 use crate::sensor::{Sense, Sensor, coupling};
 use crate::units::{DEGREE_PER_HOUR, STANDARD_GRAVITY_M_S2};
+use crate::warm_profile::{is_possible, profile};
 
 impl Case<'_> {
     /// Sensor before and after, and the cost by sensor.

@@ -2,7 +2,7 @@
 
 use super::account::Account;
 use super::calibration::Calibration;
-use crate::diagnosis::verdict::Triads;
+use crate::verdict::Triads;
 
 /// Plain numbers behind the figures.
 #[derive(Debug, Clone)]

@@ -16,8 +16,8 @@ use super::group::Group;
 use super::imu::Observed;
 use super::jackknife::half_width;
 use super::residual::Residual;
-use crate::diagnosis::verdict::{SensorCalibration, Triads};
 use crate::sensor::Sense;
+use crate::verdict::{SensorCalibration, Triads};
 
 /// Calibrations of both sensors; `None` where the poses do not determine them.
 pub(crate) fn calibration(observed: &Observed<'_>, chosen: &Fit) -> Option<Triads> {

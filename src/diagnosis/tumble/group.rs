@@ -14,7 +14,7 @@ pub enum Group {
 }
 
 /// All groups in order.
-pub(crate) const GROUPS: [Group; 3] = [Group::Gravity, Group::Still, Group::Turn];
+pub const GROUPS: [Group; 3] = [Group::Gravity, Group::Still, Group::Turn];
 
 impl Group {
     /// Its place in `GROUPS`.

@@ -7,10 +7,10 @@ use super::account::{Location, Rms};
 use super::fit::Fit;
 use super::group::{GROUPS, Group};
 use super::imu::Observed;
-use crate::diagnosis::answer::Places;
-use crate::diagnosis::verdict::Stretch;
+use crate::answer::Places;
 use crate::numerics::special::{chi_squared_survival, discoveries};
 use crate::units::STANDARD_GRAVITY_M_S2;
+use crate::verdict::Stretch;
 
 /// Share of the stretches named that may be false.
 const FALSE_DISCOVERIES: f64 = 0.05;

@@ -2,10 +2,10 @@
 
 use super::fit::Fit;
 use super::group::{GROUPS, Group};
-use crate::diagnosis::detection::structure;
-use crate::diagnosis::remainder::{Remainder, Size, Test, WHITE};
+use crate::detection::structure;
 use crate::numerics::order;
 use crate::numerics::special::f_survival;
+use crate::remainder::{Remainder, Size, Test, WHITE};
 
 /// Degrees of freedom behind the measured noise: its own uncertainty is about ±13 % in standard
 /// deviation.

@@ -222,8 +222,8 @@ fn attitudes(forces: &[Vector3<f64>], turns: &[Turn]) -> Vec<Matrix3<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::tumble::calibration::{PARAMETERS, accelerometer};
-    use crate::diagnosis::tumble::imu::Imu;
+    use crate::tumble::calibration::{PARAMETERS, accelerometer};
+    use crate::tumble::imu::Imu;
 
     const COUNTS_PER_UNIT: f64 = 1000.0;
 

@@ -88,8 +88,8 @@ impl Observed<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::tumble::calibration::{PARAMETERS, accelerometer};
-    use crate::diagnosis::tumble::imu::Imu;
+    use crate::tumble::calibration::{PARAMETERS, accelerometer};
+    use crate::tumble::imu::Imu;
 
     /// A turn of 1.5 s about two axes at once, read as the mean over each interval or at its
     /// middle, against the product of rotations over intervals a hundred times finer.

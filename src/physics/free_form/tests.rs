@@ -1,10 +1,10 @@
 //! Free forms against the stated laws that they contain, and against closed forms.
 
 use super::*;
-use crate::physics::cubic_stiffness::CubicStiffness;
-use crate::physics::quadratic_damping::QuadraticDamping;
-use crate::physics::stiffness_drift::StiffnessDrift;
-use crate::physics::test_problem::Mass;
+use crate::cubic_stiffness::CubicStiffness;
+use crate::quadratic_damping::QuadraticDamping;
+use crate::stiffness_drift::StiffnessDrift;
+use crate::test_problem::Mass;
 
 fn form(law: Freed, size: f64) -> FreeForm {
     FreeForm { law, size, extent: Extent::Wide }

@@ -2,7 +2,7 @@
 //! other.
 
 use super::stamp::Stamp;
-use crate::recording::time_unit::TimeUnit;
+use crate::time_unit::TimeUnit;
 
 /// Whole seconds and the rest: a date of our time keeps its nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,7 +5,7 @@ use super::stamp::Stamp;
 use super::survey::advance;
 use super::timeline::{SetBack, Timeline};
 use super::{Clock, Kind};
-use crate::recording::dropped::Reason;
+use crate::dropped::Reason;
 
 /// Ticks after which a step of an uneven clock is a gap.
 const UNEVEN_GAP: f64 = 3.0;

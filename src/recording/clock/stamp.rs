@@ -1,8 +1,8 @@
 //! A time stamp as it is printed: whole units and the rest, so that 19 digits keep their precision.
 
-use crate::recording::decimal;
-use crate::recording::format;
-use crate::recording::time_unit::TimeUnit;
+use crate::decimal;
+use crate::format;
+use crate::time_unit::TimeUnit;
 
 /// A time stamp in the file's unit, exact to 1e-16 of a unit whatever its size.
 #[derive(Debug, Clone, Copy, PartialEq)]

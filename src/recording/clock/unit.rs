@@ -1,7 +1,7 @@
 //! Which unit a time column is in: by its heading, by the rate that was given, or by the size of
 //! its numbers.
 
-use crate::recording::time_unit::{Basis, TimeUnit, UNITS};
+use crate::time_unit::{Basis, TimeUnit, UNITS};
 
 /// Seconds since 1970 in the years 2000 to 2100.
 const EPOCH_S: std::ops::Range<f64> = 946_684_800.0..4_102_444_800.0;

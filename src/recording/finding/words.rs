@@ -3,9 +3,9 @@
 use std::fmt;
 
 use super::{ClockBy, Finding, Uneven};
+use crate::dropped::{Dropped, Reason};
 use crate::number::{rounded, significant};
-use crate::recording::dropped::{Dropped, Reason};
-use crate::recording::time_unit::{Basis, TimeUnit};
+use crate::time_unit::{Basis, TimeUnit};
 
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

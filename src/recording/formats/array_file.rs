@@ -1,10 +1,10 @@
 //! NumPy's `.npy`: one array, plain or of records. Format: numpy.lib.format, versions 1 to 3.
 
+use crate::array::{Array, Arrays, Field, Packing, Place, Shape};
+use crate::element::{Element, Kind};
 use crate::error::Result;
-use crate::recording::array::{Array, Arrays, Field, Packing, Place, Shape};
-use crate::recording::element::{Element, Kind};
-use crate::recording::input::Input;
-use crate::recording::reader::Log;
+use crate::input::Input;
+use crate::reader::Log;
 
 /// No description of an array is longer, bytes.
 const LONGEST_HEADER: usize = 1 << 20;

@@ -4,13 +4,13 @@
 
 mod flat;
 
+use crate::clock::stamp::Stamp;
+use crate::decompress::{Codec, LARGEST_BYTES, decompress};
+use crate::element::{Element, Kind};
 use crate::error::{Error, Result};
-use crate::recording::clock::stamp::Stamp;
-use crate::recording::decompress::{Codec, LARGEST_BYTES, decompress};
-use crate::recording::element::{Element, Kind};
-use crate::recording::input::Input;
-use crate::recording::reader::{Block, Choice, Heading, Log, Part, Reader};
-use crate::recording::roles;
+use crate::input::Input;
+use crate::reader::{Block, Choice, Heading, Log, Part, Reader};
+use crate::roles;
 use flat::{Table, i64_of};
 
 const DAMAGED: &str = "the file is cut short or damaged: copy it again, or write it again";

@@ -3,15 +3,15 @@
 
 use std::collections::BTreeMap;
 
+use crate::bytes::until_zero;
+use crate::dropped::{Dropped, Reason};
+use crate::element::{Element, Kind};
 use crate::error::Result;
-use crate::recording::bytes::until_zero;
-use crate::recording::dropped::{Dropped, Reason};
-use crate::recording::element::{Element, Kind};
-use crate::recording::feed::Feed;
-use crate::recording::finding::Finding;
-use crate::recording::input::Input;
-use crate::recording::reader::{BLOCK_ROWS, Block, Choice, Heading, Log, Part, Reader};
-use crate::recording::records::{self, Field, Strays};
+use crate::feed::Feed;
+use crate::finding::Finding;
+use crate::input::Input;
+use crate::reader::{BLOCK_ROWS, Block, Choice, Heading, Log, Part, Reader};
+use crate::records::{self, Field, Strays};
 
 const MAGIC: [u8; 2] = [0xa3, 0x95];
 const HEAD: usize = 3;

@@ -3,12 +3,12 @@
 
 mod record;
 
+use crate::bytes::Bytes;
+use crate::decompress::{Codec, LARGEST_BYTES, decompress};
 use crate::error::{Error, Result};
-use crate::recording::bytes::Bytes;
-use crate::recording::decompress::{Codec, LARGEST_BYTES, decompress};
-use crate::recording::input::Input;
-use crate::recording::messages::{Encoding, MessageRows, Messages, part};
-use crate::recording::reader::{Choice, Log, Part, Reader};
+use crate::input::Input;
+use crate::messages::{Encoding, MessageRows, Messages, part};
+use crate::reader::{Choice, Log, Part, Reader};
 use record::{Record, varint};
 
 const HEADER_BYTES: u64 = 100;

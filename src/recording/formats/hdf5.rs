@@ -12,11 +12,11 @@ use std::path::Path;
 use hdf5_metno::types::{FloatSize, IntSize, TypeDescriptor};
 use hdf5_metno::{Dataset, File, Group, H5Type, Hyperslab};
 
+use crate::array::{Array, Arrays, Packing, Place, Shape};
+use crate::element::{Element, Kind};
 use crate::error::Result;
-use crate::recording::array::{Array, Arrays, Packing, Place, Shape};
-use crate::recording::element::{Element, Kind};
-use crate::recording::input::Input;
-use crate::recording::reader::Log;
+use crate::input::Input;
+use crate::reader::Log;
 
 /// Groups within groups are followed so far.
 const DEEPEST: usize = 8;

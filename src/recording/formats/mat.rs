@@ -3,11 +3,11 @@
 
 use std::io::Read;
 
+use crate::array::{Array, Arrays, Packing, Place, Shape};
+use crate::element::{Element, Kind};
 use crate::error::{Error, Result};
-use crate::recording::array::{Array, Arrays, Packing, Place, Shape};
-use crate::recording::element::{Element, Kind};
-use crate::recording::input::Input;
-use crate::recording::reader::Log;
+use crate::input::Input;
+use crate::reader::Log;
 
 const HEADER_BYTES: u64 = 128;
 const MATRIX: u32 = 14;
@@ -182,7 +182,7 @@ impl Scan {
                     if kind != MATRIX {
                         return Err(wrong("a field that is not a matrix"));
                     }
-                    let name = crate::recording::bytes::until_zero(name);
+                    let name = crate::bytes::until_zero(name);
                     self.matrix(bytes, &[&path[..], &[name]].concat(), outer, found)?;
                 }
             }

@@ -4,11 +4,11 @@
 use std::io::Read;
 
 use super::array_file::{describe, header_length};
+use crate::array::{Arrays, Packing, Place};
+use crate::bytes::Bytes;
 use crate::error::Result;
-use crate::recording::array::{Arrays, Packing, Place};
-use crate::recording::bytes::Bytes;
-use crate::recording::input::Input;
-use crate::recording::reader::Log;
+use crate::input::Input;
+use crate::reader::Log;
 
 /// The record that ends an archive lies within this many of its last bytes.
 const TAIL: u64 = 66_000;

@@ -6,15 +6,17 @@
 mod column;
 mod encoding;
 mod physical;
+#[cfg(test)]
+mod round_trip;
 mod thrift;
 
+use crate::bytes::Bytes;
+use crate::decompress::Codec;
+use crate::element::{Element, Kind};
 use crate::error::{Error, Result};
-use crate::recording::bytes::Bytes;
-use crate::recording::decompress::Codec;
-use crate::recording::element::{Element, Kind};
-use crate::recording::input::Input;
-use crate::recording::reader::{Choice, Heading, Log, Part, Reader};
-use crate::recording::roles;
+use crate::input::Input;
+use crate::reader::{Choice, Heading, Log, Part, Reader};
+use crate::roles;
 use column::{Chunk, Columns};
 use physical::{DAMAGED, Physical};
 use thrift::Value;

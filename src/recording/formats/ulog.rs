@@ -3,15 +3,15 @@
 
 use std::collections::HashMap;
 
+use crate::bytes::Bytes;
+use crate::dropped::{Dropped, Reason};
+use crate::element::{Element, Kind};
 use crate::error::Result;
-use crate::recording::bytes::Bytes;
-use crate::recording::dropped::{Dropped, Reason};
-use crate::recording::element::{Element, Kind};
-use crate::recording::feed::Feed;
-use crate::recording::finding::Finding;
-use crate::recording::input::Input;
-use crate::recording::reader::{BLOCK_ROWS, Block, Choice, Heading, Log, Part, Reader};
-use crate::recording::records::{self, Field, Strays};
+use crate::feed::Feed;
+use crate::finding::Finding;
+use crate::input::Input;
+use crate::reader::{BLOCK_ROWS, Block, Choice, Heading, Log, Part, Reader};
+use crate::records::{self, Field, Strays};
 
 /// Behind magic, version and time.
 const FIRST: u64 = 16;

@@ -1,12 +1,12 @@
 //! The head of a text file: which columns it has, their units, and which of them hold numbers.
 
 use super::{POINT, Text};
+use crate::cells::Cells;
 use crate::error::Result;
-use crate::recording::cells::Cells;
-use crate::recording::finding::Finding;
-use crate::recording::format::{self, Cell};
-use crate::recording::headings::Headings;
-use crate::recording::{trajectory, unit};
+use crate::finding::Finding;
+use crate::format::{self, Cell};
+use crate::headings::Headings;
+use crate::{trajectory, unit};
 
 impl Text {
     /// The first line that is no comment names the columns; where it holds numbers, the comment

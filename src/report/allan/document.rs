@@ -4,10 +4,10 @@
 use serde_json::{Value, json};
 
 use super::words;
-use crate::numerics::allan::law::{TERMS, Term};
-use crate::recording::finding::sentences;
-use crate::recording::noise::{Channel, Noise};
-use crate::recording::unit::Quantity;
+use proofmass_base::numerics::allan::law::{TERMS, Term};
+use proofmass_recording::finding::sentences;
+use proofmass_recording::noise::{Channel, Noise};
+use proofmass_recording::unit::Quantity;
 
 /// The public document `proofmass.allan/1`.
 pub fn document(file: &str, noise: &Noise) -> Value {

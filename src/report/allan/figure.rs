@@ -1,11 +1,11 @@
 //! A channel's Allan curve with its fitted terms, and its spectrum.
 
 use super::words;
-use crate::number::significant;
-use crate::numerics::moments::mean;
-use crate::recording::noise::{Channel, Deviation, Noise};
-use crate::recording::unit::Quantity;
-use crate::report::figure::{Axis, Chart, Ink, Mark, labelled};
+use crate::figure::{Axis, Chart, Ink, Mark, labelled};
+use proofmass_base::number::significant;
+use proofmass_base::numerics::moments::mean;
+use proofmass_recording::noise::{Channel, Deviation, Noise};
+use proofmass_recording::unit::Quantity;
 
 pub(super) const TOGETHER: &str =
     "Overlapping Allan deviation of each axis. Filled dots: its value at 1 s and its minimum.";
@@ -106,7 +106,7 @@ pub(super) fn density(channel: &Channel) -> Chart {
     }
     chart.add("recorded (Welch)", Ink::Blue, Mark::Line, thinned);
     if let Some(fit) = &channel.fit
-        && words::dominant(channel).contains(&crate::numerics::allan::law::Term::White)
+        && words::dominant(channel).contains(&proofmass_base::numerics::allan::law::Term::White)
         && let (Some(first), Some(last)) = (density.frequency_hz.first(), density.frequency_hz.last())
     {
         let level = fit.coefficients[1].value * 2f64.sqrt() * factor;

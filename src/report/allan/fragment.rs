@@ -1,14 +1,14 @@
 //! A sensor for a study from the coefficients of a log: one fragment per accelerometer-and-gyro
 //! pair.
 
-use crate::escape::line;
-use crate::number::rounded;
-use crate::numerics::allan::law::Term;
-use crate::recording::noise::{Channel, Noise};
-use crate::recording::unit::Quantity;
-use crate::sensor::error_law::ErrorLaw;
-use crate::sensor::{Sense, SensorTerm};
-use crate::units::key::Key;
+use proofmass_base::escape::line;
+use proofmass_base::number::rounded;
+use proofmass_base::numerics::allan::law::Term;
+use proofmass_base::units::key::Key;
+use proofmass_recording::noise::{Channel, Noise};
+use proofmass_recording::unit::Quantity;
+use proofmass_scenario::sensor::error_law::ErrorLaw;
+use proofmass_scenario::sensor::{Sense, SensorTerm};
 
 /// A piece of study.toml.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,14 +7,14 @@
 use std::path::Path;
 
 use super::fragment::{keys, to_five_digits};
-use crate::document::toml_string;
-use crate::escape::line;
-use crate::numerics::allan::law::Term;
-use crate::recording::noise::{Channel, Noise};
-use crate::recording::unit::Quantity;
-use crate::sensor::Sense;
-use crate::study::name_for;
-use crate::units::{DEGREE, MILLI_G};
+use proofmass_base::document::toml_string;
+use proofmass_base::escape::line;
+use proofmass_base::numerics::allan::law::Term;
+use proofmass_base::units::{DEGREE, MILLI_G};
+use proofmass_recording::noise::{Channel, Noise};
+use proofmass_recording::unit::Quantity;
+use proofmass_scenario::sensor::Sense;
+use proofmass_simulate::study::name_for;
 
 /// The run is this long, s, and at least this many samples.
 const LASTS_S: f64 = 60.0;

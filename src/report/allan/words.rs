@@ -1,11 +1,11 @@
 //! What an Allan curve says, in sentences: what each coefficient is, what the data do not support,
 //! and when a fit is bad.
 
-use crate::number::{duration, rounded, significant, superscript};
-use crate::numerics::allan::law::{TERMS, Term};
-use crate::recording::noise::{Channel, Deviation, Noise};
-use crate::recording::unit::Quantity;
-use crate::report::table::Table;
+use crate::table::Table;
+use proofmass_base::number::{duration, rounded, significant, superscript};
+use proofmass_base::numerics::allan::law::{TERMS, Term};
+use proofmass_recording::noise::{Channel, Deviation, Noise};
+use proofmass_recording::unit::Quantity;
 
 pub(super) const TABLE_NOTE: &str = "Values with their 95 % interval; “<” is an upper limit (95 %) of a term that the data \
     do not support. σ(1 s) is the Allan deviation at 1 s in \
@@ -175,7 +175,7 @@ pub(super) fn verdict(channel: &Channel) -> String {
             "No sum of the five laws fits this curve (p < {}): it departs from the best one by about {} %, most at \
              τ = {}, where it is {} times the fit. The intervals allow for that. Typical causes are vibration, \
              temperature and motion; `proofmass diagnose` with kind = \"static\" identifies which.",
-            significant(crate::numerics::allan::fit::BAD, 1),
+            significant(proofmass_base::numerics::allan::fit::BAD, 1),
             significant(100.0 * fit.discrepancy, 2),
             duration(fit.worst.0),
             significant(fit.worst.1, 3)
@@ -262,7 +262,7 @@ pub(super) fn dominant(channel: &Channel) -> Vec<Term> {
     let rules = |term: Term| {
         channel.curve.iter().any(|d| {
             squares[term as usize] * term.variance(d.tau_s)
-                > 0.4 * crate::numerics::allan::law::variance(&squares, d.tau_s)
+                > 0.4 * proofmass_base::numerics::allan::law::variance(&squares, d.tau_s)
         })
     };
     TERMS.into_iter().filter(|t| fit.coefficients[*t as usize].supported() && rules(*t)).collect()

@@ -1,7 +1,7 @@
 //! The calibration of an IMU as text to be pasted: valid as TOML and as Python.
 
-use crate::diagnosis::verdict::{SensorCalibration, Triads};
-use crate::physics::candidate::Kind;
+use proofmass_diagnosis::verdict::{SensorCalibration, Triads};
+use proofmass_physics::candidate::Kind;
 
 /// What the text says, for a heading.
 pub(super) fn meaning(kind: Kind) -> &'static str {

@@ -4,15 +4,15 @@
 //! then the whole stretch, the error in frequency, over the state (the restoring force that is
 //! missing) and in time, and the candidates' standing.
 
-use crate::diagnosis::driven::Detail;
-use crate::diagnosis::driven::verdict::surface::Surface;
-use crate::diagnosis::standing::Gain;
-use crate::numerics::moments::rms;
-use crate::numerics::order;
-use crate::numerics::spectrum;
+use proofmass_base::numerics::moments::rms;
+use proofmass_base::numerics::order;
+use proofmass_base::numerics::spectrum;
+use proofmass_diagnosis::driven::Detail;
+use proofmass_diagnosis::driven::verdict::surface::Surface;
+use proofmass_diagnosis::standing::Gain;
 
 use super::exhibit::{Exhibit, Part};
-use crate::report::figure::{Axis, Chart, Ink, Mark, Raster, labelled};
+use crate::figure::{Axis, Chart, Ink, Mark, Raster, labelled};
 
 /// Points that a line needs at most.
 const POINTS: usize = 1500;

@@ -1,6 +1,6 @@
 //! A figure of a diagnosis and the part of the page that it belongs to.
 
-use crate::report::figure::Figure;
+use crate::figure::Figure;
 
 /// The part of the page a figure belongs to, in the page's order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

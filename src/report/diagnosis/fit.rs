@@ -1,9 +1,9 @@
 //! How well it fits, in words and as tables: errors before and after, the noise beside them, the
 //! base model's own numbers.
 
-use crate::diagnosis::verdict::{Estimate, Role, Verdict};
-use crate::number::significant;
-use crate::report::table::Table;
+use crate::table::Table;
+use proofmass_base::number::significant;
+use proofmass_diagnosis::verdict::{Estimate, Role, Verdict};
 
 use super::numbers::{chance, estimate, formula};
 

@@ -1,10 +1,10 @@
 //! The form of a law as the recording has it, beside the one that its name states.
 
-use crate::diagnosis::verdict::Form;
-use crate::physics::free_form::{Argument, Freed};
+use proofmass_diagnosis::verdict::Form;
+use proofmass_physics::free_form::{Argument, Freed};
 
 use super::exhibit::{Exhibit, Part};
-use crate::report::figure::{Axis, Chart, Ink, Mark};
+use crate::figure::{Axis, Chart, Ink, Mark};
 
 /// Rms departure, as a part of the stated form's, from which a law is no longer called close to the
 /// stated one.
@@ -32,7 +32,7 @@ fn exhibit(id: &str, form: &Form) -> Exhibit {
     );
     chart.add(&format!("as stated: {stated}"), Ink::Black, Mark::Dashed, points(&form.stated_curve));
     chart.add("with a free form", Ink::Red, Mark::Line, points(&form.curve));
-    let percent = |v: f64| crate::number::short(100.0 * v);
+    let percent = |v: f64| proofmass_base::number::short(100.0 * v);
     let how = if form.departure < FAR { "close to, but not identical to," } else { "not" };
     let said = if form.departs {
         format!(

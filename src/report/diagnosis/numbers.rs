@@ -1,7 +1,7 @@
 //! Probabilities, estimates and units as the diagnosis sets them in print.
 
-use crate::diagnosis::verdict::Estimate;
-use crate::number::{significant, with_uncertainty};
+use proofmass_base::number::{significant, with_uncertainty};
+use proofmass_diagnosis::verdict::Estimate;
 
 /// A probability as words say it.
 pub(crate) fn chance(p: f64) -> String {

@@ -1,10 +1,10 @@
 //! One figure: how the misfit rises around each named parameter of a driven recording, beside the
 //! interval stated.
 
-use crate::diagnosis::driven::identification::profile::{FALL, Profile};
+use proofmass_diagnosis::driven::identification::profile::{FALL, Profile};
 
 use super::exhibit::{Exhibit, Part};
-use crate::report::figure::{Axis, Chart, Ink, Mark};
+use crate::figure::{Axis, Chart, Ink, Mark};
 
 /// Parameters that can be told apart in one figure.
 const MOST: usize = 6;

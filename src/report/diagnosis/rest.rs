@@ -1,11 +1,11 @@
 //! Figures of a diagnosis: a sensor at rest, its noise and its drift.
 
-use crate::diagnosis::rest::{ChannelDetail, Detail};
-use crate::escape::file_name;
-use crate::numerics::order;
+use proofmass_base::escape::file_name;
+use proofmass_base::numerics::order;
+use proofmass_diagnosis::rest::{ChannelDetail, Detail};
 
 use super::exhibit::{Exhibit, Part};
-use crate::report::figure::{Axis, Chart, Ink, Mark, labelled};
+use crate::figure::{Axis, Chart, Ink, Mark, labelled};
 
 /// So many characters of a heading stand in the names of its figures' files.
 const HEADING: usize = 80;

@@ -1,11 +1,11 @@
 //! A candidate's standing in words.
 
 use super::words::residual;
-use crate::diagnosis::candidate::Kind;
-use crate::diagnosis::driven::verdict::findings::dropped;
-use crate::diagnosis::standing::{Gain, Note};
-use crate::diagnosis::tumble::account::{Fate, SeenFrom};
-use crate::number::short;
+use proofmass_base::number::short;
+use proofmass_diagnosis::candidate::Kind;
+use proofmass_diagnosis::driven::verdict::findings::dropped;
+use proofmass_diagnosis::standing::{Gain, Note};
+use proofmass_diagnosis::tumble::account::{Fate, SeenFrom};
 
 /// What became of a candidate, in a few words.
 pub(crate) fn note(note: &Note) -> String {

@@ -1,9 +1,9 @@
 //! Figures of a diagnosis: an IMU in motion.
 
-use crate::diagnosis::trajectory::detail::{Detail, Series};
+use proofmass_diagnosis::trajectory::detail::{Detail, Series};
 
 use super::exhibit::{Exhibit, Part};
-use crate::report::figure::{Axis, Chart, Ink, Mark};
+use crate::figure::{Axis, Chart, Ink, Mark};
 
 /// Its figures; one of them is the opening.
 pub(super) fn exhibits(detail: &Detail) -> Vec<Exhibit> {

@@ -1,9 +1,9 @@
 //! Figures of a diagnosis: an IMU in many still poses.
 
-use crate::diagnosis::tumble::{Detail, PoseDetail};
+use proofmass_diagnosis::tumble::{Detail, PoseDetail};
 
 use super::exhibit::{Exhibit, Part};
-use crate::report::figure::{Axis, Chart, Ink, Mark};
+use crate::figure::{Axis, Chart, Ink, Mark};
 
 /// Its figures; one of them is the opening.
 pub(crate) fn exhibits(detail: &Detail) -> Vec<Exhibit> {

@@ -5,10 +5,10 @@ mod rest;
 mod trajectory;
 mod tumble;
 
-use crate::diagnosis::answer::{Answer, Detail};
-use crate::diagnosis::repair::Repair;
-use crate::diagnosis::standing::Ranked;
-use crate::diagnosis::verdict::{SCHEMA, Verdict, Where};
+use proofmass_diagnosis::answer::{Answer, Detail};
+use proofmass_diagnosis::repair::Repair;
+use proofmass_diagnosis::standing::Ranked;
+use proofmass_diagnosis::verdict::{SCHEMA, Verdict, Where};
 
 pub(super) use driven::form;
 pub(super) use tumble::residual;

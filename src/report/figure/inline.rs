@@ -5,7 +5,7 @@ use super::chart::Chart;
 use super::frame::thousandths;
 use super::legend::Legend;
 use super::plot::Plot;
-use crate::escape::html;
+use proofmass_base::escape::html;
 
 /// The chart as one element of well-formed XHTML.
 pub(super) fn inline(chart: &Chart, legend: &Legend<'_>, plot: &Plot) -> String {

@@ -7,7 +7,7 @@
 use super::chart::{Chart, Mark, Series};
 use super::name;
 use super::raster::{Raster, Shown};
-use crate::columns::Columns;
+use proofmass_base::columns::Columns;
 
 /// The numbers behind a figure, or behind a part of it.
 #[derive(Debug, Clone)]
@@ -165,8 +165,8 @@ fn picture(chart: &Chart, raster: &Raster) -> Columns {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::columns::{Format, Values};
-    use crate::report::figure::{Axis, Ink};
+    use crate::figure::{Axis, Ink};
+    use proofmass_base::columns::{Format, Values};
 
     fn names(columns: &Columns) -> Vec<&str> {
         columns.all().iter().map(|c| c.name.as_str()).collect()

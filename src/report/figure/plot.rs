@@ -11,7 +11,7 @@ use super::legend::Legend;
 use super::marks::{kind, shapes};
 use super::raster::{self, Raster};
 use super::tick::{ADVANCE_PX, NARROW_PX, horizontal};
-use crate::escape::html;
+use proofmass_base::escape::html;
 
 /// From the plot to a colour bar, and on to its numbers, px.
 pub(super) const BAR_PX: (u32, u32) = (14, 34);

@@ -5,7 +5,7 @@ use super::chart::Chart;
 use super::frame::thousandths;
 use super::legend::{Entry, Legend};
 use super::plot::{BAR_PX, Plot};
-use crate::escape::html;
+use proofmass_base::escape::html;
 
 /// Mean advance of the usual sans-serif faces at 12 and 13 px.
 fn text_width(words: &str) -> f64 {

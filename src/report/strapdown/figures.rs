@@ -1,14 +1,14 @@
 //! The figures of a study in motion: envelopes over time, the spread on a map of the track, who
 //! owns the mean square.
 
-use crate::backend::flight::Quantity;
-use crate::numerics::order;
-use crate::report::figure::{Axis, Chart, Ink, Mark};
-use crate::report::study::moment::moment;
-use crate::statistics::Summary;
-use crate::strapdown::answer::{Answer, LINEAR};
-use crate::strapdown::covariance::Part;
-use crate::units::DEGREE;
+use crate::figure::{Axis, Chart, Ink, Mark};
+use crate::study::moment::moment;
+use proofmass_base::numerics::order;
+use proofmass_base::statistics::Summary;
+use proofmass_base::units::DEGREE;
+use proofmass_simulate::backend::flight::Quantity;
+use proofmass_simulate::strapdown::answer::{Answer, LINEAR};
+use proofmass_simulate::strapdown::covariance::Part;
 
 /// Sources shown by name; the rest is one band.
 const NAMED: usize = 6;
@@ -73,7 +73,7 @@ fn ellipse(answer: &Answer, report: usize) -> Vec<(f64, f64)> {
 
 /// The track from above with the errors' ellipses at the report times, and what they are magnified
 /// by.
-pub(super) fn map(answer: &Answer) -> (Chart, f64) {
+pub(crate) fn map(answer: &Answer) -> (Chart, f64) {
     let truth = &answer.flight.course.truth;
     let last = answer.flight.clock().samples - answer.flight.clock().still_samples;
     let samples = &truth.samples[..truth.samples.len().min(last as usize + 1)];

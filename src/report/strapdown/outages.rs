@@ -2,21 +2,21 @@
 //! get there.
 
 use super::doubt::doubt;
-use crate::backend::flight::Quantity;
-use crate::number::{significant, worth};
-use crate::report::figure::{Axis, Chart, Ink, Mark};
-use crate::report::html::Page;
-use crate::report::table::Table;
-use crate::strapdown::answer::Answer;
-use crate::strapdown::outages::Outage;
-use crate::study::Study;
-use crate::study::file::AidingMethod;
+use crate::figure::{Axis, Chart, Ink, Mark};
+use crate::html::Page;
+use crate::table::Table;
+use proofmass_base::number::{significant, worth};
+use proofmass_simulate::backend::flight::Quantity;
+use proofmass_simulate::strapdown::answer::Answer;
+use proofmass_simulate::strapdown::outages::Outage;
+use proofmass_simulate::study::Study;
+use proofmass_simulate::study::file::AidingMethod;
 
 /// Outages that are drawn.
 const DRAWN: usize = 6;
 
 /// The section about aiding; nothing where there is none.
-pub(super) fn section(page: &mut Page, study: &Study, answer: &Answer) {
+pub(crate) fn section(page: &mut Page, study: &Study, answer: &Answer) {
     if answer.flight.fixes.is_empty() {
         return;
     }
@@ -33,7 +33,7 @@ pub(super) fn section(page: &mut Page, study: &Study, answer: &Answer) {
 }
 
 /// What measures, and what the navigator makes of it.
-pub(super) fn model(study: &Study, answer: &Answer) -> String {
+pub(crate) fn model(study: &Study, answer: &Answer) -> String {
     let fixes = answer.flight.fixes.len();
     let aiding = study.in_motion.as_ref().and_then(|motion| motion.aiding.as_ref());
     let method = match aiding.map_or(AidingMethod::Filter, |aiding| aiding.method) {
@@ -49,7 +49,7 @@ pub(super) fn model(study: &Study, answer: &Answer) -> String {
 }
 
 /// The outage at whose end the horizontal error is largest.
-pub(super) fn worst(answer: &Answer) -> Option<(&Outage, usize)> {
+pub(crate) fn worst(answer: &Answer) -> Option<(&Outage, usize)> {
     let end = |outage: &Outage| outage.places.last().copied();
     let size = |k: usize| answer.ensemble.summary(k, Quantity::Horizontal).percentiles[3];
     let all = answer.outages.iter().filter_map(|outage| end(outage).map(|k| (outage, k)));
@@ -57,7 +57,7 @@ pub(super) fn worst(answer: &Answer) -> Option<(&Outage, usize)> {
 }
 
 /// Errors at the start and the end of each outage.
-pub(super) fn table(answer: &Answer) -> Table {
+pub(crate) fn table(answer: &Answer) -> Table {
     let mut table = Table::new(&[
         "GNSS outage / s",
         "CEP95 at its start / m",

@@ -1,18 +1,18 @@
 //! Predicted, and what the sensor then did in flight: the windows of a recorded flight as dots
 //! beside the bands of the study's sensor, and the fractions inside them.
 
-use crate::number::{rounded, significant};
-use crate::numerics::special::normal_quantile;
-use crate::report::figure::{Axis, Chart, Figure, Ink, Mark, labelled};
-use crate::report::html::Page;
-use crate::report::table::Table;
-use crate::strapdown::windows::document::{AXES, TOGETHER};
-use crate::strapdown::windows::inflation::{FEWEST, Inflation, Whose};
-use crate::strapdown::windows::length::Length;
-use crate::strapdown::windows::score::{self, BANDS};
-use crate::strapdown::windows::{Compared, Sensor};
-use crate::study::Study;
-use crate::units::{DEGREE, DEGREE_PER_HOUR_PER_ROOT_HOUR, DEGREE_PER_ROOT_HOUR, MICRO_G};
+use crate::figure::{Axis, Chart, Figure, Ink, Mark, labelled};
+use crate::html::Page;
+use crate::table::Table;
+use proofmass_base::number::{rounded, significant};
+use proofmass_base::numerics::special::normal_quantile;
+use proofmass_base::units::{DEGREE, DEGREE_PER_HOUR_PER_ROOT_HOUR, DEGREE_PER_ROOT_HOUR, MICRO_G};
+use proofmass_simulate::strapdown::windows::document::{AXES, TOGETHER};
+use proofmass_simulate::strapdown::windows::inflation::{FEWEST, Inflation, Whose};
+use proofmass_simulate::strapdown::windows::length::Length;
+use proofmass_simulate::strapdown::windows::score::{self, BANDS};
+use proofmass_simulate::strapdown::windows::{Compared, Sensor};
+use proofmass_simulate::study::Study;
 
 /// How the nine errors are called and shown: name, unit, and its size in SI units.
 const SHOWN: [(&str, &str, f64); 9] = [
@@ -29,7 +29,7 @@ const SHOWN: [(&str, &str, f64); 9] = [
 const _: () = assert!(SHOWN.len() == AXES.len());
 
 /// The section of the page.
-pub(super) fn section(page: &mut Page, compared: &Compared) {
+pub(crate) fn section(page: &mut Page, compared: &Compared) {
     page.section("Predicted and recorded flight");
     page.paragraph(&format!(
         "The recorded IMU ({} s beside the reference, SHA-256 {}…) is dead-reckoned in windows that do not overlap. Each \
@@ -80,7 +80,7 @@ pub(super) fn section(page: &mut Page, compared: &Compared) {
 }
 
 /// One sentence per sensor and length of window.
-pub(super) fn sentences(compared: &Compared) -> Vec<String> {
+pub(crate) fn sentences(compared: &Compared) -> Vec<String> {
     let mut all = Vec::new();
     for length in &compared.lengths {
         let errors = length.errors();

@@ -1,12 +1,12 @@
 //! Simulation beside a recording: Allan deviation axis by axis, and where the two leave each other.
 
-use crate::drift::compare::{Departure, Likeness, Outcome};
-use crate::escape::file_name;
-use crate::number::{duration, significant};
-use crate::report::figure::{Axis, Chart, Ink, Mark, labelled};
-use crate::report::html::Page;
-use crate::sensor::Sense;
-use crate::units::{DEGREE_PER_HOUR, MICRO_G};
+use crate::figure::{Axis, Chart, Ink, Mark, labelled};
+use crate::html::Page;
+use proofmass_base::escape::file_name;
+use proofmass_base::number::{duration, significant};
+use proofmass_base::units::{DEGREE_PER_HOUR, MICRO_G};
+use proofmass_scenario::sensor::Sense;
+use proofmass_simulate::drift::compare::{Departure, Likeness, Outcome};
 
 /// The section, if the study asks for it.
 pub(crate) fn section(page: &mut Page, outcome: &Outcome) {

@@ -1,9 +1,9 @@
 //! The error budget over time: fractions of the variance, stacked, and each source's own envelope.
 
-use crate::drift::Drift;
-use crate::drift::budget::Contribution;
-use crate::numerics::order;
-use crate::report::figure::{Axis, Chart, Ink, Mark};
+use crate::figure::{Axis, Chart, Ink, Mark};
+use proofmass_base::numerics::order;
+use proofmass_simulate::drift::Drift;
+use proofmass_simulate::drift::budget::Contribution;
 
 /// Sources shown by name; the rest is one band.
 const NAMED: usize = 6;

@@ -2,9 +2,9 @@
 //! of the same mean and sd.
 
 use super::moment::moment;
-use crate::drift::Drift;
-use crate::report::figure::{Axis, Chart, Ink, Mark, labelled};
-use crate::statistics::{Summary, quantity};
+use crate::figure::{Axis, Chart, Ink, Mark, labelled};
+use proofmass_base::statistics::{Summary, quantity};
+use proofmass_simulate::drift::Drift;
 
 /// Bars of a shown histogram.
 const BARS: usize = 50;
@@ -59,7 +59,9 @@ fn histogram(name: &str, unit: &str, time_s: f64, summary: &Summary) -> Chart {
     }
     let mut bars = vec![0.0; BARS];
     let bins = &summary.histogram.bins;
-    for (i, count) in summary.histogram.counts.iter().enumerate().skip(1).take(crate::statistics::histogram::BINS) {
+    for (i, count) in
+        summary.histogram.counts.iter().enumerate().skip(1).take(proofmass_base::statistics::histogram::BINS)
+    {
         let middle = 0.5 * (bins.edge(i - 1) + bins.edge(i));
         let bar = ((middle - low) / width).floor();
         if (0.0..BARS as f64).contains(&bar) {

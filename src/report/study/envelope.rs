@@ -1,9 +1,9 @@
 //! Position error over time: percentile bands on linear axes, standard deviation over closed form
 //! and guides on log axes.
 
-use crate::drift::Drift;
-use crate::report::figure::{Axis, Chart, Ink, Mark};
-use crate::statistics::{Summary, quantity};
+use crate::figure::{Axis, Chart, Ink, Mark};
+use proofmass_base::statistics::{Summary, quantity};
+use proofmass_simulate::drift::Drift;
 
 /// 95 % quantile of the standard normal.
 const EDGE: f64 = 1.644_853_6;

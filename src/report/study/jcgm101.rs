@@ -1,16 +1,16 @@
 //! The result as JCGM 101 states one: estimate, standard uncertainty and coverage intervals with
 //! the digits that are stable.
 
-use crate::drift::Drift;
-use crate::report::html::Page;
-use crate::report::table::Table;
-use crate::statistics::jcgm101::{Linear, Stated};
+use crate::html::Page;
+use crate::table::Table;
+use proofmass_base::statistics::jcgm101::{Linear, Stated};
+use proofmass_simulate::drift::Drift;
 
 /// A number to the last digit that the tolerance leaves: JCGM 101 §7.9.2, GUM 7.2.6.
 fn stated(value: f64, tolerance: f64) -> String {
     let unit = 2.0 * tolerance;
     if unit <= 0.0 {
-        return crate::number::significant(value, 6);
+        return proofmass_base::number::significant(value, 6);
     }
     let decimals = (-unit.log10().round()).max(0.0) as usize;
     let rounded = (value / unit).round() * unit;
@@ -20,7 +20,7 @@ fn stated(value: f64, tolerance: f64) -> String {
 }
 
 /// The result in a sentence; `error` is its first word, such as "Position".
-pub(crate) fn sentence(error: &str, of: &Stated) -> String {
+pub fn sentence(error: &str, of: &Stated) -> String {
     let number = |value: f64| stated(value, of.tolerance);
     let [low, high] = of.interval95.symmetric;
     format!(
@@ -52,10 +52,10 @@ pub fn validation(linear: &Linear, left_out: &[String]) -> String {
 }
 
 /// Title of the section.
-pub(crate) const TITLE: &str = "The result as JCGM 101 states it";
+pub const TITLE: &str = "The result as JCGM 101 states it";
 
 /// The section of the page.
-pub(crate) fn section(page: &mut Page, of: &Stated, linear: &Linear, drift: &Drift) {
+pub fn section(page: &mut Page, of: &Stated, linear: &Linear, drift: &Drift) {
     page.section(TITLE);
     page.paragraph(&sentence("Position", of));
     let number = |value: f64| stated(value, of.tolerance);

@@ -1,6 +1,6 @@
 //! Times as a page writes them.
 
-use crate::number::duration;
+use proofmass_base::number::duration;
 
 /// A time as it was written in the study, without the noise of its arithmetic.
 pub(crate) fn plain(time_s: f64) -> String {

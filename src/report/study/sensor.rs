@@ -1,12 +1,12 @@
 //! The sensor as its datasheet would print it.
 
-use crate::number::rounded;
-use crate::report::table::Table;
-use crate::sensor::SensorTerm;
-use crate::study::Study;
-use crate::study::tolerances::keys;
-use crate::units::key::Key;
-use crate::units::number::Number;
+use crate::table::Table;
+use proofmass_base::number::rounded;
+use proofmass_base::units::key::Key;
+use proofmass_base::units::number::Number;
+use proofmass_scenario::sensor::SensorTerm;
+use proofmass_simulate::study::Study;
+use proofmass_simulate::study::tolerances::keys;
 
 /// Which noise is meant, said once.
 pub(super) const CONVENTION: &str = "Noise densities n are one-sided, as datasheets print them; random walks N are two-sided coefficients as in IEEE 952 and \

@@ -3,17 +3,17 @@
 
 use std::path::Path;
 
-use crate::drift::compare::{Comparison, Outcome};
-use crate::drift::windows::{BANDS, Drifted, Windows};
-use crate::escape::file_name;
-use crate::number::{rounded, significant};
-use crate::numerics::special::exact_interval;
-use crate::report::figure::{Axis, Chart, Figure, Ink, Mark, labelled};
-use crate::report::html::Page;
-use crate::report::table::Table;
-use crate::sensor::Sense;
-use crate::study::Study;
-use crate::units::DEGREE;
+use crate::figure::{Axis, Chart, Figure, Ink, Mark, labelled};
+use crate::html::Page;
+use crate::table::Table;
+use proofmass_base::escape::file_name;
+use proofmass_base::number::{rounded, significant};
+use proofmass_base::numerics::special::exact_interval;
+use proofmass_base::units::DEGREE;
+use proofmass_scenario::sensor::Sense;
+use proofmass_simulate::drift::compare::{Comparison, Outcome};
+use proofmass_simulate::drift::windows::{BANDS, Drifted, Windows};
+use proofmass_simulate::study::Study;
 
 /// What the windows show, if the study asks for them and the log is there.
 fn drifted(outcome: &Outcome) -> Option<(&Comparison, &[Drifted])> {

@@ -106,9 +106,9 @@ pub(super) fn evidence(still: &Still, n: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trial::independent::draw::Draw;
-    use crate::trial::independent::still::flicker;
-    use crate::trial::independent::truth::SEEN;
+    use crate::independent::draw::Draw;
+    use crate::independent::still::flicker;
+    use crate::independent::truth::SEEN;
 
     const ROWS: usize = 8000;
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::case::Case;
 use super::stated;
 use super::truth::{Family, SEEN};
-use crate::trial::said::{Ending, Said};
+use crate::said::{Ending, Said};
 
 /// Worth of a verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -143,11 +143,16 @@ fn overclaims(case: &Case, said: &Said) -> bool {
 
 /// One interval against the truth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Covered {
+pub struct Covered {
+    /// Id of the effect.
     pub id: String,
+    /// Name of the parameter.
     pub name: String,
+    /// Planted value.
     pub truth: f64,
+    /// Estimated value.
     pub value: f64,
+    /// Interval of 95 % of the estimate.
     pub ci95: [f64; 2],
     /// Whether the interval contains the true value.
     pub covers: bool,
@@ -155,7 +160,7 @@ pub(crate) struct Covered {
 
 /// The intervals of right names that are true to the letter; near a law, those of exponents, which
 /// say what the name leaves open.
-pub(crate) fn coverage(case: &Case, said: &Said) -> Vec<Covered> {
+pub fn coverage(case: &Case, said: &Said) -> Vec<Covered> {
     let is_judged = |name: &str| match case.family {
         Family::Letter => true,
         Family::Near => name == "n",
@@ -189,8 +194,8 @@ pub(crate) fn coverage(case: &Case, said: &Said) -> Vec<Covered> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trial::independent::stage::Size;
-    use crate::trial::independent::truth::{Truth, effect};
+    use crate::independent::stage::Size;
+    use crate::independent::truth::{Truth, effect};
 
     fn said(outcome: Ending, groups: &[&[&str]]) -> Said {
         let groups = groups.iter().map(|g| g.iter().map(|id| (*id).to_owned()).collect()).collect();
@@ -246,6 +251,6 @@ mod tests {
         assert_eq!(marks, [[Mark::Right, Mark::ConfidentlyWrong], [Mark::HonestNamed, Mark::FalseName]]);
     }
 
-    use crate::trial::independent::truth::Effect;
-    use crate::trial::said::Number;
+    use crate::independent::truth::Effect;
+    use crate::said::Number;
 }

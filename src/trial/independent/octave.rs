@@ -32,9 +32,9 @@ pub(super) fn departure_from_flicker(process: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trial::independent::draw::Draw;
-    use crate::trial::independent::still::flicker;
-    use crate::trial::independent::truth::SEEN;
+    use crate::independent::draw::Draw;
+    use crate::independent::still::flicker;
+    use crate::independent::truth::SEEN;
 
     const ROWS: usize = 20_000;
 

@@ -297,8 +297,8 @@ impl Noise {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trial::independent::readout::Noise as Law;
-    use crate::trial::independent::truth::SEEN;
+    use crate::independent::readout::Noise as Law;
+    use crate::independent::truth::SEEN;
 
     fn sensor(scale: f64, sigma: f64) -> Sensor {
         Sensor {

@@ -13,13 +13,13 @@ use sha2::{Digest, Sha256};
 use super::case::Case;
 use super::judge::{Mark, judge};
 use super::stage::Size;
-use crate::control::Control;
-use crate::diagnosis::verdict::Verdict;
-use crate::document::{hexadecimal, write_whole};
-use crate::error::{Error, Result};
-use crate::trial::said::Said;
-use crate::trial::scratch::Scratch;
-use crate::trial::workers::side_by_side;
+use crate::said::Said;
+use crate::scratch::Scratch;
+use crate::workers::side_by_side;
+use proofmass_base::control::Control;
+use proofmass_base::document::{hexadecimal, write_whole};
+use proofmass_base::error::{Error, Result};
+use proofmass_diagnosis::verdict::Verdict;
 
 /// What is diagnosed: two files in, a verdict out.
 pub(crate) type Subject<'a> = dyn Fn(&Path, &Path) -> Result<Verdict> + Sync + 'a;
@@ -122,7 +122,7 @@ fn parse(bytes: &[u8]) -> Result<Truths> {
 ///
 /// # Errors
 /// When it has changed since it was sealed.
-pub(crate) fn open(path: &Path, sealed: &str) -> Result<Truths> {
+pub fn open(path: &Path, sealed: &str) -> Result<Truths> {
     let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, &e))?;
     let found = hexadecimal(&Sha256::digest(&bytes));
     if found != sealed {
@@ -150,7 +150,7 @@ pub fn earlier(path: &Path) -> Result<Lines> {
 ///
 /// # Errors
 /// When the files cannot be written, or when stopped; a diagnosis that fails is a verdict "error".
-pub(crate) fn ask(case: &Case, subject: &Subject<'_>, scratch: &Scratch) -> Result<Said> {
+pub fn ask(case: &Case, subject: &Subject<'_>, scratch: &Scratch) -> Result<Said> {
     let folder = scratch.case()?;
     let [recording, model] = ["recording.csv", "model.toml"].map(|name| folder.path().join(name));
     for (path, text) in [&recording, &model].into_iter().zip(case.texts()) {
@@ -161,13 +161,15 @@ pub(crate) fn ask(case: &Case, subject: &Subject<'_>, scratch: &Scratch) -> Resu
     let seconds = start.elapsed().as_secs_f64();
     match verdict {
         Ok(verdict) => Ok(Said::from_verdict(&verdict, seconds)),
-        Err(error) if error.kind == crate::error::Kind::Interrupted => Err(Error { hint: HINT.into(), ..error }),
+        Err(error) if error.kind == proofmass_base::error::Kind::Interrupted => {
+            Err(Error { hint: HINT.into(), ..error })
+        }
         Err(error) => Ok(Said::from_error(&error, seconds)),
     }
 }
 
 /// The line of a case.
-pub(crate) fn line(case: &Case, said: Said) -> Line {
+pub fn line(case: &Case, said: Said) -> Line {
     Line {
         number: case.number,
         kind: case.kind.name().into(),

@@ -10,7 +10,7 @@ use super::case::{Case, Change};
 use super::judge::{Covered, Mark, coverage};
 use super::run::{Line, Lines};
 use super::truth::{Family, Kind};
-use crate::trial::interval::Proportion;
+use crate::interval::Proportion;
 
 /// Marks of some cases.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -105,7 +105,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::trial::independent::wave::Shape;
+    use crate::independent::wave::Shape;
 
     fn bare(omega: f64, zeta: f64, input: Shape, start: [f64; 2], rows: usize) -> Oscillator {
         Oscillator {

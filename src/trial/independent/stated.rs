@@ -9,7 +9,7 @@
 use super::case::{Body, Case};
 use super::linear::left_by;
 use super::still::{Process, Still};
-use crate::trial::said::Said;
+use crate::said::Said;
 
 /// Id that states shapes.
 const ID: &str = "temperature-sensitivity";
@@ -57,9 +57,9 @@ fn stated(still: &Still, said: &Said, channel: usize) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trial::independent::stage::Size;
-    use crate::trial::independent::truth::SEEN;
-    use crate::trial::said::{Ending, Number};
+    use crate::independent::stage::Size;
+    use crate::independent::truth::SEEN;
+    use crate::said::{Ending, Number};
 
     #[test]
     fn the_shape_that_is_there_leaves_nothing_and_another_one_much() {

@@ -3,6 +3,9 @@
 //! A name belongs to the file that defines it, however it is reached: `use` lists, `super::`,
 //! `self::`, an inline path, or a re-export elsewhere. `mod` lines and re-exports take nothing
 //! themselves, and test code may name anything.
+//!
+//! Modules are addressed as the facade re-exports them, whatever crate holds them: `recording::clock`
+//! is `src/recording/clock.rs`, and `units::key` is `src/base/units/key.rs`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -10,7 +13,10 @@ use std::str::FromStr;
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// A module's path from the crate's root, e.g. `["recording", "clock"]`; empty for `lib.rs`.
+/// Crates that hold several modules of the facade; every other crate is one.
+pub const GROUPS: [&str; 3] = ["base", "scenario", "simulate"];
+
+/// A module's path from the facade's root, e.g. `["recording", "clock"]`; empty for `src/lib.rs`.
 pub type Module = Vec<String>;
 
 /// One name that a file takes from another.
@@ -53,6 +59,8 @@ struct File {
 #[derive(Debug, Default)]
 pub struct Imports {
     files: BTreeMap<Module, File>,
+    /// Modules that are crates.
+    crates: BTreeSet<String>,
 }
 
 impl Imports {
@@ -62,6 +70,8 @@ impl Imports {
     /// Text that is not Rust.
     pub fn read(sources: &[(PathBuf, String)]) -> Result<Self, String> {
         let mut files = BTreeMap::new();
+        let roots = sources.iter().filter(|(path, _)| path.ends_with("lib.rs")).map(|(path, _)| module_of(path));
+        let crates = roots.filter_map(|root| root.into_iter().next()).collect();
         for (path, text) in sources {
             let tokens = TokenStream::from_str(text).map_err(|e| format!("{}: {e}", path.display()))?;
             let module = module_of(path);
@@ -69,7 +79,7 @@ impl Imports {
             file.read(tokens, &module, true);
             files.insert(module, file);
         }
-        Ok(Self { files })
+        Ok(Self { files, crates })
     }
 
     /// Every name that a file takes from another, once.
@@ -126,12 +136,19 @@ impl Imports {
         let Written { scope, path } = written;
         let (first, rest) = path.split_first()?;
         match first.as_str() {
-            "crate" | "proofmass" => Some(rest.to_vec()),
+            "proofmass" => Some(rest.to_vec()),
+            "crate" => Some(self.in_crate(scope, rest)),
             "self" => Some([scope.as_slice(), rest].concat()),
             "super" => {
                 let up = path.iter().take_while(|s| *s == "super").count();
                 let outer = scope.len().saturating_sub(up);
                 Some([&scope[..outer], &path[up..]].concat())
+            }
+            other if other.starts_with("proofmass_") => {
+                let name = other.trim_start_matches("proofmass_");
+                let is_elsewhere = GROUPS.contains(&name) || rest.first().is_some_and(|r| *r == "dynamics");
+                let root = if is_elsewhere { Vec::new() } else { vec![name.to_owned()] };
+                Some([root.as_slice(), rest].concat())
             }
             _ if self.is_module(&[scope.as_slice(), std::slice::from_ref(first)].concat()) => {
                 Some([scope.as_slice(), path].concat())
@@ -143,6 +160,16 @@ impl Imports {
                 Some(whole)
             }
         }
+    }
+
+    /// A path from the root of the crate of `scope`. Where the crate is one module, what it does not
+    /// hold itself is a crate below, under the name that the root gives it.
+    fn in_crate(&self, scope: &[String], rest: &[String]) -> Vec<String> {
+        let own = [&scope[..scope.len().min(1)], rest].concat();
+        let is_below = rest.first().is_none_or(|first| self.is_module(std::slice::from_ref(first)));
+        let is_own = own.len() > 1 && self.is_module(&own[..2]);
+        let is_crate = scope.first().is_some_and(|top| self.crates.contains(top));
+        if is_crate && (is_own || !is_below) { own } else { rest.to_vec() }
     }
 
     fn is_module(&self, path: &[String]) -> bool {
@@ -176,8 +203,13 @@ impl Imports {
 pub fn module_of(path: &Path) -> Module {
     let below = path.strip_prefix("src").unwrap_or(path).with_extension("");
     let mut module: Module = below.components().map(|c| c.as_os_str().to_string_lossy().into_owned()).collect();
-    if module == ["lib"] || module.last().is_some_and(|last| last == "mod") {
+    if module.last().is_some_and(|last| last == "lib" || last == "mod") {
         module.pop();
+    }
+    let is_elsewhere =
+        |first: &str, second: &str| GROUPS.contains(&first) || (first, second) == ("physics", "dynamics");
+    if module.len() > 1 && is_elsewhere(&module[0], &module[1]) {
+        module.remove(0);
     }
     module
 }

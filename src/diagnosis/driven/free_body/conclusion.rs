@@ -3,24 +3,24 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::answer::{self, Answer, Places};
-use crate::diagnosis::candidate::Kind;
-use crate::diagnosis::detection::structure;
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::notes::Notes;
-use crate::diagnosis::driven::intake::several::Piece;
-use crate::diagnosis::driven::selection::held_out::{Comparison, HeldOut, compare, ratio_interval};
-use crate::diagnosis::driven::verdict::asked::Asked;
-use crate::diagnosis::driven::verdict::conclude::WHITE;
-use crate::diagnosis::driven::verdict::detail::{Account, Detail, Shown};
-use crate::diagnosis::driven::verdict::effects::{Channels, unit, unit_of};
-use crate::diagnosis::remainder::{Remainder, Size, Test};
-use crate::diagnosis::ruling::{self, rule};
-use crate::diagnosis::standing::{Gain, Note, Ranked};
-use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Fit, RecordingInfo, RecordingScore, Score};
+use crate::answer::{self, Answer, Places};
+use crate::candidate::Kind;
+use crate::detection::structure;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::notes::Notes;
+use crate::driven::intake::several::Piece;
+use crate::driven::selection::held_out::{Comparison, HeldOut, compare, ratio_interval};
+use crate::driven::verdict::asked::Asked;
+use crate::driven::verdict::conclude::WHITE;
+use crate::driven::verdict::detail::{Account, Detail, Shown};
+use crate::driven::verdict::effects::{Channels, unit, unit_of};
 use crate::number::short;
 use crate::numerics::moments::{mean_sd, rms};
 use crate::physics::coulomb_friction::Sides;
+use crate::remainder::{Remainder, Size, Test};
+use crate::ruling::{self, rule};
+use crate::standing::{Gain, Note, Ranked};
+use crate::verdict::{Effect, Estimate, Evidence, Fit, RecordingInfo, RecordingScore, Score};
 
 use super::motion::{MotionAndForce, Part};
 use super::regression::Regression;

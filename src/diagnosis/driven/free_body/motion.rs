@@ -4,8 +4,8 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::several::Piece;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::several::Piece;
 use crate::numerics::butterworth::zero_phase;
 
 /// Corner of the low-pass that the position goes through before it is differentiated, over the

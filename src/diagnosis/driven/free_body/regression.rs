@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::diagnosis::driven::identification::interval;
-use crate::diagnosis::driven::selection::held_out::{Block, HeldOut};
-use crate::diagnosis::driven::selection::residual_structure::{MEMORY, correlation};
+use crate::driven::identification::interval;
+use crate::driven::selection::held_out::{Block, HeldOut};
+use crate::driven::selection::residual_structure::{MEMORY, correlation};
 use crate::numerics::least_squares::Linear;
 
 use super::motion::{MotionAndForce, Part};

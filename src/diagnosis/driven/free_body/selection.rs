@@ -3,9 +3,9 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::selection::earned::LEVEL;
-use crate::diagnosis::driven::selection::held_out::{Comparison, compare};
+use crate::driven::intake::data::Data;
+use crate::driven::selection::earned::LEVEL;
+use crate::driven::selection::held_out::{Comparison, compare};
 use crate::physics::candidate::Candidate;
 use crate::physics::coulomb_friction::{self, Sides};
 use crate::physics::{drive_nonlinearity, quadratic_damping};

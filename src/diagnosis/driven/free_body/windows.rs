@@ -3,8 +3,8 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::several::Piece;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::several::Piece;
 
 use super::motion::{MotionAndForce, Part};
 use super::regression::Regression;

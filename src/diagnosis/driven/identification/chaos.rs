@@ -7,12 +7,12 @@
 //! coefficients. The growth is that of the variational equation (Benettin et al., Meccanica 15,
 //! 1980). Not for numbers of the verdict but the exponent and the horizon.
 
-use crate::diagnosis::driven::base::{BASE, GAIN, OFFSET, OMEGA, ZETA};
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::input::Input;
-use crate::diagnosis::driven::intake::reading_noise::{Sample, reading_noise};
-use crate::diagnosis::driven::intake::stretches::{Stretches, merged, minus};
-use crate::diagnosis::driven::intake::windows::{Course, Force as ForceAtRest, Windows};
+use crate::driven::base::{BASE, GAIN, OFFSET, OMEGA, ZETA};
+use crate::driven::intake::data::Data;
+use crate::driven::intake::input::Input;
+use crate::driven::intake::reading_noise::{Sample, reading_noise};
+use crate::driven::intake::stretches::{Stretches, merged, minus};
+use crate::driven::intake::windows::{Course, Force as ForceAtRest, Windows};
 use crate::numerics::least_squares::Linear;
 use crate::numerics::moments::mean_sd;
 
@@ -262,12 +262,12 @@ fn exponent(y: &[f64], force: &Force, interval_s: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::driven::intake::input::Interpolation;
-    use crate::diagnosis::driven::intake::stretches::interleaved;
-    use crate::diagnosis::driven::intake::work::Work;
-    use crate::dynamics::duffing::{Drive, Oscillator, State};
-    use crate::dynamics::lyapunov::{Span, spectrum};
+    use crate::driven::intake::input::Interpolation;
+    use crate::driven::intake::stretches::interleaved;
+    use crate::driven::intake::work::Work;
     use crate::rng::{Philox, Stream};
+    use proofmass_physics::dynamics::duffing::{Drive, Oscillator, State};
+    use proofmass_physics::dynamics::lyapunov::{Span, spectrum};
     use std::f64::consts::TAU;
 
     const PER_CYCLE: usize = 60;

@@ -3,9 +3,9 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::simulation::filter::Nothing;
-use crate::diagnosis::driven::simulation::run::{Run, innovations};
+use crate::driven::intake::data::Data;
+use crate::driven::simulation::filter::Nothing;
+use crate::driven::simulation::run::{Run, innovations};
 use crate::numerics::least_squares::{Linear, Minimum, Residuals, minimise};
 use crate::parallel;
 use crate::physics::end_stop::EndStop;
@@ -13,8 +13,8 @@ use crate::physics::library::Term;
 use crate::physics::scales::{Coordinate, Scales};
 use crate::physics::state::{LANES, Lanes};
 
-pub use crate::diagnosis::driven::base::{BASE, GAIN, INITIAL, OFFSET, OMEGA, ZETA};
-pub use crate::diagnosis::driven::simulation::structure::{ModelStructure, coordinates};
+pub use crate::driven::base::{BASE, GAIN, INITIAL, OFFSET, OMEGA, ZETA};
+pub use crate::driven::simulation::structure::{ModelStructure, coordinates};
 
 /// A fit in progress: which parameters move, and how.
 pub struct Search<'a> {

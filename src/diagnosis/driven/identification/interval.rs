@@ -5,7 +5,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::diagnosis::driven::intake::data::Data;
+use crate::driven::intake::data::Data;
 use crate::numerics::least_squares::Residuals;
 use crate::numerics::special;
 use crate::parallel;

@@ -4,7 +4,7 @@
 //!
 //! For the model that was chosen, once; where a search begins is not decided here (`start_search`).
 
-use crate::diagnosis::driven::intake::data::Data;
+use crate::driven::intake::data::Data;
 use crate::parallel;
 use crate::physics::scales::Scales;
 

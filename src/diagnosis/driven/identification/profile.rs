@@ -6,13 +6,13 @@
 //! check on the interval stated (`interval`), not its source. The strength of a noise has no
 //! profile here: it changes no simulation.
 
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::work::Budget;
-use crate::diagnosis::verdict::Effect;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::work::Budget;
 use crate::numerics::least_squares::Linear;
 use crate::numerics::order;
 use crate::physics::library::Term;
 use crate::physics::scales::{Coordinate, Scales};
+use crate::verdict::Effect;
 
 use super::fit::{Fit, Search};
 use super::interval::Spread;
@@ -24,7 +24,7 @@ const SIDE: usize = 16;
 const REACH: f64 = 2.0;
 /// Log-likelihood that the 95 % interval gives away: half the 0.95 quantile of χ² with one degree
 /// of freedom.
-pub(crate) const FALL: f64 = 1.920_729;
+pub const FALL: f64 = 1.920_729;
 
 /// Log-likelihood below which a whole profile is flat.
 const FLAT: f64 = 0.1;

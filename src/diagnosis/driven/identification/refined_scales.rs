@@ -1,8 +1,8 @@
 //! Sizes of what a fit leaves: how large its velocity and its residual are, and which frequencies
 //! stand out.
 
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::simulation::run::trace;
+use crate::driven::intake::data::Data;
+use crate::driven::simulation::run::trace;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::{order, spectrum};
 use crate::physics::scales::Scales;

@@ -5,12 +5,12 @@
 //! the moved input better than the one that was recorded; and whether whole samples are what it lags
 //! by, as two columns of a file do, and not a delay of the sensor.
 
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::prepare::Prepared;
-use crate::diagnosis::driven::intake::reading_noise::{Sample, reading_noise};
-use crate::diagnosis::driven::intake::shift::Shift;
-use crate::diagnosis::driven::intake::stretches;
-use crate::diagnosis::model;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::prepare::Prepared;
+use crate::driven::intake::reading_noise::{Sample, reading_noise};
+use crate::driven::intake::shift::Shift;
+use crate::driven::intake::stretches;
+use crate::model;
 use crate::parallel;
 use crate::physics::input_lag::InputLag;
 use crate::physics::library::Term;

@@ -6,12 +6,12 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::diagnosis::driven::base::{BASE, GAIN, OMEGA, ZETA};
-use crate::diagnosis::driven::intake::alignment::{Alignment, align};
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::simulation::run::trace;
-use crate::diagnosis::driven::simulation::structure::ModelStructure;
-use crate::diagnosis::model;
+use crate::driven::base::{BASE, GAIN, OMEGA, ZETA};
+use crate::driven::intake::alignment::{Alignment, align};
+use crate::driven::intake::data::Data;
+use crate::driven::simulation::run::trace;
+use crate::driven::simulation::structure::ModelStructure;
+use crate::model;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::{order, spectrum};
 use crate::parallel;

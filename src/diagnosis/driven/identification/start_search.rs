@@ -5,10 +5,10 @@
 //! less their projection on the model's own derivatives. The best few are where the fit begins. Not
 //! for noise terms, which no free simulation shows.
 
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::simulation::filter::Nothing;
-use crate::diagnosis::driven::simulation::run::{Run, innovations};
-use crate::diagnosis::driven::simulation::structure::ModelStructure;
+use crate::driven::intake::data::Data;
+use crate::driven::simulation::filter::Nothing;
+use crate::driven::simulation::run::{Run, innovations};
+use crate::driven::simulation::structure::ModelStructure;
 use crate::numerics::order;
 use crate::parallel;
 use crate::physics::law::StartGrid;

@@ -3,9 +3,9 @@
 //!
 //! Not for the search, which takes a fixed and coarser measure (`start`).
 
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::simulation::filter::Nothing;
-use crate::diagnosis::driven::simulation::run::{Run, innovations};
+use crate::driven::intake::data::Data;
+use crate::driven::simulation::filter::Nothing;
+use crate::driven::simulation::run::{Run, innovations};
 use crate::numerics::least_squares::Linear;
 use crate::physics::scales::Scales;
 

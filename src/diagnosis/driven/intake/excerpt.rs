@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::model;
+use crate::model;
 use crate::numerics::moments::mean_sd;
 use crate::recording::{Column, Recording};
 

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use crate::control::Control;
-use crate::diagnosis::driven::base::{BASE, OMEGAS_PER_SAMPLE, ZETAS};
-use crate::diagnosis::model;
+use crate::driven::base::{BASE, OMEGAS_PER_SAMPLE, ZETAS};
 use crate::error::{Error, Result, nearest};
+use crate::model;
 use crate::number::short;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::order;

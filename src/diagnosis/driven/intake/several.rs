@@ -7,12 +7,12 @@
 use std::ops::Range;
 
 use crate::control::Control;
-use crate::diagnosis::model;
-use crate::diagnosis::recordings::Recordings;
-use crate::diagnosis::verdict::Role;
 use crate::error::{Error, Result};
+use crate::model;
 use crate::number::short;
 use crate::recording::Recording;
+use crate::recordings::Recordings;
+use crate::verdict::Role;
 
 use super::data::{Data, Followed};
 use super::excerpt::{self, LONGEST};

@@ -1,9 +1,9 @@
 //! Whether a term earns its place: by the samples that judge, or where these show less than the
 //! fitted ones, by all samples in turn; and a model without the terms that do not.
 
-use crate::diagnosis::driven::identification::fit::{Fit, Search, fit};
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::simulation::structure::ModelStructure;
+use crate::driven::identification::fit::{Fit, Search, fit};
+use crate::driven::intake::data::Data;
+use crate::driven::simulation::structure::ModelStructure;
 use crate::parallel;
 use crate::physics::scales::Scales;
 

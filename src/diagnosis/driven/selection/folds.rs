@@ -1,10 +1,10 @@
 //! Other ways to part the samples that are fitted from those that judge: for what is rare, and
 //! happens to lie on one side only.
 
-use crate::diagnosis::driven::identification::fit::Fit;
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::stretches::{Stretches, merged};
-use crate::diagnosis::driven::simulation::run::trace;
+use crate::driven::identification::fit::Fit;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::stretches::{Stretches, merged};
+use crate::driven::simulation::run::trace;
 use crate::numerics::order;
 
 use super::held_out::LEAD;

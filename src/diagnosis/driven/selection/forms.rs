@@ -5,12 +5,12 @@
 //! Not for how far it departs (`verdict::form`) and not for what follows for the verdict
 //! (`ruling`).
 
-use crate::diagnosis::driven::base::OFFSET;
-use crate::diagnosis::driven::identification::fit::{Fit, Search, fit};
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::work::Budget;
-use crate::diagnosis::driven::simulation::run::trace;
-use crate::diagnosis::driven::simulation::structure::ModelStructure;
+use crate::driven::base::OFFSET;
+use crate::driven::identification::fit::{Fit, Search, fit};
+use crate::driven::intake::data::Data;
+use crate::driven::intake::work::Budget;
+use crate::driven::simulation::run::trace;
+use crate::driven::simulation::structure::ModelStructure;
 use crate::numerics::least_squares::Residuals;
 use crate::numerics::moments::rms;
 use crate::parallel;

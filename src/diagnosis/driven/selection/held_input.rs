@@ -3,9 +3,9 @@
 //! less, the input seems to have been recorded late.
 
 use crate::control::{Control, Stopped};
-use crate::diagnosis::driven::identification::refined_scales::refined;
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::input::Interpolation;
+use crate::driven::identification::refined_scales::refined;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::input::Interpolation;
 use crate::physics::library::Term;
 use crate::physics::readout_delay::ReadoutDelay;
 use crate::physics::readout_lowpass::{Poles, ReadoutLowpass};

@@ -3,12 +3,12 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::driven::base::{INITIAL, OFFSET};
-use crate::diagnosis::driven::identification::fit::{Fit, Search};
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::simulation::filter::Nothing;
-use crate::diagnosis::driven::simulation::run::{Run, innovations};
-use crate::diagnosis::driven::simulation::structure::coordinates;
+use crate::driven::base::{INITIAL, OFFSET};
+use crate::driven::identification::fit::{Fit, Search};
+use crate::driven::intake::data::Data;
+use crate::driven::simulation::filter::Nothing;
+use crate::driven::simulation::run::{Run, innovations};
+use crate::driven::simulation::structure::coordinates;
 use crate::numerics::special;
 use crate::parallel;
 use crate::physics::law::Noise;

@@ -9,12 +9,12 @@
 
 use std::f64::consts::TAU;
 
-use crate::diagnosis::driven::base::{GAIN, OMEGA, ZETA};
-use crate::diagnosis::driven::identification::fit::Fit;
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::input::Input;
-use crate::diagnosis::driven::intake::lines::{HALF_WIDTH, power};
-use crate::diagnosis::driven::intake::reading_noise::{Sample, reading_noise};
+use crate::driven::base::{GAIN, OMEGA, ZETA};
+use crate::driven::identification::fit::Fit;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::input::Input;
+use crate::driven::intake::lines::{HALF_WIDTH, power};
+use crate::driven::intake::reading_noise::{Sample, reading_noise};
 use crate::physics::law::{Place, Role};
 use crate::physics::library::Term;
 
@@ -123,10 +123,10 @@ fn lines(data: &Data, base: &Fit) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::driven::base::{BASE, OFFSET};
-    use crate::diagnosis::driven::intake::input::Interpolation;
-    use crate::diagnosis::driven::intake::work::Work;
-    use crate::diagnosis::driven::simulation::structure::ModelStructure;
+    use crate::driven::base::{BASE, OFFSET};
+    use crate::driven::intake::input::Interpolation;
+    use crate::driven::intake::work::Work;
+    use crate::driven::simulation::structure::ModelStructure;
     use crate::numerics::least_squares::Linear;
     use crate::physics::cubic_stiffness::CubicStiffness;
     use crate::physics::feedthrough::Feedthrough;

@@ -11,15 +11,15 @@
 
 use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
-use crate::diagnosis::driven::base::OMEGA;
-use crate::diagnosis::driven::identification::fit::Fit;
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::simulation::gain;
-use crate::diagnosis::driven::simulation::run::trace;
-use crate::diagnosis::remainder::REAL;
+use crate::driven::base::OMEGA;
+use crate::driven::identification::fit::Fit;
+use crate::driven::intake::data::Data;
+use crate::driven::simulation::gain;
+use crate::driven::simulation::run::trace;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::{order, special};
 use crate::physics::law::Noise;
+use crate::remainder::REAL;
 
 use super::known::{Known, Regressors};
 use super::pumped::Pumped;

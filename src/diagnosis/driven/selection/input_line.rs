@@ -3,10 +3,10 @@
 //! What the input does not cause lies elsewhere; where it does not, this input cannot show that it
 //! does not cause it.
 
-use crate::diagnosis::driven::identification::fit::Fit;
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::input::Input;
-use crate::diagnosis::driven::intake::lines::{HALF_WIDTH, power};
+use crate::driven::identification::fit::Fit;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::input::Input;
+use crate::driven::intake::lines::{HALF_WIDTH, power};
 use crate::numerics::order;
 use crate::physics::library::Term;
 

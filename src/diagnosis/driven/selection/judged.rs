@@ -1,7 +1,7 @@
 //! Models with their record on samples that were not fitted, and what a search among them leaves.
 
-use crate::diagnosis::driven::identification::fit::Fit;
-use crate::diagnosis::driven::intake::data::Data;
+use crate::driven::identification::fit::Fit;
+use crate::driven::intake::data::Data;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 

@@ -4,10 +4,10 @@
 //! terms together: what one of them takes up is no delay, no lag and no second effect.
 
 use crate::control::{Control, Stopped};
-use crate::diagnosis::driven::identification::fit::{Fit, GAIN, OMEGA, ZETA, fit as fitted};
-use crate::diagnosis::driven::identification::refined_scales::refined;
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::work::Budget;
+use crate::driven::identification::fit::{Fit, GAIN, OMEGA, ZETA, fit as fitted};
+use crate::driven::identification::refined_scales::refined;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::work::Budget;
 use crate::numerics::order;
 use crate::physics::coupled_mode::CoupledMode;
 use crate::physics::library::Term;
@@ -280,8 +280,8 @@ fn weigh(selection: &mut Selection, found: Judged) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::driven::base::BASE;
-    use crate::diagnosis::driven::simulation::structure::ModelStructure;
+    use crate::driven::base::BASE;
+    use crate::driven::simulation::structure::ModelStructure;
     use crate::numerics::least_squares::Linear;
 
     fn modes(base: [f64; 3], mode: [f64; 3]) -> Fit {

@@ -4,10 +4,10 @@
 //! place only where the data tell the shape: where its own free form gains nothing over it, and no
 //! other departure of one number does as well.
 
-use crate::diagnosis::driven::identification::fit::{Fit, fit};
-use crate::diagnosis::driven::identification::interval;
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::work::Budget;
+use crate::driven::identification::fit::{Fit, fit};
+use crate::driven::identification::interval;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::work::Budget;
 use crate::parallel;
 use crate::physics::free_form::{Extent, FreeForm, Freed};
 use crate::physics::hysteresis::{Hysteresis, Sharpness};

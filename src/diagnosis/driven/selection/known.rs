@@ -3,7 +3,7 @@
 
 use nalgebra::Complex;
 
-use crate::diagnosis::driven::intake::data::Data;
+use crate::driven::intake::data::Data;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::order;
 

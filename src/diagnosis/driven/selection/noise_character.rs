@@ -6,9 +6,9 @@
 //! are normal). A sum of clipped squares has the mean and the variance of χ² with degrees of
 //! freedom of its own, which are measured.
 
-use crate::diagnosis::detection::structure;
-use crate::diagnosis::remainder::REAL;
+use crate::detection::structure;
 use crate::numerics::{order, special};
+use crate::remainder::REAL;
 
 use super::noise_scale::{MassMotion, local_scale};
 use super::residual_structure::{MEMORY, correlation};

@@ -1,8 +1,8 @@
 //! Whether a stop is told from a spring of another power than the library's.
 
-use crate::diagnosis::driven::identification::fit::{Fit, OMEGA, ZETA, fit};
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::work::Budget;
+use crate::driven::identification::fit::{Fit, OMEGA, ZETA, fit};
+use crate::driven::intake::data::Data;
+use crate::driven::intake::work::Budget;
 use crate::numerics::moments::rms;
 use crate::physics::cubic_stiffness::CubicStiffness;
 use crate::physics::end_stop::{EndStop, Side};

@@ -3,14 +3,14 @@
 
 use std::f64::consts::TAU;
 
-use crate::diagnosis::detection::{Structure, structure};
-use crate::diagnosis::driven::base::{OMEGA, ZETA};
-use crate::diagnosis::driven::identification::fit::Fit;
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::simulation::filter::States;
-use crate::diagnosis::driven::simulation::run::trace;
-use crate::diagnosis::remainder::{REAL, WHITE};
+use crate::detection::{Structure, structure};
+use crate::driven::base::{OMEGA, ZETA};
+use crate::driven::identification::fit::Fit;
+use crate::driven::intake::data::Data;
+use crate::driven::simulation::filter::States;
+use crate::driven::simulation::run::trace;
 use crate::numerics::moments::mean_sd;
+use crate::remainder::{REAL, WHITE};
 
 use super::coloured_noise::{Coloured, Resonance};
 use super::noise_scale::{MassMotion, local_scale};

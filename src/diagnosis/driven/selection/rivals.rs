@@ -3,9 +3,9 @@
 //! two apart.
 
 use crate::control::{Control, Stopped};
-use crate::diagnosis::driven::identification::refined_scales::refined;
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::work::Budget;
+use crate::driven::identification::refined_scales::refined;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::work::Budget;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 

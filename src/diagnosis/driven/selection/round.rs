@@ -3,12 +3,12 @@
 //! makes a term worth its place (`earned`).
 
 use crate::control::{Control, Stopped};
-use crate::diagnosis::driven::identification::fit::{Fit, Search, fit};
-use crate::diagnosis::driven::identification::start_search::StartSearch;
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::simulation::filter::Nothing;
-use crate::diagnosis::driven::simulation::run::{Run, innovations};
-use crate::diagnosis::driven::simulation::structure::ModelStructure;
+use crate::driven::identification::fit::{Fit, Search, fit};
+use crate::driven::identification::start_search::StartSearch;
+use crate::driven::intake::data::Data;
+use crate::driven::simulation::filter::Nothing;
+use crate::driven::simulation::run::{Run, innovations};
+use crate::driven::simulation::structure::ModelStructure;
 use crate::numerics::least_squares::Linear;
 use crate::numerics::order;
 use crate::parallel;

@@ -9,8 +9,8 @@
 
 use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
-use crate::diagnosis::driven::identification::fit::Fit;
-use crate::diagnosis::driven::simulation::gain;
+use crate::driven::identification::fit::Fit;
+use crate::driven::simulation::gain;
 use crate::numerics::special;
 use crate::physics::law::Noise;
 

@@ -8,8 +8,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::diagnosis::driven::identification::fit::Fit;
-use crate::diagnosis::driven::intake::data::Data;
+use crate::driven::identification::fit::Fit;
+use crate::driven::intake::data::Data;
 use crate::numerics::legendre::legendre;
 use crate::numerics::log_time::log_time;
 

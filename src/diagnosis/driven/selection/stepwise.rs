@@ -3,9 +3,9 @@
 //! place (`earned`).
 
 use crate::control::{Control, Progress, Stopped};
-use crate::diagnosis::driven::identification::refined_scales::refined;
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::work::{Budget, Stage};
+use crate::driven::identification::refined_scales::refined;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::work::{Budget, Stage};
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 

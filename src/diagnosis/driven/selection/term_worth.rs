@@ -3,8 +3,8 @@
 //!
 //! Not what follows from that (`conclude`).
 
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::selection::lattice::{Lattice, lattice};
+use crate::driven::intake::data::Data;
+use crate::driven::selection::lattice::{Lattice, lattice};
 use crate::parallel;
 use crate::physics::scales::Scales;
 

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::driven::base::{BASE, GAIN, OMEGA, ZETA};
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::input::Input;
+use crate::driven::base::{BASE, GAIN, OMEGA, ZETA};
+use crate::driven::intake::data::Data;
+use crate::driven::intake::input::Input;
 use crate::physics::state::{BaseLanes, LANES, Lanes};
 
 use super::filter::{Beginning, Keep, Pass};

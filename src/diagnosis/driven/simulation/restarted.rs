@@ -9,8 +9,8 @@
 //! window and the model predict, over the standard deviation of that forecast. They have the same
 //! sum of squares and are white where the noise is.
 
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::windows::Windows;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::windows::Windows;
 use crate::physics::state::{LANES, Lanes};
 
 use super::filter::{Beginning, Keep, Nothing};

@@ -1,7 +1,7 @@
 //! A model run over part of a recording: its innovations at some points, and the states passed
 //! through; in one piece, or in windows where the response is chaotic.
 
-use crate::diagnosis::driven::intake::data::Data;
+use crate::driven::intake::data::Data;
 use crate::physics::state::Lanes;
 
 use super::filter::{Keep, States};

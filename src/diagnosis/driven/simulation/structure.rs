@@ -1,8 +1,8 @@
 //! Which parameters a model has, and what follows from them alone: the base, its terms, their
 //! places, how each moves, how short the steps must be. Not for running it (`run`).
 
-use crate::diagnosis::driven::base::{BASE, INITIAL, OFFSET, OMEGA, OMEGAS_PER_SAMPLE, PER_RECORDING, ZETA, ZETAS};
-use crate::diagnosis::driven::intake::input::MOST_STEPS;
+use crate::driven::base::{BASE, INITIAL, OFFSET, OMEGA, OMEGAS_PER_SAMPLE, PER_RECORDING, ZETA, ZETAS};
+use crate::driven::intake::input::MOST_STEPS;
 use crate::physics::law::{Noise, Role};
 use crate::physics::library::Term;
 use crate::physics::scales::{Coordinate, Scales};

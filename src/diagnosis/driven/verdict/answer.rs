@@ -2,26 +2,26 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::answer::{self, Answer, Places};
-use crate::diagnosis::candidate::Kind;
-use crate::diagnosis::driven::base::{OMEGA, ZETA};
-use crate::diagnosis::driven::identification::fit::Fit;
-use crate::diagnosis::driven::identification::profile;
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::notes::Notes;
-use crate::diagnosis::driven::intake::reading_noise::{ReadingNoise, Sample, reading_noise};
-use crate::diagnosis::driven::intake::several::Piece;
-use crate::diagnosis::driven::selection::held_out::{Block, HeldOut, at_rest, ratio_interval, settled};
-use crate::diagnosis::driven::selection::judged::Selection;
-use crate::diagnosis::driven::selection::term_worth::Named;
-use crate::diagnosis::driven::simulation::filter::States;
-use crate::diagnosis::driven::simulation::run::{Run, trace};
-use crate::diagnosis::verdict::{
-    Fit as Fitted, Form, LogScore, Noise, Outcome, RangeScore, RecordingInfo, RecordingScore, Role, Score,
-};
+use crate::answer::{self, Answer, Places};
+use crate::candidate::Kind;
+use crate::driven::base::{OMEGA, ZETA};
+use crate::driven::identification::fit::Fit;
+use crate::driven::identification::profile;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::notes::Notes;
+use crate::driven::intake::reading_noise::{ReadingNoise, Sample, reading_noise};
+use crate::driven::intake::several::Piece;
+use crate::driven::selection::held_out::{Block, HeldOut, at_rest, ratio_interval, settled};
+use crate::driven::selection::judged::Selection;
+use crate::driven::selection::term_worth::Named;
+use crate::driven::simulation::filter::States;
+use crate::driven::simulation::run::{Run, trace};
 use crate::numerics::moments;
 use crate::physics::library::{CANDIDATES, Term};
 use crate::physics::scales::Scales;
+use crate::verdict::{
+    Fit as Fitted, Form, LogScore, Noise, Outcome, RangeScore, RecordingInfo, RecordingScore, Role, Score,
+};
 
 use super::asked::Asked;
 use super::conclude::Conclusion;

@@ -1,7 +1,7 @@
 //! What is asked of a diagnosis.
 
-use crate::diagnosis::driven::intake::several::Piece;
-use crate::diagnosis::model;
+use crate::driven::intake::several::Piece;
+use crate::model;
 use crate::recording::Recording;
 
 /// The recordings and the model that are to be diagnosed.

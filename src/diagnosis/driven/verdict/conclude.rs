@@ -1,33 +1,31 @@
 //! From the model chosen to what may be said of it: which terms hold, which are tied, what is left.
 
-use crate::diagnosis::detection::Structure;
-use crate::diagnosis::driven::base::OMEGA;
-use crate::diagnosis::driven::identification::fit::{Fit, fit};
-use crate::diagnosis::driven::identification::interval::{self, Spread};
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::work::{Budget, Stage};
-use crate::diagnosis::driven::selection::coloured_noise::Coloured;
-use crate::diagnosis::driven::selection::held_out::held_out;
-use crate::diagnosis::driven::selection::judged::{Departing, Judged, Selection};
-use crate::diagnosis::driven::selection::lattice::Lattice;
-use crate::diagnosis::driven::selection::noise_character::{
+use crate::detection::Structure;
+use crate::driven::base::OMEGA;
+use crate::driven::identification::fit::{Fit, fit};
+use crate::driven::identification::interval::{self, Spread};
+use crate::driven::intake::data::Data;
+use crate::driven::intake::work::{Budget, Stage};
+use crate::driven::selection::coloured_noise::Coloured;
+use crate::driven::selection::held_out::held_out;
+use crate::driven::selection::judged::{Departing, Judged, Selection};
+use crate::driven::selection::lattice::Lattice;
+use crate::driven::selection::noise_character::{
     LoudStretch, NoiseCharacter, ReadoutMemory, disturbance_by_chance, noise_character,
 };
-use crate::diagnosis::driven::selection::noise_scale::MassMotion;
-use crate::diagnosis::driven::selection::residual_structure::{
-    EVEN, Residual, power_structure, residual_structure_of_noise,
-};
-use crate::diagnosis::driven::selection::series::Series;
-use crate::diagnosis::driven::selection::term_worth::{Named, rounding};
-use crate::diagnosis::driven::simulation::run::trace;
-use crate::diagnosis::driven::verdict::dropped::{Dropped, LeftOut};
-use crate::diagnosis::remainder::{REAL, Remainder, Size, Test};
-use crate::diagnosis::ruling::rule;
-use crate::diagnosis::verdict::Outcome;
+use crate::driven::selection::noise_scale::MassMotion;
+use crate::driven::selection::residual_structure::{EVEN, Residual, power_structure, residual_structure_of_noise};
+use crate::driven::selection::series::Series;
+use crate::driven::selection::term_worth::{Named, rounding};
+use crate::driven::simulation::run::trace;
+use crate::driven::verdict::dropped::{Dropped, LeftOut};
 use crate::numerics::order;
 use crate::parallel;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
+use crate::remainder::{REAL, Remainder, Size, Test};
+use crate::ruling::rule;
+use crate::verdict::Outcome;
 
 use super::draft::Draft;
 

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::driven::identification::profile::Profile;
-use crate::diagnosis::driven::selection::series::Series;
-use crate::diagnosis::standing::Gain;
-use crate::diagnosis::verdict::{Detectable, Form};
+use crate::driven::identification::profile::Profile;
+use crate::driven::selection::series::Series;
+use crate::standing::Gain;
+use crate::verdict::{Detectable, Form};
 
 use super::surface::Surface;
 

@@ -6,18 +6,18 @@
 //! forecast from one recording, not a trial: `trial --like` plants and counts. Noise terms,
 //! rounding and contacts are left out: no derivative tells when they begin to show.
 
-use crate::diagnosis::driven::identification::fit::Fit;
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::selection::earned::{LEVEL, SMALLEST_GAIN};
-use crate::diagnosis::driven::simulation::filter::Nothing;
-use crate::diagnosis::driven::simulation::run::{Run, innovations};
-use crate::diagnosis::verdict::Detectable;
+use crate::driven::identification::fit::Fit;
+use crate::driven::intake::data::Data;
+use crate::driven::selection::earned::{LEVEL, SMALLEST_GAIN};
+use crate::driven::simulation::filter::Nothing;
+use crate::driven::simulation::run::{Run, innovations};
 use crate::numerics::least_squares::Linear;
 use crate::numerics::{order, special};
 use crate::parallel;
 use crate::physics::library::Term;
 use crate::physics::scales::{Coordinate, Scales};
 use crate::physics::state::LANES;
+use crate::verdict::Detectable;
 
 use super::effects::{Channels, parameter_unit};
 

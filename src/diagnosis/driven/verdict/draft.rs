@@ -1,21 +1,21 @@
 //! A conclusion in the making: models, what is left of them, and the terms that still have a name.
 //! Not for what speaks against a term (`objection`, `standing`, `unexplained`).
 
-use crate::diagnosis::driven::identification::fit::{Fit, fit};
-use crate::diagnosis::driven::identification::local_minima::deepest;
-use crate::diagnosis::driven::identification::step_length::enough;
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::work::{Budget, Stage};
-use crate::diagnosis::driven::selection::held_out::{held_out, ratio_interval};
-use crate::diagnosis::driven::selection::judged::{Departing, Judged, Rival, Selection};
-use crate::diagnosis::driven::selection::residual_structure::{Residual, residual_structure_of_noise};
-use crate::diagnosis::driven::selection::term_worth::{Named, weighed};
-use crate::diagnosis::driven::verdict::dropped::{Dropped, LeftOut};
-use crate::diagnosis::remainder::Remainder;
-use crate::diagnosis::ruling::Evidence;
+use crate::driven::identification::fit::{Fit, fit};
+use crate::driven::identification::local_minima::deepest;
+use crate::driven::identification::step_length::enough;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::work::{Budget, Stage};
+use crate::driven::selection::held_out::{held_out, ratio_interval};
+use crate::driven::selection::judged::{Departing, Judged, Rival, Selection};
+use crate::driven::selection::residual_structure::{Residual, residual_structure_of_noise};
+use crate::driven::selection::term_worth::{Named, weighed};
+use crate::driven::verdict::dropped::{Dropped, LeftOut};
 use crate::parallel;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
+use crate::remainder::Remainder;
+use crate::ruling::Evidence;
 
 /// A conclusion in the making.
 pub(super) struct Draft<'a> {

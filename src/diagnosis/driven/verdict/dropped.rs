@@ -1,7 +1,7 @@
 //! Why a term has no name, and what was left undone.
 
-use crate::diagnosis::driven::selection::known::Known;
-use crate::diagnosis::driven::selection::series::Series;
+use crate::driven::selection::known::Known;
+use crate::driven::selection::series::Series;
 
 /// Why a term that was in the model has no name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,20 +1,20 @@
 //! A conclusion in public numbers: named effects with their intervals in the recording's own units,
 //! and every candidate's standing.
 
-use crate::diagnosis::driven::base::{GAIN, OFFSET, OMEGA, ZETA};
-use crate::diagnosis::driven::identification::fit::Fit;
-use crate::diagnosis::driven::identification::interval;
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::selection::judged::{Selection, Trial};
-use crate::diagnosis::driven::selection::term_worth::Named;
-use crate::diagnosis::driven::simulation::structure::coordinates;
-use crate::diagnosis::driven::verdict::dropped::Dropped;
-use crate::diagnosis::standing::{Gain, Note, Ranked};
-use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Form};
+use crate::driven::base::{GAIN, OFFSET, OMEGA, ZETA};
+use crate::driven::identification::fit::Fit;
+use crate::driven::identification::interval;
+use crate::driven::intake::data::Data;
+use crate::driven::selection::judged::{Selection, Trial};
+use crate::driven::selection::term_worth::Named;
+use crate::driven::simulation::structure::coordinates;
+use crate::driven::verdict::dropped::Dropped;
 use crate::physics::law::Noise;
 use crate::physics::library::Term;
 use crate::physics::readout_quantisation;
 use crate::physics::scales::{Coordinate, Scales};
+use crate::standing::{Gain, Note, Ranked};
+use crate::verdict::{Effect, Estimate, Evidence, Form};
 
 use super::conclude::Conclusion;
 

@@ -1,9 +1,9 @@
 //! What is found besides the physics, as clauses.
 
-use crate::diagnosis::driven::identification::chaos::Chaos;
-use crate::diagnosis::driven::selection::identifiability::{FEWEST_CYCLES, Reach};
-use crate::diagnosis::driven::selection::known::Known;
-use crate::diagnosis::driven::selection::noise_character::NoiseCharacter;
+use crate::driven::identification::chaos::Chaos;
+use crate::driven::selection::identifiability::{FEWEST_CYCLES, Reach};
+use crate::driven::selection::known::Known;
+use crate::driven::selection::noise_character::NoiseCharacter;
 use crate::number::short;
 
 use super::dropped::{Dropped, LeftOut};

@@ -1,17 +1,17 @@
 //! How far a named law departs from the form that its name states, over the arguments that the
 //! recording visited.
 
-use crate::diagnosis::driven::identification::fit::Fit;
-use crate::diagnosis::driven::identification::interval;
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::selection::forms::{freed, visits};
-use crate::diagnosis::driven::selection::judged::Judged;
-use crate::diagnosis::verdict::Form;
+use crate::driven::identification::fit::Fit;
+use crate::driven::identification::interval;
+use crate::driven::intake::data::Data;
+use crate::driven::selection::forms::{freed, visits};
+use crate::driven::selection::judged::Judged;
 use crate::numerics::moments::rms;
 use crate::numerics::order;
 use crate::physics::free_form::{Argument, FreeForm, Freed, VALUES};
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
+use crate::verdict::Form;
 
 /// Places of the curve that is kept.
 const PLACES: usize = 41;

@@ -3,11 +3,11 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::answer::Places;
-use crate::diagnosis::driven::selection::residual_structure::correlation;
-use crate::diagnosis::verdict::Stretch;
+use crate::answer::Places;
+use crate::driven::selection::residual_structure::correlation;
 use crate::number::short;
 use crate::numerics::{order, special, spectrum};
+use crate::verdict::Stretch;
 
 /// Share of the stretches named that may be chance (Benjamini & Hochberg 1995).
 const FALSE_DISCOVERY: f64 = 0.05;

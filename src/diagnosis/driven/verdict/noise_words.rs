@@ -1,6 +1,6 @@
 //! From what the noise was measured, as a clause.
 
-use crate::diagnosis::driven::intake::reading_noise::How;
+use crate::driven::intake::reading_noise::How;
 use crate::number::short;
 
 /// As a clause that follows "measured from".

@@ -1,13 +1,13 @@
 //! What speaks against a term of the final model: the test samples, or its own parameters.
 
-use crate::diagnosis::driven::identification::interval;
-use crate::diagnosis::driven::selection::earned::without;
-use crate::diagnosis::driven::selection::held_out::held_out;
-use crate::diagnosis::driven::selection::input_line::follows_input;
-use crate::diagnosis::driven::selection::judged::Judged;
-use crate::diagnosis::driven::selection::residual_structure::residual_structure_of_noise;
-use crate::diagnosis::driven::selection::term_worth::Named;
-use crate::diagnosis::driven::verdict::dropped::{Dropped, LeftOut};
+use crate::driven::identification::interval;
+use crate::driven::selection::earned::without;
+use crate::driven::selection::held_out::held_out;
+use crate::driven::selection::input_line::follows_input;
+use crate::driven::selection::judged::Judged;
+use crate::driven::selection::residual_structure::residual_structure_of_noise;
+use crate::driven::selection::term_worth::Named;
+use crate::driven::verdict::dropped::{Dropped, LeftOut};
 use crate::physics::scales::Coordinate;
 
 use super::draft::Draft;

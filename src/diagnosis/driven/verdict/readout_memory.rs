@@ -1,10 +1,10 @@
 //! Whether noise that a model has inside is the readout's, with a short memory.
 
-use crate::diagnosis::driven::selection::earned::without;
-use crate::diagnosis::driven::selection::held_out::held_out;
-use crate::diagnosis::driven::selection::judged::Judged;
-use crate::diagnosis::driven::selection::residual_structure::residual_structure_of_noise;
-use crate::diagnosis::driven::verdict::dropped::Dropped;
+use crate::driven::selection::earned::without;
+use crate::driven::selection::held_out::held_out;
+use crate::driven::selection::judged::Judged;
+use crate::driven::selection::residual_structure::residual_structure_of_noise;
+use crate::driven::verdict::dropped::Dropped;
 use crate::numerics::moments::rms;
 
 use super::draft::Draft;

@@ -1,8 +1,8 @@
 //! Whether a mode beside the modelled resonance, or a second mass on the first, is a second resonance:
 //! two bodies that each ring, and under a misfit of anything else, two peaks that can be told apart.
 
-use crate::diagnosis::driven::base::{OMEGA, ZETA};
-use crate::diagnosis::driven::identification::fit::Fit;
+use crate::driven::base::{OMEGA, ZETA};
+use crate::driven::identification::fit::Fit;
 use crate::physics::library::Term;
 
 /// Damping ratio from which a body does not ring: both poles are real.

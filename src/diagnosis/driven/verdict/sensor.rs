@@ -2,11 +2,9 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 
-use crate::diagnosis::driven::base::{GAIN, OMEGA, ZETA};
-use crate::diagnosis::driven::identification::fit::Fit;
-use crate::diagnosis::driven::intake::data::{Data, Followed};
-use crate::diagnosis::repair::{Repair, Vibration};
-use crate::diagnosis::warm_profile::{is_in_celsius, is_possible, profile};
+use crate::driven::base::{GAIN, OMEGA, ZETA};
+use crate::driven::identification::fit::Fit;
+use crate::driven::intake::data::{Data, Followed};
 use crate::motion::temperature::Temperature;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::spectrum;
@@ -17,8 +15,10 @@ use crate::physics::library::Term;
 use crate::physics::one_sided_stop::OneSidedStop;
 use crate::physics::readout_lowpass::{Poles, ReadoutLowpass};
 use crate::physics::warm_stiffness::WarmStiffness;
+use crate::repair::{Repair, Vibration};
 use crate::sensor::{Accelerometer, ProofMass, Sensor};
 use crate::units::key::Sign;
+use crate::warm_profile::{is_in_celsius, is_possible, profile};
 
 use super::asked::Asked;
 

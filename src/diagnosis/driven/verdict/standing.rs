@@ -1,13 +1,13 @@
 //! Which terms keep a name beside what is left and beside each other.
 
-use crate::diagnosis::driven::identification::fit::{Fit, fit as refitted};
-use crate::diagnosis::driven::selection::earned::{ITERATIONS, SMALLEST_GAIN, without};
-use crate::diagnosis::driven::selection::independence::{Explained, explained_by_known};
-use crate::diagnosis::driven::selection::rivals::alike;
-use crate::diagnosis::driven::selection::series::{Series, series};
-use crate::diagnosis::driven::selection::smooth_course::is_smooth;
-use crate::diagnosis::driven::selection::term_worth::Named;
-use crate::diagnosis::driven::verdict::dropped::Dropped;
+use crate::driven::identification::fit::{Fit, fit as refitted};
+use crate::driven::selection::earned::{ITERATIONS, SMALLEST_GAIN, without};
+use crate::driven::selection::independence::{Explained, explained_by_known};
+use crate::driven::selection::rivals::alike;
+use crate::driven::selection::series::{Series, series};
+use crate::driven::selection::smooth_course::is_smooth;
+use crate::driven::selection::term_worth::Named;
+use crate::driven::verdict::dropped::Dropped;
 use crate::physics::law::Noise;
 use crate::physics::library::Term;
 

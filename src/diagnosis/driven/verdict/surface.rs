@@ -12,8 +12,8 @@ use std::f64::consts::{PI, TAU};
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
-use crate::diagnosis::verdict::StateCell;
 use crate::numerics::{order, special};
+use crate::verdict::StateCell;
 
 /// Cells along either axis: as many as leave this many samples to one, between the fewest and the
 /// most worth drawing.

@@ -1,12 +1,12 @@
 //! What keeps a name where the named terms do not account for the mismatch, and the model that such
 //! a verdict quotes.
 
-use crate::diagnosis::driven::selection::earned::without;
-use crate::diagnosis::driven::selection::held_out::held_out;
-use crate::diagnosis::driven::selection::judged::Judged;
-use crate::diagnosis::driven::selection::residual_structure::residual_structure_of_noise;
-use crate::diagnosis::driven::selection::term_worth::Named;
-use crate::diagnosis::driven::verdict::dropped::Dropped;
+use crate::driven::selection::earned::without;
+use crate::driven::selection::held_out::held_out;
+use crate::driven::selection::judged::Judged;
+use crate::driven::selection::residual_structure::residual_structure_of_noise;
+use crate::driven::selection::term_worth::Named;
+use crate::driven::verdict::dropped::Dropped;
 
 use super::draft::Draft;
 use super::second_resonance::{is_resolved, is_second_resonance};

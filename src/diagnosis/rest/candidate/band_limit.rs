@@ -8,10 +8,10 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::row::{NO_CANDIDATE, Offer, Row};
-use crate::diagnosis::rest::cause::Cause;
-use crate::diagnosis::rest::channel::Fitted;
-use crate::diagnosis::rest::spectrum::{self, Filter, Law, Part};
 use crate::numerics::special::chi_squared_survival;
+use crate::rest::cause::Cause;
+use crate::rest::channel::Fitted;
+use crate::rest::spectrum::{self, Filter, Law, Part};
 
 /// Times that neighbours are averaged.
 const SMOOTHINGS: [u8; 3] = [1, 2, 4];

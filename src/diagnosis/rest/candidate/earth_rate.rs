@@ -1,7 +1,7 @@
 //! `earth-rate`: the gyro at rest feels the Earth turn. In the library to be said, never to be
 //! fitted: see `statement`.
 
-use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::candidate::{Candidate, Kind, Parameter};
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "earth-rate",

@@ -2,13 +2,13 @@
 
 use super::band_limit::{LONGEST, is_one_pole};
 use super::row::{IEEE, Row, size};
-use crate::diagnosis::candidate::{Candidate, Kind};
-use crate::diagnosis::rest::cause::Cause;
-use crate::diagnosis::rest::channel::{Addition, Fitted};
-use crate::diagnosis::rest::estimate::{beside_searched, root, searched, with_searched};
-use crate::diagnosis::rest::search;
-use crate::diagnosis::rest::spectrum::Law;
+use crate::candidate::{Candidate, Kind};
 use crate::numerics::special::chi_squared_survival;
+use crate::rest::cause::Cause;
+use crate::rest::channel::{Addition, Fitted};
+use crate::rest::estimate::{beside_searched, root, searched, with_searched};
+use crate::rest::search;
+use crate::rest::spectrum::Law;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "gauss-markov",
@@ -23,17 +23,17 @@ pub(super) const CANDIDATE: Candidate = Candidate {
 };
 
 /// Grid points at which a memory is searched for.
-pub(in crate::diagnosis::rest) const MEMORIES: usize = 14;
+pub(in crate::rest) const MEMORIES: usize = 14;
 
 /// Logarithms of the memories, in samples, between which one is searched for; `None` where there
 /// are none. Beside a filter, a shorter memory belongs to its shape.
-pub(in crate::diagnosis::rest) fn memories(samples: usize, filtered: bool) -> Option<[f64; 2]> {
+pub(in crate::rest) fn memories(samples: usize, filtered: bool) -> Option<[f64; 2]> {
     let range = [if filtered { LONGEST } else { 1.5 }.ln(), (samples as f64 / 4.0).ln()];
     (range[0] < range[1]).then_some(range)
 }
 
 /// Whether the memory found is a filter's.
-pub(in crate::diagnosis::rest) fn is_filter(fitted: &Fitted) -> bool {
+pub(in crate::rest) fn is_filter(fitted: &Fitted) -> bool {
     let memory = fitted.terms.iter().find(|t| t.cause == Cause::GaussMarkov).map(|t| t.searched);
     memory.is_some_and(|memory| match fitted.has(Cause::BandLimit) {
         true => memory < 1.01 * LONGEST,

@@ -1,7 +1,7 @@
 //! `local-gravity`: the length of the specific force at rest is not gravity's at the place. In the
 //! library to be said, never to be fitted: see `statement`.
 
-use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::candidate::{Candidate, Kind, Parameter};
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "local-gravity",

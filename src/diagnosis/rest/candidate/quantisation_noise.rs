@@ -1,11 +1,11 @@
 //! `quantisation-noise`: rounding, of the reading or of an integral that is differenced.
 
 use super::row::{Row, size};
-use crate::diagnosis::candidate::{Candidate, Kind};
-use crate::diagnosis::rest::cause::Cause;
-use crate::diagnosis::rest::estimate::root;
-use crate::diagnosis::rest::spectrum::Law;
+use crate::candidate::{Candidate, Kind};
 use crate::numerics::special::chi_squared_survival;
+use crate::rest::cause::Cause;
+use crate::rest::estimate::root;
+use crate::rest::spectrum::Law;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "quantisation-noise",

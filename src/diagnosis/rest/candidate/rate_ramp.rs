@@ -1,11 +1,11 @@
 //! `rate-ramp`: a bias that drifts along a straight line.
 
 use super::row::{IEEE, Row, signed};
-use crate::diagnosis::candidate::{Candidate, Kind};
-use crate::diagnosis::rest::cause::Cause;
-use crate::diagnosis::rest::channel::Curve;
-use crate::diagnosis::rest::estimate::straight;
+use crate::candidate::{Candidate, Kind};
 use crate::numerics::special::chi_squared_survival;
+use crate::rest::cause::Cause;
+use crate::rest::channel::Curve;
+use crate::rest::estimate::straight;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "rate-ramp",

@@ -1,35 +1,35 @@
 //! What a file of the library tells of its candidate, and the model that candidates are offered to.
 
+use crate::candidate::{Candidate, Parameter};
 use crate::control::{Control, Stopped};
-use crate::diagnosis::candidate::{Candidate, Parameter};
-use crate::diagnosis::rest::cause::Cause;
-use crate::diagnosis::rest::channel::{Addition, Channel, Curve, Environment, Fitted, Term};
-use crate::diagnosis::rest::spectrum::Law;
-use crate::diagnosis::verdict::Estimate;
 use crate::numerics::special::chi_squared_survival;
+use crate::rest::cause::Cause;
+use crate::rest::channel::{Addition, Channel, Curve, Environment, Fitted, Term};
+use crate::rest::spectrum::Law;
+use crate::verdict::Estimate;
 
 /// Laws beside white noise that one spectrum can tell apart.
-pub(in crate::diagnosis::rest) const MOST_LAWS: usize = 4;
+pub(in crate::rest) const MOST_LAWS: usize = 4;
 
 /// All that the selection and the verdict ask of a cause.
-pub(in crate::diagnosis::rest) struct Row {
+pub(in crate::rest) struct Row {
     /// What the library says; `None` for what is no physics left out.
-    pub(in crate::diagnosis::rest) entry: Option<&'static Candidate>,
+    pub(in crate::rest) entry: Option<&'static Candidate>,
     /// The models with it, each at its best: none where it cannot be added, several where there are
     /// several columns.
-    pub(in crate::diagnosis::rest) offer: fn(&Offer<'_>) -> Result<Vec<Fitted>, Stopped>,
+    pub(in crate::rest) offer: fn(&Offer<'_>) -> Result<Vec<Fitted>, Stopped>,
     /// Free numbers, searched ones included.
-    pub(in crate::diagnosis::rest) numbers: f64,
+    pub(in crate::rest) numbers: f64,
     /// Probability of at least this gain (twice the log-likelihood) by chance, for this many
     /// samples. A variance at its wall counts half (Self & Liang 1987); a searched number
     /// multiplies by the independent places it was searched at.
-    pub(in crate::diagnosis::rest) chance: fn(gain: f64, samples: f64) -> f64,
+    pub(in crate::rest) chance: fn(gain: f64, samples: f64) -> f64,
     /// Simpler causes that it imitates at the edge of its range: those are preferred.
-    pub(in crate::diagnosis::rest) imitates: &'static [Cause],
+    pub(in crate::rest) imitates: &'static [Cause],
     /// Whether it moves the bias slowly.
-    pub(in crate::diagnosis::rest) is_drift: bool,
+    pub(in crate::rest) is_drift: bool,
     /// Its parameters as the library names them, in file units.
-    pub(in crate::diagnosis::rest) parameters: fn(&Placed<'_>) -> Vec<Estimate>,
+    pub(in crate::rest) parameters: fn(&Placed<'_>) -> Vec<Estimate>,
 }
 
 /// A cause that is never offered: a check on others.
@@ -44,15 +44,15 @@ pub(super) const NO_CANDIDATE: Row = Row {
 };
 
 /// A jump: its size, and its place among the samples.
-pub(in crate::diagnosis::rest) const JUMP: Row =
+pub(in crate::rest) const JUMP: Row =
     Row { chance: |gain, samples| samples * chi_squared_survival(gain, 1.0), ..NO_CANDIDATE };
 
 /// A model to which candidates are offered.
-pub(in crate::diagnosis::rest) struct Offer<'a> {
-    pub(in crate::diagnosis::rest) channel: &'a Channel,
-    pub(in crate::diagnosis::rest) current: &'a Fitted,
-    pub(in crate::diagnosis::rest) environment: &'a Environment,
-    pub(in crate::diagnosis::rest) control: &'a Control,
+pub(in crate::rest) struct Offer<'a> {
+    pub(in crate::rest) channel: &'a Channel,
+    pub(in crate::rest) current: &'a Fitted,
+    pub(in crate::rest) environment: &'a Environment,
+    pub(in crate::rest) control: &'a Control,
 }
 
 impl Offer<'_> {
@@ -87,13 +87,13 @@ impl Offer<'_> {
 }
 
 /// A term in its model, to be described.
-pub(in crate::diagnosis::rest) struct Placed<'a> {
-    pub(in crate::diagnosis::rest) channel: &'a Channel,
-    pub(in crate::diagnosis::rest) fitted: &'a Fitted,
+pub(in crate::rest) struct Placed<'a> {
+    pub(in crate::rest) channel: &'a Channel,
+    pub(in crate::rest) fitted: &'a Fitted,
     /// Among the model's terms.
-    pub(in crate::diagnosis::rest) index: usize,
+    pub(in crate::rest) index: usize,
     /// Of the channel's readings.
-    pub(in crate::diagnosis::rest) unit: &'a str,
+    pub(in crate::rest) unit: &'a str,
 }
 
 impl Placed<'_> {

@@ -3,13 +3,13 @@
 use std::f64::consts::TAU;
 
 use super::row::{IEEE, Placed, Row, size};
-use crate::diagnosis::candidate::{Candidate, Kind};
-use crate::diagnosis::rest::cause::Cause;
-use crate::diagnosis::rest::channel::{Channel, Curve, Fitted};
-use crate::diagnosis::rest::estimate::straight;
-use crate::diagnosis::rest::search;
-use crate::diagnosis::verdict::Estimate;
+use crate::candidate::{Candidate, Kind};
 use crate::numerics::special::chi_squared_survival;
+use crate::rest::cause::Cause;
+use crate::rest::channel::{Channel, Curve, Fitted};
+use crate::rest::estimate::straight;
+use crate::rest::search;
+use crate::verdict::Estimate;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "sinusoid",

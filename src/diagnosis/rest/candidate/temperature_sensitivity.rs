@@ -2,14 +2,14 @@
 //! share.
 
 use super::row::{Row, TITTERTON, signed, size};
-use crate::diagnosis::candidate::{Candidate, Kind};
-use crate::diagnosis::rest::cause::Cause;
-use crate::diagnosis::rest::channel::{Addition, Curve, Term};
-use crate::diagnosis::rest::estimate::straight;
-use crate::diagnosis::rest::followed::{Delay, Followed};
-use crate::diagnosis::rest::profile::Profiled;
-use crate::diagnosis::verdict::Estimate;
+use crate::candidate::{Candidate, Kind};
 use crate::numerics::special::chi_squared_survival;
+use crate::rest::cause::Cause;
+use crate::rest::channel::{Addition, Curve, Term};
+use crate::rest::estimate::straight;
+use crate::rest::followed::{Delay, Followed};
+use crate::rest::profile::Profiled;
+use crate::verdict::Estimate;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "temperature-sensitivity",

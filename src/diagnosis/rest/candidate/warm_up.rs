@@ -1,12 +1,12 @@
 //! `warm-up`: a bias that settles exponentially.
 
 use super::row::{Row, TITTERTON, signed, size};
-use crate::diagnosis::candidate::{Candidate, Kind};
-use crate::diagnosis::rest::cause::Cause;
-use crate::diagnosis::rest::channel::{Addition, Curve};
-use crate::diagnosis::rest::estimate::{beside_searched, searched, straight, with_searched};
-use crate::diagnosis::rest::search;
+use crate::candidate::{Candidate, Kind};
 use crate::numerics::special::chi_squared_survival;
+use crate::rest::cause::Cause;
+use crate::rest::channel::{Addition, Curve};
+use crate::rest::estimate::{beside_searched, searched, straight, with_searched};
+use crate::rest::search;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "warm-up",

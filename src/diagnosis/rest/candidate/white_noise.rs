@@ -2,7 +2,7 @@
 //! promise.
 
 use super::row::{IEEE, NO_CANDIDATE, Row, size};
-use crate::diagnosis::candidate::{Candidate, Kind};
+use crate::candidate::{Candidate, Kind};
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "white-noise",

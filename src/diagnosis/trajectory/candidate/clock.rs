@@ -1,8 +1,8 @@
 //! `time-offset` and `clock-drift`: IMU and reference do not share a clock.
 
 use super::term::{Measure, Term, Unit};
-use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::diagnosis::trajectory::parameters::{DRIFT, OFFSET};
+use crate::candidate::{Candidate, Kind, Parameter};
+use crate::trajectory::parameters::{DRIFT, OFFSET};
 
 /// Library entry of `time-offset`.
 pub const TIME_OFFSET: Candidate = Candidate {

@@ -1,9 +1,9 @@
 //! `mounting` and `lever-arm`: where and how the IMU sits on the body that the reference follows.
 
 use super::term::{Measure, Term, Unit};
-use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::diagnosis::model::Half;
-use crate::diagnosis::trajectory::parameters;
+use crate::candidate::{Candidate, Kind, Parameter};
+use crate::model::Half;
+use crate::trajectory::parameters;
 use crate::units::DEGREE;
 
 /// Library entry of `mounting`.

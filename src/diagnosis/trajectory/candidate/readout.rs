@@ -1,10 +1,10 @@
 //! What happens between sensor and file: limits, a low-pass, exchanged columns, vibration.
 
 use super::term::{Measure, Term, Unit};
-use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::diagnosis::model::Half;
-use crate::diagnosis::trajectory::parameters;
+use crate::candidate::{Candidate, Kind, Parameter};
+use crate::model::Half;
 use crate::sensor::Sense;
+use crate::trajectory::parameters;
 
 /// Library entry of `readout-saturation`.
 pub const SATURATION: Candidate = Candidate {

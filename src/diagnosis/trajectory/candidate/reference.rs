@@ -1,6 +1,6 @@
 //! `reference-noise`: the reference itself errs.
 
-use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::candidate::{Candidate, Kind, Parameter};
 
 /// Library entry of `reference-noise`.
 pub const REFERENCE_NOISE: Candidate = Candidate {

@@ -2,10 +2,10 @@
 //! wander, the Earth's rate.
 
 use super::term::{Measure, Term, Unit};
-use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::diagnosis::model::Half;
-use crate::diagnosis::trajectory::parameters;
+use crate::candidate::{Candidate, Kind, Parameter};
+use crate::model::Half;
 use crate::sensor::Sense;
+use crate::trajectory::parameters;
 use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
 
 pub(super) const SCALE_FACTOR: Candidate = Candidate {

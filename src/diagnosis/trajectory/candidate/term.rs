@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::candidate::Candidate;
-use crate::diagnosis::model::Half;
+use crate::candidate::Candidate;
+use crate::model::Half;
 use crate::sensor::Sense;
 
 /// A unit that parameters are stated in.
@@ -61,7 +61,7 @@ impl Term {
     }
 
     /// Whether a parameter of the fit with the half width of its interval may be such a sensor's.
-    pub(in crate::diagnosis::trajectory) fn allows(&self, value: f64, half_width: f64) -> bool {
+    pub(in crate::trajectory) fn allows(&self, value: f64, half_width: f64) -> bool {
         match self.measure {
             Measure::Plain => value.abs() - half_width <= self.largest(),
             Measure::Time => value > half_width && value - half_width <= self.largest().powi(2),
@@ -70,7 +70,7 @@ impl Term {
 
     /// Whether a parameter of the fit is large enough to cost anything, where attitudes err by
     /// `tilt_rad` and readings are `interval_s` apart.
-    pub(in crate::diagnosis::trajectory) fn matters(&self, value: f64, tilt_rad: f64, interval_s: f64) -> bool {
+    pub(in crate::trajectory) fn matters(&self, value: f64, tilt_rad: f64, interval_s: f64) -> bool {
         match self.measure {
             Measure::Plain => value.abs() >= self.smallest.max(self.per_tilt * tilt_rad),
             Measure::Time => value >= self.smallest.max(interval_s).powi(2),
@@ -78,7 +78,7 @@ impl Term {
     }
 
     /// A size of a parameter of the fit as it is stated, SI.
-    pub(in crate::diagnosis::trajectory) fn size(&self, value: f64) -> f64 {
+    pub(in crate::trajectory) fn size(&self, value: f64) -> f64 {
         match self.measure {
             Measure::Plain => value,
             Measure::Time => value.max(0.0).sqrt(),

@@ -1,10 +1,10 @@
 //! `g-sensitivity`: the gyro follows specific force.
 
 use super::term::{Role, Seen, Stated, Term};
-use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::diagnosis::tumble::calibration::gyro;
-use crate::diagnosis::tumble::group::Group;
+use crate::candidate::{Candidate, Kind, Parameter};
 use crate::sensor::Sense;
+use crate::tumble::calibration::gyro;
+use crate::tumble::group::Group;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "g-sensitivity",

@@ -10,10 +10,10 @@
 use std::ops::Range;
 
 use super::term::{Role, Seen, Stated, Term};
-use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::diagnosis::tumble::calibration::{DRIFT_TERMS, accelerometer, gyro};
-use crate::diagnosis::tumble::group::Group;
+use crate::candidate::{Candidate, Kind, Parameter};
 use crate::sensor::Sense;
+use crate::tumble::calibration::{DRIFT_TERMS, accelerometer, gyro};
+use crate::tumble::group::Group;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "slow-drift",

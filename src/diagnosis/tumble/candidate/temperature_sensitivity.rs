@@ -2,10 +2,10 @@
 //! name: see `slow_drift`.
 
 use super::term::{Role, Seen, Stated, Term};
-use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::diagnosis::tumble::calibration::{accelerometer, gyro};
-use crate::diagnosis::tumble::group::Group;
+use crate::candidate::{Candidate, Kind, Parameter};
 use crate::sensor::Sense;
+use crate::tumble::calibration::{accelerometer, gyro};
+use crate::tumble::group::Group;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "temperature-sensitivity",

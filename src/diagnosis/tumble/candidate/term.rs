@@ -3,9 +3,9 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::candidate::Candidate;
-use crate::diagnosis::tumble::group::Group;
+use crate::candidate::Candidate;
 use crate::sensor::Sense;
+use crate::tumble::group::Group;
 
 /// A candidate in one of the two sensors.
 #[derive(Debug, Clone, PartialEq)]

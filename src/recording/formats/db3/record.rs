@@ -1,6 +1,6 @@
 //! Rows of an SQLite table: sqlite.org/fileformat2.html, *Record Format*.
 
-use crate::recording::bytes::Bytes;
+use crate::bytes::Bytes;
 
 /// A number of one to nine bytes, the highest first.
 pub(crate) fn varint(bytes: &mut Bytes<'_>) -> Option<u64> {

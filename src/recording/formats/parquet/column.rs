@@ -3,13 +3,13 @@
 use super::encoding::{deltas, hybrid, split_streams};
 use super::physical::{DAMAGED, Physical};
 use super::thrift::{self, Value};
+use crate::bytes::Bytes;
+use crate::clock::stamp::Stamp;
+use crate::decompress::{Codec, LARGEST_BYTES, decompress};
+use crate::element::{Element, Kind};
 use crate::error::{Error, Result};
-use crate::recording::bytes::Bytes;
-use crate::recording::clock::stamp::Stamp;
-use crate::recording::decompress::{Codec, LARGEST_BYTES, decompress};
-use crate::recording::element::{Element, Kind};
-use crate::recording::input::Input;
-use crate::recording::reader::{Block, Reader};
+use crate::input::Input;
+use crate::reader::{Block, Reader};
 
 /// Rows handed on at once.
 const BLOCK: usize = 16_384;

@@ -1,7 +1,7 @@
 //! How Parquet packs numbers: runs and bits, differences, streams of bytes. Format:
 //! parquet.apache.org, *Encodings*.
 
-use crate::recording::bytes::Bytes;
+use crate::bytes::Bytes;
 
 /// Numbers of `width` bits, lowest bit first.
 fn unpack(bytes: &[u8], width: u32, count: usize, into: &mut Vec<u32>) {

@@ -1,6 +1,6 @@
 //! What Parquet stores in the pages of a column.
 
-use crate::recording::element::Element;
+use crate::element::Element;
 
 /// What to do about a file that is not whole.
 pub(crate) const DAMAGED: &str = "the file is cut short or damaged: copy it again, or write it again";

@@ -1,7 +1,7 @@
 //! Thrift's compact protocol, of which Parquet's metadata are made: apache.org/thrift, *compact
 //! protocol*.
 
-use crate::recording::bytes::Bytes;
+use crate::bytes::Bytes;
 
 /// Structures within structures are followed so far.
 const DEEPEST: usize = 16;

@@ -1,9 +1,9 @@
 //! The verdict on a driven recording, or a ring-down, in words.
 
-use crate::diagnosis::answer::Answer;
-use crate::diagnosis::driven::verdict::detail::{Account, Detail};
-use crate::diagnosis::verdict::{Effect, Estimate, Outcome};
-use crate::number::{short, with_uncertainty};
+use proofmass_base::number::{short, with_uncertainty};
+use proofmass_diagnosis::answer::Answer;
+use proofmass_diagnosis::driven::verdict::detail::{Account, Detail};
+use proofmass_diagnosis::verdict::{Effect, Estimate, Outcome};
 
 /// One or two plain sentences.
 pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
@@ -279,8 +279,8 @@ fn listed(items: &[String], last: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::verdict::{Evidence, Form};
-    use crate::physics::free_form::Freed;
+    use proofmass_diagnosis::verdict::{Evidence, Form};
+    use proofmass_physics::free_form::Freed;
 
     #[test]
     fn effects_that_are_tied_are_said_once_with_an_or() {

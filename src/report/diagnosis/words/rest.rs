@@ -2,9 +2,9 @@
 
 mod statement;
 
-use crate::diagnosis::rest::detail::{Departure, Detail, Hops, Knocked, Location, Mismatch, Spiky};
-use crate::diagnosis::verdict::{Effect, Outcome, named};
-use crate::number::{duration, short};
+use proofmass_base::number::{duration, short};
+use proofmass_diagnosis::rest::detail::{Departure, Detail, Hops, Knocked, Location, Mismatch, Spiky};
+use proofmass_diagnosis::verdict::{Effect, Outcome, named};
 
 pub(super) use statement::statements;
 

@@ -1,11 +1,11 @@
 //! The verdict on an IMU in motion, in plain words.
 
-use crate::diagnosis::model::Half;
-use crate::diagnosis::trajectory::account::{Account, Hidden, Manoeuvre, NamedEffect, Untold};
-use crate::diagnosis::trajectory::candidate::Measure;
-use crate::diagnosis::trajectory::detail::Detail;
-use crate::diagnosis::verdict::Outcome;
-use crate::number::short;
+use proofmass_base::number::short;
+use proofmass_diagnosis::model::Half;
+use proofmass_diagnosis::trajectory::account::{Account, Hidden, Manoeuvre, NamedEffect, Untold};
+use proofmass_diagnosis::trajectory::candidate::Measure;
+use proofmass_diagnosis::trajectory::detail::Detail;
+use proofmass_diagnosis::verdict::Outcome;
 
 /// One or two sentences for the first screen.
 pub(super) fn sentence(outcome: Outcome, detail: &Detail) -> String {

@@ -1,11 +1,11 @@
 //! The verdict on an IMU that was turned by hand, in plain words.
 
-use crate::diagnosis::tumble::account::{Account, Drift, NamedTerm, Rms};
-use crate::diagnosis::tumble::detail::Detail;
-use crate::diagnosis::tumble::group::{GROUPS, Group};
-use crate::diagnosis::verdict::Outcome;
-use crate::number::short;
-use crate::sensor::Sense;
+use proofmass_base::number::short;
+use proofmass_diagnosis::tumble::account::{Account, Drift, NamedTerm, Rms};
+use proofmass_diagnosis::tumble::detail::Detail;
+use proofmass_diagnosis::tumble::group::{GROUPS, Group};
+use proofmass_diagnosis::verdict::Outcome;
+use proofmass_scenario::sensor::Sense;
 
 /// One or two sentences for the first screen.
 pub(crate) fn sentence(outcome: Outcome, detail: &Detail) -> String {

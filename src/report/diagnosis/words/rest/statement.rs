@@ -2,8 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::diagnosis::rest::statement::{Difference, Earth, Filter, Statement};
-use crate::number::{duration, short, significant, with_uncertainty};
+use proofmass_base::number::{duration, short, significant, with_uncertainty};
+use proofmass_diagnosis::rest::statement::{Difference, Earth, Filter, Statement};
 
 /// All of them in sentences; `unit` is that of the channels. Many bad readings of a channel are
 /// told together.

@@ -1,0 +1,17 @@
+//! Pure mathematics without a domain. Nothing here knows what a sensor is.
+
+pub mod allan;
+pub mod banded;
+pub mod butterworth;
+pub mod cosine;
+pub mod elementary;
+pub mod exponential;
+pub mod lagrange;
+pub mod least_squares;
+pub mod legendre;
+pub mod log_time;
+pub mod moments;
+pub mod non_negative;
+pub mod order;
+pub mod special;
+pub mod spectrum;

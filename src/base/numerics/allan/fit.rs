@@ -1,0 +1,334 @@
+//! From an Allan curve to Q, N, B, K, R with honest intervals.
+//!
+//! Estimate: generalised least squares on the variance at octave-spaced averaging times,
+//! coefficients squared and not negative, weights from the exact covariance of overlapping points
+//! under the fitted mixture (`covariance`), iterated (a method of wavelet moments: Guerrier et
+//! al., *Wavelet-variance-based estimation for composite stochastic processes*, JASA 2013).
+//! Intervals: a Monte Carlo test inverted. A hypothetical value of one coefficient, the others
+//! fitted under it, is kept when the estimate lies within the central 95 % of what simulated curves
+//! would give. So skewness at long times, the wall at zero and the correlation between points are
+//! all in the interval. A term whose interval begins at zero is not supported by the data.
+
+use nalgebra::{DMatrix, DVector};
+use rand::{Rng, RngExt as _};
+use rand_distr::StandardNormal;
+
+use super::Point;
+use super::covariance::Covariance;
+use super::law::{self, TERMS};
+use crate::numerics::non_negative::non_negative;
+
+/// Simulated curves per test; the same random numbers serve every hypothesis.
+const DRAWS: usize = 400;
+/// Octaves at the short end that may be left out when they follow no law.
+const SHORTEST_DROPPED: usize = 6;
+/// Relative errors of the laws themselves, on the variance, that are tried in turn.
+const DISCREPANCIES: [f64; 8] = [0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
+/// A fit is called bad below this probability.
+pub const BAD: f64 = 0.01;
+
+/// A fitted noise coefficient (not squared) with its interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coefficient {
+    /// Estimate; zero where the best fit does without.
+    pub value: f64,
+    /// 95 % interval; begins at zero where the term is not supported.
+    pub ci95: [f64; 2],
+    /// Probability of an estimate this large without the term.
+    pub p_value: f64,
+}
+
+impl Coefficient {
+    /// Whether the data need this term.
+    pub fn supported(&self) -> bool {
+        self.ci95[0] > 0.0
+    }
+}
+
+/// A fitted Allan curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fit {
+    /// Coefficients in the order of [`TERMS`].
+    pub coefficients: [Coefficient; 5],
+    /// Probability of deviations as large as these if the five terms were all there is.
+    pub p_value: f64,
+    /// Shortest averaging time fitted, s.
+    pub from_s: f64,
+    /// Longest averaging time fitted, s.
+    pub to_s: f64,
+    /// Where the curve leaves the fit most, and measured over fitted deviation there.
+    pub worst: (f64, f64),
+    /// How far the curve strays from any sum of the laws beyond chance, as a share of the
+    /// deviation; zero for a good fit. The intervals allow for it.
+    pub discrepancy: f64,
+}
+
+impl Fit {
+    /// The squared coefficients Q², N², B², K², R².
+    pub fn squares(&self) -> [f64; 5] {
+        self.coefficients.map(|c| c.value * c.value)
+    }
+
+    /// Squared coefficients of the terms that the data support, 0 of the others.
+    pub fn supported_squares(&self) -> [f64; 5] {
+        self.coefficients.map(|c| if c.supported() { c.value * c.value } else { 0.0 })
+    }
+
+    /// Allan deviation of the terms that the data support.
+    pub fn deviation(&self, tau_s: f64) -> f64 {
+        law::variance(&self.supported_squares(), tau_s).sqrt()
+    }
+
+    /// Whether the five terms describe the curve.
+    pub fn good(&self) -> bool {
+        self.p_value >= BAD
+    }
+}
+
+/// Fits an Allan curve. `None` for fewer than four octaves or a signal without any variance.
+///
+/// Where the five terms cannot describe the curve, the shortest octaves are left out (an on-chip
+/// filter bends them). If that does not help, the laws are taken as true only to within a share of
+/// their value, the smallest that explains the curve: then no point counts for more than the laws
+/// are worth, and the intervals are wide as they should be.
+pub fn fit(points: &[Point], rate_hz: f64, rng: &mut impl Rng) -> Option<Fit> {
+    let octaves: Vec<Point> = points.iter().copied().filter(Point::on_octave).collect();
+    if octaves.len() < 4 || octaves.iter().any(|p| p.variance.is_nan() || p.variance <= 0.0) {
+        return None;
+    }
+    let draws = DMatrix::from_fn(octaves.len(), DRAWS, |_, _| rng.sample::<f64, _>(StandardNormal));
+    let drops = 0..=SHORTEST_DROPPED.min(octaves.len() - 4);
+    let mut curves: Vec<Curve<'_>> = drops.map(|d| Curve::new(&octaves[d..], rate_hz, &draws)).collect();
+    let (chosen, p_value, best) = choose(&mut curves);
+    let curve = &curves[chosen];
+    let coefficients = std::array::from_fn(|p| curve.interval(p, &best));
+    let ratio = |p: &Point| (p.variance / law::variance(&best, p.tau_s)).sqrt();
+    let from_s = curve.points[0].tau_s;
+    let fitted = points.iter().filter(|p| p.tau_s >= from_s);
+    let sure = fitted.filter(|p| p.samples > 20 * p.factor);
+    let worst = sure.max_by(|a, b| ratio(a).ln().abs().total_cmp(&ratio(b).ln().abs())).unwrap_or(&curve.points[0]);
+    Some(Fit {
+        coefficients,
+        p_value,
+        from_s,
+        to_s: octaves[octaves.len() - 1].tau_s,
+        worst: (worst.tau_s, ratio(worst)),
+        discrepancy: curve.discrepancy / 2.0,
+    })
+}
+
+/// The curve with the smallest discrepancy, then the fewest octaves left out, that is described;
+/// how probable its deviations are without any discrepancy; and its squared coefficients.
+fn choose(curves: &mut [Curve<'_>]) -> (usize, f64, [f64; 5]) {
+    let mut without = 0.0;
+    for discrepancy in DISCREPANCIES {
+        for (index, curve) in curves.iter_mut().enumerate() {
+            curve.discrepancy = discrepancy;
+            let squares = curve.estimate();
+            let p_value = curve.quality(&squares);
+            if discrepancy == 0.0 && index == 0 {
+                without = p_value;
+            }
+            if p_value >= BAD {
+                return (index, if discrepancy == 0.0 { p_value } else { without }, squares);
+            }
+        }
+    }
+    (0, without, curves[0].estimate())
+}
+
+/// Octave points with what their fit needs.
+struct Curve<'a> {
+    points: &'a [Point],
+    covariance: Covariance,
+    /// Allan variances per unit of each squared coefficient.
+    laws: DMatrix<f64>,
+    measured: DVector<f64>,
+    draws: &'a DMatrix<f64>,
+    /// Relative error of the laws, on the variance.
+    discrepancy: f64,
+}
+
+/// Least squares under one covariance: everything is divided by its Cholesky factor.
+struct Whitened {
+    factor: DMatrix<f64>,
+    laws: DMatrix<f64>,
+    normal: [[f64; 5]; 5],
+}
+
+impl<'a> Curve<'a> {
+    fn new(points: &'a [Point], rate_hz: f64, draws: &'a DMatrix<f64>) -> Self {
+        let factors: Vec<usize> = points.iter().map(|p| p.factor).collect();
+        let samples: Vec<usize> = points.iter().map(|p| p.samples).collect();
+        Self {
+            points,
+            covariance: Covariance::new(&factors, &samples, rate_hz),
+            laws: DMatrix::from_fn(points.len(), 5, |i, p| TERMS[p].variance(points[i].tau_s)),
+            measured: DVector::from_fn(points.len(), |i, _| points[i].variance),
+            draws,
+            discrepancy: 0.0,
+        }
+    }
+
+    /// Covariance of two points: of chance, and of the laws' own error.
+    fn covariance(&self, i: usize, j: usize, squares: &[f64; 5]) -> f64 {
+        let chance = self.covariance.at(i, j, squares);
+        if i != j {
+            return chance;
+        }
+        chance + (self.discrepancy * law::variance(squares, self.points[i].tau_s)).powi(2)
+    }
+
+    fn whitened(&self, squares: &[f64; 5]) -> Whitened {
+        let count = self.points.len();
+        let mut matrix = DMatrix::from_fn(count, count, |i, j| self.covariance(i, j, squares));
+        // Lags are summed in steps and far pairs left out, so the matrix may miss being positive by
+        // a little; what cannot be repaired (an overflow) is treated as uncorrelated.
+        let mut factor = None;
+        for _ in 0..50 {
+            factor = matrix.clone().cholesky().map(|c| c.unpack());
+            if factor.is_some() {
+                break;
+            }
+            (0..count).for_each(|i| (0..count).filter(|j| *j != i).for_each(|j| matrix[(i, j)] *= 0.9));
+        }
+        let spread = || DVector::from_fn(count, |i, _| matrix[(i, i)].sqrt().max(f64::MIN_POSITIVE));
+        let factor = factor.unwrap_or_else(|| DMatrix::from_diagonal(&spread()));
+        let laws = solve_lower(&factor, &self.laws);
+        let normal = square(&laws);
+        Whitened { factor, laws, normal }
+    }
+
+    fn estimate(&self) -> [f64; 5] {
+        // A first guess with white-noise weights: the variance's spread is its value over the root
+        // of the windows.
+        let weight =
+            |i: usize| self.measured[i] * (self.points[i].factor as f64 / self.points[i].samples as f64).sqrt();
+        let laws = DMatrix::from_fn(self.points.len(), 5, |i, p| self.laws[(i, p)] / weight(i));
+        let measured = DVector::from_fn(self.points.len(), |i, _| self.measured[i] / weight(i));
+        let mut squares = non_negative(&square(&laws), &from_column(laws.tr_mul(&measured).as_slice()), &[true; 5]);
+        for _ in 0..6 {
+            squares = self.whitened(&squares).solve(&self.measured, &[true; 5]);
+        }
+        squares
+    }
+
+    /// Probability of a worse fit by chance.
+    fn quality(&self, squares: &[f64; 5]) -> f64 {
+        let whitened = self.whitened(squares);
+        let misfits = |curves: &DMatrix<f64>| -> Vec<f64> {
+            let curves = solve_lower(&whitened.factor, curves);
+            let fitted = whitened.solve_whitened(&curves, &[true; 5]);
+            let misfit =
+                |c: usize| (curves.column(c) - &whitened.laws * DVector::from(fitted[c].to_vec())).norm_squared();
+            (0..fitted.len()).map(misfit).collect()
+        };
+        let measured = misfits(&as_matrix(&self.measured))[0];
+        let simulated = misfits(&self.simulate(squares, &whitened));
+        let worse = simulated.iter().filter(|s| **s >= measured).count();
+        (worse + 1) as f64 / (simulated.len() + 1) as f64
+    }
+
+    /// Curves (one per column) as chance would give them: each point a scaled χ² with its own
+    /// degrees of freedom (Wilson–Hilferty), joined by the points' correlation.
+    fn simulate(&self, squares: &[f64; 5], whitened: &Whitened) -> DMatrix<f64> {
+        let count = self.points.len();
+        let mut curves = &whitened.factor * self.draws.rows(self.draws.nrows() - count, count);
+        for i in 0..count {
+            let mean = law::variance(squares, self.points[i].tau_s);
+            let spread = self.covariance(i, i, squares).sqrt();
+            let cube_root_variance = (spread / mean).powi(2) / 9.0;
+            for value in curves.row_mut(i).iter_mut() {
+                *value =
+                    mean * (1.0 - cube_root_variance + *value / spread * cube_root_variance.sqrt()).max(0.0).powi(3);
+            }
+        }
+        curves
+    }
+
+    /// Fractions of simulated estimates of coefficient `p` at or above, and at or below, the one
+    /// measured, if its square were `value`.
+    fn tail_probabilities(&self, p: usize, value: f64, best: &[f64; 5]) -> (f64, f64) {
+        let mut free = [true; 5];
+        free[p] = false;
+        let rest = &self.measured - self.laws.column(p) * value;
+        let mut hypothesis = *best;
+        for _ in 0..2 {
+            hypothesis = self.whitened(&hypothesis).solve(&rest, &free);
+            hypothesis[p] = value;
+        }
+        let whitened = self.whitened(&hypothesis);
+        let (mut above, mut below) = (0, 0);
+        for simulated in whitened.solve_all(&self.simulate(&hypothesis, &whitened), &[true; 5]) {
+            above += usize::from(simulated[p] >= best[p]);
+            below += usize::from(simulated[p] <= best[p]);
+        }
+        let probability = |count: usize| (count + 1) as f64 / (DRAWS + 1) as f64;
+        (probability(above), probability(below))
+    }
+
+    fn interval(&self, p: usize, best: &[f64; 5]) -> Coefficient {
+        const TAIL: f64 = 0.025;
+        let p_value = if best[p] > 0.0 { self.tail_probabilities(p, 0.0, best).0 } else { 1.0 };
+        let low =
+            if p_value > TAIL { 0.0 } else { crossing(0.0, best[p], |v| self.tail_probabilities(p, v, best).0 > TAIL) };
+        // The first step up: as large as the term could be at its best point.
+        let ceiling =
+            (0..self.points.len()).map(|i| self.measured[i] / self.laws[(i, p)]).fold(f64::INFINITY, f64::min);
+        let mut beyond = best[p].max(1e-6 * ceiling);
+        let mut inside = best[p];
+        for _ in 0..60 {
+            if self.tail_probabilities(p, beyond, best).1 <= TAIL {
+                break;
+            }
+            (inside, beyond) = (beyond, beyond * 2.0);
+        }
+        let high = crossing(inside, beyond, |v| self.tail_probabilities(p, v, best).1 <= TAIL);
+        Coefficient { value: best[p].sqrt(), ci95: [low.sqrt(), high.sqrt()], p_value }
+    }
+}
+
+impl Whitened {
+    fn solve(&self, curve: &DVector<f64>, free: &[bool; 5]) -> [f64; 5] {
+        self.solve_all(&as_matrix(curve), free)[0]
+    }
+
+    /// Squared coefficients of each column.
+    fn solve_all(&self, curves: &DMatrix<f64>, free: &[bool; 5]) -> Vec<[f64; 5]> {
+        self.solve_whitened(&solve_lower(&self.factor, curves), free)
+    }
+
+    fn solve_whitened(&self, curves: &DMatrix<f64>, free: &[bool; 5]) -> Vec<[f64; 5]> {
+        let targets = self.laws.tr_mul(curves);
+        targets.column_iter().map(|target| non_negative(&self.normal, &from_column(target.as_slice()), free)).collect()
+    }
+}
+
+/// Normal matrix of a design with five columns.
+fn square(laws: &DMatrix<f64>) -> [[f64; 5]; 5] {
+    let normal = laws.tr_mul(laws);
+    std::array::from_fn(|p| std::array::from_fn(|q| normal[(p, q)]))
+}
+
+fn from_column(values: &[f64]) -> [f64; 5] {
+    std::array::from_fn(|p| values[p])
+}
+
+fn as_matrix(curve: &DVector<f64>) -> DMatrix<f64> {
+    DMatrix::from_column_slice(curve.len(), 1, curve.as_slice())
+}
+
+fn solve_lower(factor: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
+    // The diagonal of a Cholesky factor is positive, so this cannot fail.
+    factor.solve_lower_triangular(right).unwrap_or_else(|| DMatrix::zeros(right.nrows(), right.ncols()))
+}
+
+/// Where a test first holds between two ends, by bisection of the square root.
+fn crossing(from: f64, to: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    let (mut from, mut to) = (from.sqrt(), to.sqrt());
+    for _ in 0..9 {
+        let middle = (from + to) / 2.0;
+        if holds(middle * middle) { to = middle } else { from = middle }
+    }
+    (from + to).powi(2) / 4.0
+}

@@ -1,0 +1,17 @@
+//! What a run shows: figures, tables and one self-contained page.
+//!
+//! Not for computing anything: it receives finished results. `figure` is the only place that names
+//! plotters.
+
+#![warn(unreachable_pub)]
+
+pub mod allan;
+pub mod diagnosis;
+pub mod figure;
+pub mod html;
+pub mod inspection;
+pub mod require;
+pub mod strapdown;
+pub mod study;
+pub mod sweep;
+pub mod table;

@@ -1,0 +1,43 @@
+//! The proof of `diagnosis`: blind trials on recordings in which the missing physics is known, and
+//! concealed.
+//!
+//! A generator of its own (`excitation`, `proof_mass`, `standstill`, `turning`: closed-form inputs,
+//! own integrator with 20 or more sub-steps, own parameter ranges) plants effects at a stated size;
+//! the truth is sealed (its SHA-256 is printed first) and opened only after the verdicts. The
+//! diagnosis receives two files, recording and base model, and nothing else.
+//!
+//! `independent` is a second generator with families of its own, which shares only plumbing with
+//! the first.
+//!
+//! Not for fitting: nothing here is used by `diagnosis`, and nothing here calls into its numerics.
+
+#![warn(unreachable_pub)]
+
+pub mod blind;
+pub mod campaign;
+pub mod case;
+pub mod catalogue;
+pub mod copy;
+pub mod divided;
+pub mod driven;
+pub mod equation;
+pub mod excitation;
+pub mod independent;
+pub mod interval;
+pub mod judge;
+pub mod like;
+pub mod outcome;
+pub mod page;
+pub mod physics;
+pub mod plan;
+pub mod plant;
+pub mod proof_mass;
+pub mod readout;
+pub mod real;
+pub mod refit;
+pub mod said;
+pub mod scratch;
+pub mod seal;
+pub mod standstill;
+pub mod turning;
+pub mod workers;
