@@ -4,7 +4,9 @@
 use super::candidate::Kind;
 use super::repair::Repair;
 use super::standing::Ranked;
-use super::verdict::{DependsOn, Detectable, Effect, Estimate, Fit, Outcome, RecordingInfo, StateCell, Stretch, Whiteness};
+use super::verdict::{
+    DependsOn, Detectable, Effect, Estimate, Fit, Outcome, RecordingInfo, StateCell, Stretch, Whiteness,
+};
 use super::{driven, rest, trajectory, tumble};
 
 /// The result of a diagnosis, before it is put into words.

@@ -145,7 +145,8 @@ mod tests {
     /// An answer that contradicts nothing, named or not.
     fn sound(outcome: Outcome, named: bool) -> Answer {
         let after = named.then_some(1.0);
-        let score = Score { rmse_before: if named { 5.0 } else { 1.0 }, rmse_after: after, ratio_ci95: None, share: None };
+        let score =
+            Score { rmse_before: if named { 5.0 } else { 1.0 }, rmse_after: after, ratio_ci95: None, share: None };
         let beta = Estimate { name: "beta".into(), value: 2.0, unit: "1".into(), ci95: [1.0, 3.0] };
         let effect = Effect {
             id: "cubic-stiffness".into(),

@@ -20,13 +20,12 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::diagnosis::engine::fit::{Fitted, MOST_STEPS, fit};
-use crate::diagnosis::engine::kind::Point;
-use crate::diagnosis::engine::levels::FOLLOWED;
-use crate::diagnosis::engine::names::{self, Found};
-use crate::diagnosis::engine::search::Search;
+use crate::engine::fit::{Fitted, MOST_STEPS, fit};
+use crate::engine::kind::Point;
+use crate::engine::levels::FOLLOWED;
+use crate::engine::names::{self, Found};
+use crate::engine::search::Search;
 use crate::numerics::moments::{mean_sd, rms};
-use crate::physics::scales::Scales;
 
 use super::identification::refined_scales::lines;
 use super::identification::start::first_scales;
@@ -84,7 +83,8 @@ pub(crate) fn decay(data: &Data, filled: &[Range<usize>]) -> Option<Decay> {
 
 /// Joins segments as long as the model follows the motion through the longer ones.
 fn numbers(system: &System, found: &Found, noise: f64) -> Numbers {
-    let copy = |rows: &Rows| System { rows: rows.clone(), scales: system.scales.clone(), members: system.members.clone() };
+    let copy =
+        |rows: &Rows| System { rows: rows.clone(), scales: system.scales.clone(), members: system.members.clone() };
     let mut numbers = Numbers {
         system: copy(&system.rows),
         model: found.model.clone(),

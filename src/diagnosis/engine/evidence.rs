@@ -13,6 +13,8 @@ pub(crate) struct Gain {
     pub errors: f64,
     /// Part of the excess error of the model without, that over the noise.
     pub share: f64,
+    /// Whether enough blocks differ for their scatter to say anything.
+    pub is_known: bool,
 }
 
 impl Gain {
@@ -49,7 +51,7 @@ pub(crate) fn gain(layout: &Layout, without: &Fitted, with: &Fitted, noise: f64)
     let excess = without.error - noise * layout.rows() as f64;
     // What is removed of a model that is at the noise is all that there was.
     let share = if removed > 0.0 { (removed / excess.max(removed)).min(1.0) } else { removed / excess.max(-removed) };
-    Gain { removed, errors, share: if share.is_finite() { share } else { 0.0 } }
+    Gain { removed, errors, share: if share.is_finite() { share } else { 0.0 }, is_known: few.is_finite() }
 }
 
 #[cfg(test)]

@@ -8,7 +8,9 @@ use super::linear::Products;
 /// Dampings that are tried together where a full step does not lower the sum of squares.
 const DAMPINGS: [f64; 8] = [1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0, 300.0, 1e4];
 /// A step that lowers n ln(sum of squares) by less than this ends the search.
-const AT_REST: f64 = 0.02;
+const AT_REST: f64 = 0.1;
+/// A sum of squares this many times what a linear step promises is not at rest.
+const RESTLESS: f64 = 1.05;
 /// Steps of a fit at most.
 pub(crate) const MOST_STEPS: usize = 25;
 
@@ -74,13 +76,17 @@ fn squares(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum()
 }
 
-/// The record of a model at a point.
+/// The record of a model at a point; `None` where the search has not come to rest there, so that a
+/// linear step says nothing of blocks that were left out.
 fn judged<K: Kind>(kind: &K, set: &[usize], point: Point, model: Linearised) -> Option<Fitted> {
     let layout = kind.layout();
     let at_bound = kind.at_bound(set, &point);
     let products = Products::of(layout, &model, &outward(kind, set, &point, &model));
     let left_out = products.left_out(layout, &model)?;
-    let [sum, _] = products.sums()?;
+    let [sum, promised] = products.sums()?;
+    if sum > RESTLESS * promised {
+        return None;
+    }
     let spent = model.shared.len() + model.starts.len() * layout.segments.len();
     let variance = sum / (layout.rows() as f64 - spent as f64).max(1.0);
     let inverse = products.inverse()?;
@@ -88,16 +94,7 @@ fn judged<K: Kind>(kind: &K, set: &[usize], point: Point, model: Linearised) -> 
     let deviations =
         (0..model.shared.len()).map(|i| by_blocks[i].max(variance * inverse[(i, i)].max(0.0)).sqrt()).collect();
     let error = left_out.residual.iter().map(|e| e * e).sum();
-    Some(Fitted {
-        set: set.to_vec(),
-        point,
-        model,
-        held_out: left_out.residual,
-        error,
-        deviations,
-        variance,
-        at_bound,
-    })
+    Some(Fitted { set: set.to_vec(), point, model, held_out: left_out.residual, error, deviations, variance, at_bound })
 }
 
 /// Rows that do not count have no residual and no derivatives.

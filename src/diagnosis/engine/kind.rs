@@ -22,9 +22,11 @@ impl Layout {
         let (mut blocks, mut owner) = (Vec::new(), Vec::new());
         for (s, segment) in segments.iter().enumerate() {
             let count = (segment.len() / rows.max(1)).max(3).min(segment.len());
-            blocks.extend((0..count).map(|b| {
-                segment.start + segment.len() * b / count..segment.start + segment.len() * (b + 1) / count
-            }));
+            blocks.extend(
+                (0..count).map(|b| {
+                    segment.start + segment.len() * b / count..segment.start + segment.len() * (b + 1) / count
+                }),
+            );
             owner.resize(blocks.len(), s);
         }
         Self { segments, blocks, owner, counts }
@@ -128,6 +130,8 @@ pub(crate) trait Kind: Sync {
     fn excludes(&self, law: usize, other: usize) -> bool;
     /// Points at which a law joins a fitted set; empty where it cannot.
     fn joined(&self, set: &[usize], point: &Point, law: usize) -> Vec<Point>;
+    /// The point with the last law of the set so many times as strong; `None` where it cannot be.
+    fn strengthened(&self, set: &[usize], point: &Point, factor: f64) -> Option<Point>;
     /// The point without the law at a place of the set.
     fn without(&self, set: &[usize], point: &Point, place: usize) -> Point;
     /// Residuals at several points; `None` where the model breaks down.
@@ -140,4 +144,6 @@ pub(crate) trait Kind: Sync {
     fn at_bound(&self, set: &[usize], point: &Point) -> Vec<bool>;
     /// Shared coordinates of the law at a place of the set.
     fn coordinates(&self, set: &[usize], place: usize) -> Range<usize>;
+    /// Those of them that are zero where the law does nothing.
+    fn strengths(&self, set: &[usize], place: usize) -> Vec<usize>;
 }

@@ -7,6 +7,8 @@ pub(crate) const NAME: f64 = 5.0;
 /// Part of the excess error that a name must remove from the model without it. Below it, laws of
 /// the library stand in for each other's inexactness on real recordings (`roll_decay`).
 pub(crate) const LEAST_SHARE: f64 = 0.01;
+/// Standard deviations by which a strength must differ from zero: its 95 % interval excludes zero.
+pub(crate) const CLEAR: f64 = 1.96;
 /// Part of the base model's excess error that all names must remove together. Unmodelled physics is
 /// imitated to between 50 and 91 % by laws that it is not.
 pub(crate) const TOGETHER: f64 = 0.9;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::evidence::Gain;
 use super::fit::Fitted;
 use super::kind::{Argument, Form, Kind};
-use super::levels::{AT_NOISE, TOGETHER};
+use super::levels::{AT_NOISE, CLEAR, TOGETHER};
 use super::search::{Search, sorted};
 
 /// A law that holds.
@@ -89,11 +89,14 @@ fn named<K: Kind>(search: &Search<'_, K>, best: &Arc<Fitted>, place: usize) -> O
     let gain = search.gain(&without, best);
     let own = search.kind.coordinates(&best.set, place);
     let on_bound = own.clone().any(|i| best.at_bound[i]);
-    if on_bound || !search.holds(&without, best) {
+    let strengths = search.kind.strengths(&best.set, place);
+    let is_clear = |i: &usize| best.point.shared[*i].abs() > CLEAR * best.deviations[*i];
+    let may_be_zero = !strengths.is_empty() && !strengths.iter().any(is_clear);
+    if on_bound || may_be_zero || !search.holds(&without, best) {
         return None;
     }
     let law = best.set[place];
-    search.children(&without, Form::Stated);
+    search.children(&without, false);
     let instead = |f: &Arc<Fitted>| {
         let same = f.set.len() == best.set.len() && sorted(&f.set) != sorted(&best.set);
         let kept = without.set.iter().all(|l| f.set.contains(l));

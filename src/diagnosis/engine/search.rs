@@ -9,8 +9,8 @@ use crate::parallel;
 
 use super::evidence::{Gain, gain};
 use super::fit::{Fitted, MOST_STEPS, fit};
-use super::kind::{Form, Kind, Linearised, Point, Set};
-use super::levels::{INEXACT, LEAST_SHARE, NAME, TIE};
+use super::kind::{Form, Kind, Point, Set};
+use super::levels::{AT_NOISE, INEXACT, LEAST_SHARE, NAME, TIE};
 use super::linear::Products;
 
 /// Sets that are followed in parallel.
@@ -25,8 +25,8 @@ const TOGETHER: f64 = 1.5;
 const MOST_LAWS: usize = 4;
 /// Beginnings from which a law is fitted.
 const BEGINNINGS: usize = 2;
-/// Log-likelihood ratio (twice) that a linear step must promise for a fit.
-const PROMISE: f64 = 9.0;
+/// Log-likelihood ratio (twice) that a linear step must promise for a fit: of less no name can come.
+const PROMISE: f64 = NAME * NAME;
 /// Part of the most that is promised by any law, or by any beginning of one, that is still followed.
 const FOLLOWED: [f64; 2] = [0.1, 0.6];
 
@@ -69,11 +69,22 @@ impl<'a, K: Kind> Search<'a, K> {
         gain.errors >= NAME && gain.share >= LEAST_SHARE
     }
 
+    /// Whether a set is as good as the best one but for chance.
+    fn is_no_worse(&self, one: &Fitted, best: &Fitted) -> bool {
+        let gain = self.gain(one, best);
+        gain.removed <= 0.0 || (gain.is_known && gain.errors < TIE)
+    }
+
+    /// Whether a model leaves no more than the noise.
+    fn is_at_noise(&self, model: &Fitted) -> bool {
+        model.variance < (1.0 + AT_NOISE) * self.noise
+    }
+
     /// Whether two sets are equally good.
     pub(crate) fn as_good(&self, one: &Fitted, best: &Fitted) -> bool {
         let gain = self.gain(one, best);
         let left = (best.error - self.noise * self.kind.layout().rows() as f64).max(0.0);
-        gain.errors < TIE || gain.removed < INEXACT * left
+        self.is_no_worse(one, best) || gain.removed < INEXACT * left
     }
 
     /// The best set that the search finds; the base where none holds.
@@ -82,18 +93,21 @@ impl<'a, K: Kind> Search<'a, K> {
         while !frontier.is_empty() {
             // One parent after the other: a set that two of them lead to is fitted from the better one.
             let held_children = |parent: &Arc<Fitted>| -> Vec<Arc<Fitted>> {
-                let all = self.children(parent, Form::Stated);
+                let all = self.children(parent, true);
                 all.into_iter().filter(|child| self.holds(parent, child)).collect()
             };
             let mut next: Vec<Arc<Fitted>> = frontier.iter().flat_map(held_children).collect();
             order::sort_by_key(&mut next, |f| f.error);
             next.dedup_by(|a, b| sorted(&a.set) == sorted(&b.set));
             next.truncate(BEAM);
-            held.extend(next.iter().cloned());
+            // What freedom of its exponent takes up is no further name.
+            let above = next.iter().filter(|f| !self.is_at_noise(f));
+            let bent: Vec<Arc<Fitted>> = above.map(|f| self.with_exponents(f.clone())).collect();
+            held.extend(next.iter().chain(&bent).cloned());
             next.retain(|f| f.set.len() < MOST_LAWS);
             frontier = next;
         }
-        self.with_exponents(self.simplest(&held))
+        self.simplest(&held)
     }
 
     /// With an exponent of its own for each law that it betters.
@@ -119,14 +133,15 @@ impl<'a, K: Kind> Search<'a, K> {
         (0..kind.laws()).filter(takes_place).filter_map(|other| self.with(without, other)).collect()
     }
 
-    /// The best of these sets; of equally good ones that with the fewest coordinates.
+    /// The best of these sets; of equally good ones that with the fewest laws, and the fewest
+    /// coordinates.
     fn simplest(&self, held: &[Arc<Fitted>]) -> Arc<Fitted> {
         let lowest = held.iter().min_by(|a, b| a.error.total_cmp(&b.error)).cloned();
         let best = lowest.unwrap_or_else(|| held[0].clone());
-        let same = held.iter().filter(|f| f.set.len() == best.set.len() && self.as_good(f, &best));
-        let simple = same.min_by(|a, b| {
-            (a.point.shared.len(), a.error).partial_cmp(&(b.point.shared.len(), b.error)).unwrap_or(std::cmp::Ordering::Equal)
-        });
+        let lacks = |f: &Fitted| held.iter().any(|g| f.set.iter().all(|l| g.set.contains(l)) && self.holds(f, g));
+        let good = held.iter().filter(|f| f.set.len() <= best.set.len() && self.is_no_worse(f, &best) && !lacks(f));
+        let size = |f: &Fitted| (f.set.len(), f.point.shared.len());
+        let simple = good.min_by(|a, b| size(a).cmp(&size(b)).then(a.error.total_cmp(&b.error)));
         self.pruned(simple.cloned().unwrap_or(best))
     }
 
@@ -154,18 +169,18 @@ impl<'a, K: Kind> Search<'a, K> {
         self.fitted(from, &[law], &self.prospects(from, law))
     }
 
-    /// Sets of one law more, or of a pair that helps together, that a linear step promises most of.
-    pub(crate) fn children(&self, parent: &Fitted, form: Form) -> Vec<Arc<Fitted>> {
+    /// Sets of one law more that a linear step promises most of; with `paired`, of a pair that helps
+    /// together as well.
+    pub(crate) fn children(&self, parent: &Fitted, paired: bool) -> Vec<Arc<Fitted>> {
         let kind = self.kind;
         let joins = |law: &usize| {
-            kind.form(*law) == form && !parent.set.iter().any(|l| l == law || kind.excludes(*l, *law))
+            kind.form(*law) == Form::Stated && !parent.set.iter().any(|l| l == law || kind.excludes(*l, *law))
         };
         let laws: Vec<usize> = (0..kind.laws()).filter(joins).collect();
-        let mut all: Vec<Vec<Prospect>> =
-            parallel::map_chunks(&laws, 1, |_, law| self.prospects(parent, law[0]));
+        let mut all: Vec<Vec<Prospect>> = parallel::map_chunks(&laws, 1, |_, law| self.prospects(parent, law[0]));
         all.retain(|p| !p.is_empty());
         order::sort_by_key(&mut all, |p| -p[0].promise);
-        let pairs = if parent.set.len() + 2 <= MOST_LAWS { self.pairs(parent, &all) } else { Vec::new() };
+        let pairs = if paired && parent.set.len() + 2 <= MOST_LAWS { self.pairs(parent, &all) } else { Vec::new() };
         let least = (PROMISE * parent.variance).max(FOLLOWED[0] * all.first().map_or(0.0, |p| p[0].promise));
         let singles: Vec<&Vec<Prospect>> = all.iter().filter(|p| p[0].promise > least).take(WIDTH).collect();
         let alone = parallel::map_chunks(&singles, 1, |_, one| self.fitted(parent, &[one[0][0].law], one[0]));
@@ -216,19 +231,32 @@ impl<'a, K: Kind> Search<'a, K> {
                 promise.is_finite().then_some(Prospect { law, beginning, direction, promise })
             })
             .collect();
+        // A fit begins where the linear step ends.
+        all.retain_mut(|p| {
+            let size = self.sizes(parent, &[&p.direction]).map(|s| s[0]);
+            let beginning = size.and_then(|size| self.kind.strengthened(&set, &p.beginning, size));
+            beginning.map(|beginning| p.beginning = beginning).is_some()
+        });
         order::sort_by_key(&mut all, |p| -p.promise);
         all
     }
 
+    /// A model with these directions as further coordinates.
+    fn extended(&self, parent: &Fitted, directions: &[&Vec<f64>]) -> Products {
+        let mut model = parent.model.clone();
+        model.shared.extend(directions.iter().map(|d| (*d).clone()));
+        Products::of(self.kind.layout(), &model, &parent.at_bound)
+    }
+
+    /// How far a linear step goes along each of these directions.
+    fn sizes(&self, parent: &Fitted, directions: &[&Vec<f64>]) -> Option<Vec<f64>> {
+        let step = self.extended(parent, directions).steps(&[0.0])?.remove(0);
+        Some(step.shared.iter().skip(parent.model.shared.len()).copied().collect())
+    }
+
     /// Fall of the sum of squares that a linear step along these directions promises.
     fn promise(&self, parent: &Fitted, directions: &[&Vec<f64>]) -> f64 {
-        let mut model = Linearised {
-            residual: parent.model.residual.clone(),
-            shared: parent.model.shared.clone(),
-            starts: parent.model.starts.clone(),
-        };
-        model.shared.extend(directions.iter().map(|d| (*d).clone()));
-        let sums = Products::of(self.kind.layout(), &model, &parent.at_bound).sums();
+        let sums = self.extended(parent, directions).sums();
         sums.map_or(0.0, |[sum, promised]| sum - promised)
     }
 
@@ -237,7 +265,11 @@ impl<'a, K: Kind> Search<'a, K> {
         set.extend(laws);
         self.remembered(&set, || {
             let follows = |p: &&Prospect| p.promise >= FOLLOWED[1] * prospects[0].promise;
-            let fits = prospects.iter().take(BEGINNINGS).filter(follows).filter_map(|p| fit(self.kind, &set, &p.beginning, MOST_STEPS));
+            let fits = prospects
+                .iter()
+                .take(BEGINNINGS)
+                .filter(follows)
+                .filter_map(|p| fit(self.kind, &set, &p.beginning, MOST_STEPS));
             fits.min_by(|a, b| a.error.total_cmp(&b.error))
         })
     }

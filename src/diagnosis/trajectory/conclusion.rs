@@ -355,7 +355,12 @@ fn scores(found: &Found<'_>, [before, after]: [&Point; 2], held: &HeldOut, named
         noise_floor: 1.0,
         noise: None,
         train: Score { rmse_before: rms(before), rmse_after: some(rms(after)), ratio_ci95: None, share: None },
-        test: Score { rmse_before: held_before, rmse_after: some(held_after), ratio_ci95: named.then(|| held.ratio()), share: None },
+        test: Score {
+            rmse_before: held_before,
+            rmse_after: some(held_after),
+            ratio_ci95: named.then(|| held.ratio()),
+            share: None,
+        },
         test_ranges: Vec::new(),
         recordings: Vec::new(),
         log_score: None,

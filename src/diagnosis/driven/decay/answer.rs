@@ -2,33 +2,32 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::answer::{self, Answer, Places};
-use crate::diagnosis::candidate::Kind as Recorded;
-use crate::diagnosis::detection::structure;
-use crate::diagnosis::driven::identification::fit::Fit;
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::notes::Notes;
-use crate::diagnosis::driven::selection::identifiability::FEWEST_CYCLES;
-use crate::diagnosis::driven::verdict::asked::Asked;
-use crate::diagnosis::driven::verdict::conclude::WHITE;
-use crate::diagnosis::driven::verdict::detail::{Account, Detail, Shown};
-use crate::diagnosis::driven::verdict::effects::{Channels, unit_of};
-use crate::diagnosis::driven::verdict::isolation::{Compared, locate};
-use crate::diagnosis::driven::verdict::noise_words::how;
-use crate::diagnosis::driven::verdict::sensor::repair;
-use crate::diagnosis::driven::verdict::surface::{FreeRun, Surface, surface};
-use crate::diagnosis::engine::fit::Fitted;
-use crate::diagnosis::engine::levels::{AT_NOISE, FAINT};
-use crate::diagnosis::remainder::{Remainder, Size, Test};
-use crate::diagnosis::ruling::{self, rule};
-use crate::diagnosis::verdict::{DependsOn, Fit as Score, Noise, Outcome, RecordingInfo, RecordingScore};
-use crate::number::short;
+use crate::answer::{self, Answer, Places};
+use crate::candidate::Kind as Recorded;
+use crate::detection::structure;
+use crate::driven::identification::fit::Fit;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::notes::Notes;
+use crate::driven::selection::identifiability::FEWEST_CYCLES;
+use crate::driven::verdict::asked::Asked;
+use crate::driven::verdict::conclude::WHITE;
+use crate::driven::verdict::detail::{Account, Detail, Shown};
+use crate::driven::verdict::effects::{Channels, unit_of};
+use crate::driven::verdict::isolation::{Compared, locate};
+use crate::driven::verdict::noise_words::how;
+use crate::driven::verdict::sensor::repair;
+use crate::driven::verdict::surface::{FreeRun, Surface, surface};
+use crate::engine::fit::Fitted;
+use crate::engine::levels::{AT_NOISE, FAINT};
 use crate::numerics::least_squares::Linear;
 use crate::numerics::moments::rms;
 use crate::numerics::special;
+use crate::remainder::{Remainder, Size, Test};
+use crate::ruling::{self, rule};
+use crate::verdict::{DependsOn, Fit as Score, Noise, RecordingInfo, RecordingScore};
 
-use super::effects::{self, share};
 use super::Decay;
+use super::effects::{self, share};
 use super::findings;
 use super::system::System;
 
@@ -77,7 +76,8 @@ pub(crate) fn answer(asked: &Asked<'_>, data: &Data, decay: &Decay, mut notes: N
     if let Some(words) = surfaces[0].words() {
         place += &format!("; {words}");
     }
-    let argument = found.rest.first().map(|rest| DependsOn { name: rest.argument.word().to_owned(), share: share(rest.gain) });
+    let argument =
+        found.rest.first().map(|rest| DependsOn { name: rest.argument.word().to_owned(), share: share(rest.gain) });
     notes.findings.extend(findings::findings(decay, data, &unit));
     let rest = decay.structure(&after);
     let account = Account {
@@ -158,7 +158,7 @@ impl Decay {
     }
 
     /// Structure in what a model leaves, by its own past.
-    fn structure(&self, errors: &[f64]) -> crate::diagnosis::detection::Structure {
+    fn structure(&self, errors: &[f64]) -> crate::detection::Structure {
         let counted = errors.iter().zip(&self.system.rows.layout.counts).filter(|(_, c)| **c).map(|(e, _)| *e);
         structure(&counted.collect::<Vec<f64>>(), LAGS, &[])
     }
@@ -202,7 +202,7 @@ impl Decay {
         let named = !found.named.is_empty();
         let held_out = |m: &Fitted| (m.error / rows).sqrt();
         let fitted = |m: &Fitted| (m.model.residual.iter().map(|e| e * e).sum::<f64>() / rows).sqrt();
-        let of = |error: &dyn Fn(&Fitted) -> f64| crate::diagnosis::verdict::Score {
+        let of = |error: &dyn Fn(&Fitted) -> f64| crate::verdict::Score {
             rmse_before: error(&found.base),
             rmse_after: named.then(|| error(&found.model)),
             ratio_ci95: None,
@@ -214,7 +214,7 @@ impl Decay {
             ((floor + (1.0 - s) * (found.base.error - floor).max(0.0)) / found.base.error).max(0.0).sqrt()
         };
         let ratio_ci95 = together.map(|s| [remains(s.ci95[1]), remains(s.ci95[0])]);
-        let test = crate::diagnosis::verdict::Score { ratio_ci95, share: together, ..of(&held_out) };
+        let test = crate::verdict::Score { ratio_ci95, share: together, ..of(&held_out) };
         let recordings = asked.pieces.iter().take(1).map(|piece| RecordingScore {
             file: piece.file.clone(),
             role: piece.role,

@@ -1,13 +1,13 @@
 //! What was found in a decay in public numbers: effects, base model, every candidate's standing.
 
-use crate::diagnosis::driven::verdict::effects::{Channels, interval_about, parameter_unit, unit};
-use crate::diagnosis::engine::evidence::Gain;
-use crate::diagnosis::engine::fit::Fitted;
-use crate::diagnosis::engine::kind::Kind;
-use crate::diagnosis::engine::names::Named;
-use crate::diagnosis::standing::{self, Note, Ranked};
-use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Form, Share};
+use crate::driven::verdict::effects::{Channels, interval_about, parameter_unit, unit};
+use crate::engine::evidence::Gain;
+use crate::engine::fit::Fitted;
+use crate::engine::kind::Kind;
+use crate::engine::names::Named;
 use crate::numerics::special;
+use crate::standing::{self, Note, Ranked};
+use crate::verdict::{Effect, Estimate, Evidence, Form, Share};
 
 use super::Decay;
 use super::form::form;

@@ -1,6 +1,6 @@
 //! What is found about a decay besides its physics, in sentences.
 
-use crate::diagnosis::driven::intake::data::Data;
+use crate::driven::intake::data::Data;
 use crate::number::short;
 
 use super::Decay;
@@ -39,18 +39,22 @@ pub(super) fn findings(decay: &Decay, data: &Data, unit: &str) -> Vec<String> {
     let step = rows.step;
     if step > 1 {
         all.push(format!(
-            "the decay has {} samples to a cycle and was fitted at every {step}th, each the value of a parabola through \
+            "the decay has {} samples to a cycle and was fitted at every {step}. of them, each the value of a parabola through \
              its neighbours; white noise is {} {unit} there",
             short(motion.cycle),
             short(decay.variance.sqrt())
         ));
     }
+    if rows.of > 1 {
+        all.push(format!(
+            "of the decay's {} cycles one segment of some four in {} is fitted, from the first on",
+            short(decay.cycles()),
+            rows.of
+        ));
+    }
     if !decay.found.imitations.is_empty() {
         let ids: Vec<&str> = decay.found.imitations.iter().map(|l| decay.system.members[*l].term.id()).collect();
-        all.push(format!(
-            "{} would remove part of the error, and not enough of it to be named",
-            ids.join(" and ")
-        ));
+        all.push(format!("{} would remove part of the error, and not enough of it to be named", ids.join(" and ")));
     }
     all
 }

@@ -1,14 +1,14 @@
 //! How far a named law of a decay departs from the form that its name states.
 
-use crate::diagnosis::driven::verdict::form::Split;
-use crate::diagnosis::engine::evidence::Gain;
-use crate::diagnosis::engine::fit::Fitted;
-use crate::diagnosis::engine::kind::Kind;
-use crate::diagnosis::verdict::Form;
+use crate::driven::verdict::form::Split;
+use crate::engine::evidence::Gain;
+use crate::engine::fit::Fitted;
+use crate::engine::kind::Kind;
 use crate::numerics::moments::rms;
 use crate::numerics::order;
 use crate::physics::free_form::{Argument, VALUES};
 use crate::physics::library::Term;
+use crate::verdict::Form;
 
 use super::Decay;
 
@@ -31,7 +31,8 @@ pub(super) fn form(decay: &Decay, freed: &Fitted, gain: Gain) -> Option<Form> {
     order::sort(&mut visited);
     let last = visited.len().checked_sub(1)?;
     let at: Vec<f64> = (0..VISITS).map(|i| visited[last * i / (VISITS - 1)]).collect();
-    let mut values = decay.system.shared_values(&freed.set, &freed.point)[decay.system.coordinates(&freed.set, law)].to_vec();
+    let mut values =
+        decay.system.shared_values(&freed.set, &freed.point)[decay.system.coordinates(&freed.set, law)].to_vec();
     values.resize(VALUES, 0.0);
     let curve = |at: &[f64]| -> Vec<f64> { at.iter().map(|a| form.curve::<f64, false>(&values, *a)).collect() };
     let whole = curve(&at);

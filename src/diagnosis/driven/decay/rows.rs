@@ -3,8 +3,8 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::engine::kind::Layout;
+use crate::driven::intake::data::Data;
+use crate::engine::kind::Layout;
 use crate::numerics::moments::dot;
 
 use super::swings::Motion;
@@ -17,8 +17,10 @@ const HALF: f64 = 0.75;
 const CYCLES: f64 = 4.0;
 /// Rows of a segment at least.
 const LEAST_SEGMENT: f64 = 24.0;
+/// Rows of a cycle that are kept where there are many cycles.
+const FEW_PER_CYCLE: f64 = 16.0;
 /// Rows in all at about; of more, segments are left out evenly, the first one never.
-const MOST: f64 = 4000.0;
+const MOST: f64 = 2000.0;
 /// Blocks in all at least, where each keeps some rows.
 const FEWEST_BLOCKS: usize = 32;
 /// Rows of a block at least.
@@ -52,7 +54,8 @@ fn weights(m: usize) -> Vec<f64> {
 
 /// Rows of a motion; `filled` were not recorded.
 pub(super) fn rows(data: &Data, motion: &Motion, filled: &[Range<usize>]) -> Rows {
-    let step = (motion.cycle / PER_CYCLE).max(1.0) as usize;
+    let seen = motion.stretches.iter().map(Range::len).sum::<usize>() as f64;
+    let step = (motion.cycle / PER_CYCLE).max((seen / MOST).min(motion.cycle / FEW_PER_CYCLE)).max(1.0) as usize;
     let half = if step > 1 { ((HALF * step as f64).round() as usize).max(2) } else { 0 };
     let weights = if half > 0 { weights(half) } else { vec![1.0] };
     let cycle = motion.cycle / step as f64;
@@ -132,9 +135,8 @@ mod tests {
     fn a_parabola_keeps_its_value_in_the_middle() {
         for m in [2, 5, 8] {
             let weights = weights(m);
-            let moment = |p: i32| -> f64 {
-                weights.iter().enumerate().map(|(i, w)| w * (i as f64 - m as f64).powi(p)).sum()
-            };
+            let moment =
+                |p: i32| -> f64 { weights.iter().enumerate().map(|(i, w)| w * (i as f64 - m as f64).powi(p)).sum() };
             assert!((moment(0) - 1.0).abs() < 1e-12 && moment(1).abs() < 1e-12 && moment(2).abs() < 1e-10);
             assert!(moment(4).abs() > 0.1, "a fourth power is no parabola");
         }

@@ -1,7 +1,7 @@
 //! The laws that a decay may follow beside the base model: the library's, and free forms of their
 //! arguments.
 
-use crate::diagnosis::engine::kind::{Argument, Form};
+use crate::engine::kind::{Argument, Form};
 use crate::physics::end_stop::{EndStop, Side};
 use crate::physics::free_form::{Extent, FreeForm, Freed};
 use crate::physics::law::Role;

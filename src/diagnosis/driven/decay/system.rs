@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::driven::base::{BASE, GAIN, INITIAL, OFFSET, OMEGA, OMEGAS_PER_SAMPLE, ZETA, ZETAS};
-use crate::diagnosis::driven::simulation::filter::{Keep, Nothing};
-use crate::diagnosis::driven::simulation::run::{Run, innovations};
-use crate::diagnosis::driven::simulation::structure::ModelStructure;
-use crate::diagnosis::engine::kind::{Argument, Form, Kind, Layout, Linearised, Point};
+use crate::driven::base::{BASE, GAIN, INITIAL, OFFSET, OMEGA, OMEGAS_PER_SAMPLE, ZETA, ZETAS};
+use crate::driven::simulation::filter::{Keep, Nothing};
+use crate::driven::simulation::run::{Run, innovations};
+use crate::driven::simulation::structure::ModelStructure;
+use crate::engine::kind::{Argument, Form, Kind, Layout, Linearised, Point};
 use crate::physics::end_stop::EndStop;
 use crate::physics::law::Role;
 use crate::physics::library::Term;
@@ -84,11 +84,8 @@ impl System {
         let structure = self.structure(set);
         let shared = self.shared_values(set, point);
         let coordinates = self.start_coordinates(set);
-        let starts: Vec<Vec<f64>> = point
-            .starts
-            .iter()
-            .map(|s| coordinates.iter().zip(s).map(|(c, z)| value(*c, *z)).collect())
-            .collect();
+        let starts: Vec<Vec<f64>> =
+            point.starts.iter().map(|s| coordinates.iter().zip(s).map(|(c, z)| value(*c, *z)).collect()).collect();
         let mut all = vec![0.0; structure.parameters];
         all[GAIN] = 1.0;
         (all[OMEGA], all[ZETA], all[OFFSET]) = (shared[0], shared[1], shared[2]);
@@ -137,9 +134,9 @@ impl System {
             Term::FreeForm(form) => {
                 let none = vec![0.0; term.values()];
                 match form.law {
-                    crate::physics::free_form::Freed::Friction => {
-                        [0.05, 0.3].map(|smooth| vec![0.0, smooth * self.scales.velocity, 0.0, 0.3 * self.scales.velocity]).to_vec()
-                    }
+                    crate::physics::free_form::Freed::Friction => [0.05, 0.3]
+                        .map(|smooth| vec![0.0, smooth * self.scales.velocity, 0.0, 0.3 * self.scales.velocity])
+                        .to_vec(),
                     _ => vec![none],
                 }
             }
@@ -148,10 +145,13 @@ impl System {
         let coordinates = term.coordinates(&self.scales);
         let mut all = Vec::new();
         for start in starts {
-            let silent = |j: usize| start[j] == 0.0 && matches!(coordinates[j], Coordinate::Linear(_) | Coordinate::Bounded(..));
+            let silent =
+                |j: usize| start[j] == 0.0 && matches!(coordinates[j], Coordinate::Linear(_) | Coordinate::Bounded(..));
             let parameters = term.values() - term.unknown_beginnings();
-            let strengths: Vec<usize> = if start.first() == Some(&0.0) { (0..parameters).filter(|j| silent(*j)).collect() } else { Vec::new() };
-            let strengths = if matches!(term, Term::FreeForm(_)) { strengths.into_iter().take(1).collect() } else { strengths };
+            let strengths: Vec<usize> =
+                if start.first() == Some(&0.0) { (0..parameters).filter(|j| silent(*j)).collect() } else { Vec::new() };
+            let strengths =
+                if matches!(term, Term::FreeForm(_)) { strengths.into_iter().take(1).collect() } else { strengths };
             if strengths.is_empty() {
                 all.push(start);
                 continue;
@@ -164,6 +164,11 @@ impl System {
         }
         all
     }
+}
+
+/// How many of a law's first parameters are its strength.
+fn strengths(term: &Term) -> usize {
+    if matches!(term, Term::ReadoutNonlinearity(_) | Term::PeriodicDisturbance(_)) { 2 } else { 1 }
 }
 
 /// The value at a coordinate.
@@ -225,6 +230,22 @@ impl Kind for System {
             point
         };
         self.beginnings(&term).into_iter().map(joined).collect()
+    }
+
+    fn strengthened(&self, set: &[usize], point: &Point, factor: f64) -> Option<Point> {
+        let place = set.len().checked_sub(1)?;
+        let coordinates = self.shared_coordinates(set);
+        let mut point = point.clone();
+        for i in self.coordinates(set, place).take(strengths(&self.members[set[place]].term)) {
+            match coordinates[i] {
+                Coordinate::Log(..) if factor > 0.0 => point.shared[i] += factor.ln(),
+                Coordinate::Bounded(_, low, _) if factor < 0.0 && low >= 0.0 => return None,
+                Coordinate::Linear(_) | Coordinate::Bounded(..) => point.shared[i] *= factor,
+                Coordinate::Log(..) | Coordinate::Held => return None,
+            }
+        }
+        self.confine(set, &mut point);
+        Some(point)
     }
 
     fn without(&self, set: &[usize], point: &Point, place: usize) -> Point {
@@ -300,12 +321,12 @@ impl Kind for System {
         };
         let mut all: Vec<bool> = coordinates.iter().zip(&values).map(on_bound).collect();
         let terms = self.terms(set);
-        let bends = |t: &Term| {
-            matches!(t, Term::CubicStiffness(_) | Term::QuadraticStiffness(_) | Term::PowerLawStiffness(_))
-        };
+        let bends =
+            |t: &Term| matches!(t, Term::CubicStiffness(_) | Term::QuadraticStiffness(_) | Term::PowerLawStiffness(_));
         for (place, term) in terms.iter().enumerate() {
             let own = self.coordinates(set, place);
-            let is_soft = matches!(term, Term::EndStop(_)) && EndStop::may_be_a_bend(&values[own.clone()], &self.scales);
+            let is_soft =
+                matches!(term, Term::EndStop(_)) && EndStop::may_be_a_bend(&values[own.clone()], &self.scales);
             all[own.start] |= is_soft && terms.iter().any(bends);
         }
         all
@@ -316,5 +337,12 @@ impl Kind for System {
         let terms = self.terms(set);
         let first = OWN + terms[..place].iter().map(known).sum::<usize>();
         first..first + known(&terms[place])
+    }
+
+    fn strengths(&self, set: &[usize], place: usize) -> Vec<usize> {
+        let coordinates = self.shared_coordinates(set);
+        let has_zero = |i: &usize| matches!(coordinates[*i], Coordinate::Linear(_) | Coordinate::Bounded(..));
+        let own = self.coordinates(set, place).take(strengths(&self.members[set[place]].term));
+        own.filter(has_zero).collect()
     }
 }

@@ -13,6 +13,9 @@ use super::gain::{self, Noisy};
 /// 1e-4 of a term.
 const ANGLE: f64 = 0.25;
 
+/// The same for a free motion, whose linear part is exact: errors stay below 1e-4 of what a term does.
+const FREE_ANGLE: f64 = 0.32;
+
 /// A model: the base and some terms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelStructure {
@@ -147,7 +150,7 @@ impl ModelStructure {
 
     /// As `steps`, where no input has to be followed between the samples: one where that is enough.
     pub fn free_steps(&self, point: &[f64], scales: &Scales) -> usize {
-        self.angles(point, scales, ANGLE).clamp(1, MOST_STEPS)
+        self.angles(point, scales, FREE_ANGLE).clamp(1, MOST_STEPS)
     }
 
     fn steps_by(&self, point: &[f64], scales: &Scales, angle: f64) -> usize {

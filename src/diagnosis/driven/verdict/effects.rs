@@ -43,7 +43,7 @@ pub(crate) fn unit_of(heading: &str, otherwise: &str) -> String {
 }
 
 /// Unit of a term's parameter: a share per unit of the environment column where the term follows one.
-pub(in crate::diagnosis::driven) fn parameter_unit(term: &Term, parameter: usize, channels: &Channels) -> String {
+pub(in crate::driven) fn parameter_unit(term: &Term, parameter: usize, channels: &Channels) -> String {
     match term.environment().and_then(|column| channels.environment_units.get(column)) {
         Some(own) => format!("1/{own}"),
         None => unit(term.candidate().parameters[parameter].unit, channels),
@@ -104,7 +104,7 @@ pub fn base(c: &Conclusion, scales: &Scales, channels: &Channels) -> Vec<Estimat
 }
 
 /// The 95 % interval about a value that moves in this coordinate.
-pub(in crate::diagnosis::driven) fn interval_about(value: f64, coordinate: Coordinate, reach: [f64; 2]) -> [f64; 2] {
+pub(in crate::driven) fn interval_about(value: f64, coordinate: Coordinate, reach: [f64; 2]) -> [f64; 2] {
     let [down, up] = reach.map(|r| r.min(1e3));
     match coordinate {
         Coordinate::Linear(scale) => [value - down * scale, value + up * scale],

@@ -26,7 +26,12 @@ use super::asked::Asked;
 /// without an input, one unit of output as 1 m. Readout noise with a memory is written as the white
 /// noise of the same density at low frequencies, which is `low_frequency` times that of its innovations,
 /// from which drift comes.
-pub(in crate::diagnosis::driven) fn repair(asked: &Asked<'_>, data: &Data, [before, after]: [&Fit; 2], low_frequency: f64) -> Repair {
+pub(in crate::driven) fn repair(
+    asked: &Asked<'_>,
+    data: &Data,
+    [before, after]: [&Fit; 2],
+    low_frequency: f64,
+) -> Repair {
     let input = data.input.as_ref().and(asked.columns.input.as_deref());
     let warmth = warmth(asked, data, &after.structure.terms);
     let mut not_expressible = Vec::new();
