@@ -227,7 +227,7 @@ impl Decay {
         Score {
             unit: unit.to_owned(),
             noise_floor: self.variance.sqrt(),
-            noise: Some(Noise { value: self.noise.deviation, unit: unit.to_owned(), how: how(self.noise.how) }),
+            noise: Some(self.noise_of_the_reading(unit)),
             train: of(&fitted),
             test,
             test_ranges: Vec::new(),
@@ -235,6 +235,25 @@ impl Decay {
             log_score: None,
             one_step_rmse: None,
         }
+    }
+
+    /// Whether nothing is named, and what is left is more than the noise that was measured and does not
+    /// follow the motion.
+    pub(crate) fn leaves_noise_with_memory(&self) -> bool {
+        let left = self.found.model.variance;
+        let is_more = left > (1.0 + AT_NOISE) * self.variance;
+        self.found.named.is_empty() && is_more && self.remainder().size == Size::Negligible
+    }
+
+    /// The noise of a reading: as it was measured, or where that is only its white part, what the model
+    /// leaves.
+    fn noise_of_the_reading(&self, unit: &str) -> Noise {
+        let left = self.found.model.variance;
+        if left > (1.0 + AT_NOISE) * self.variance && self.remainder().size == Size::Negligible {
+            let said = "the residual, whose size does not follow the motion";
+            return Noise { value: left.sqrt(), unit: unit.to_owned(), how: said.to_owned() };
+        }
+        Noise { value: self.noise.deviation, unit: unit.to_owned(), how: how(self.noise.how) }
     }
 
     /// The model as the rest of the diagnosis of driven recordings knows it; its variance is that of a
