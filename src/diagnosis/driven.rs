@@ -1,7 +1,8 @@
 //! Input and output of one proof mass, or its free ring-down: which physics its model leaves out.
 //!
 //! One room per stage, each of which imports only those before it: `intake` → `simulation` →
-//! `identification` → `selection` → `verdict`, over the laws in `physics`.
+//! `identification` → `selection` → `verdict`, over the laws in `physics`. A free decay goes its own way,
+//! through the engine (`decay`).
 
 pub mod base;
 pub mod decay;
@@ -84,9 +85,9 @@ fn decayed(recording: &Recording, taken: &Taken, model: &model::Driven) -> Optio
     if prepared.data.input.is_some() || prepared.own_test || pieces.len() != 1 {
         return None;
     }
-    let decay = decay::decay(&prepared.data, &prepared.filled)?;
+    let decay = decay::searched::decay(&prepared.data, &prepared.filled)?;
     let asked = Asked { recording, pieces, judging, columns: &model.columns, unit: model.unit.as_deref() };
-    let answer = decay::answer(&asked, &prepared.data, &decay, prepared.notes.clone());
+    let answer = decay::answer::answer(&asked, &prepared.data, &decay, prepared.notes.clone());
     Some((answer, decay.leaves_noise_with_memory()))
 }
 

@@ -26,9 +26,9 @@ use crate::remainder::{Remainder, Size, Test};
 use crate::ruling::{self, rule};
 use crate::verdict::{DependsOn, Fit as Score, Noise, RecordingInfo, RecordingScore};
 
-use super::Decay;
 use super::effects::{self, share};
 use super::findings;
+use super::searched::Decay;
 use super::system::System;
 
 /// Cycles that a look at both models spans.

@@ -9,8 +9,8 @@ use crate::numerics::special;
 use crate::standing::{self, Note, Ranked};
 use crate::verdict::{Effect, Estimate, Evidence, Form, Share};
 
-use super::Decay;
 use super::form::form;
+use super::searched::Decay;
 
 /// 95 % of a normal distribution lie within this many standard deviations.
 const REACH: f64 = 1.96;

@@ -3,7 +3,7 @@
 use crate::driven::intake::data::Data;
 use crate::number::short;
 
-use super::Decay;
+use super::searched::Decay;
 
 /// Where it begins and ends, how it was thinned, what was tried and holds no name.
 pub(super) fn findings(decay: &Decay, data: &Data, unit: &str) -> Vec<String> {

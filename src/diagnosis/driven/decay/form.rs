@@ -10,7 +10,7 @@ use crate::physics::free_form::{Argument, VALUES};
 use crate::physics::library::Term;
 use crate::verdict::Form;
 
-use super::Decay;
+use super::searched::Decay;
 
 /// Places of the curve that is kept.
 const PLACES: usize = 41;
