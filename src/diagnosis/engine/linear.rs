@@ -62,8 +62,8 @@ fn solve(matrix: &DMatrix<f64>, right: &DMatrix<f64>, damping: f64) -> Option<DM
     }
     let right = DMatrix::from_fn(n, right.ncols(), |i, j| right[(i, j)] / size[i]);
     let mut solved = scaled.cholesky()?.solve(&right);
-    for i in 0..n {
-        solved.row_mut(i).scale_mut(1.0 / size[i]);
+    for (i, size) in size.iter().enumerate() {
+        solved.row_mut(i).scale_mut(1.0 / size);
     }
     solved.iter().all(|v| v.is_finite()).then_some(solved)
 }

@@ -98,12 +98,17 @@ impl<'a, K: Kind> Search<'a, K> {
             };
             let mut next: Vec<Arc<Fitted>> = frontier.iter().flat_map(held_children).collect();
             order::sort_by_key(&mut next, |f| f.error);
+            // What freedom of its exponent takes up is no further name: the best set of each argument
+            // is tried with it.
+            let argument = |f: &Fitted| f.set.last().map(|law| self.kind.argument(*law));
+            let first = |i: &usize| next[..*i].iter().all(|f| argument(f) != argument(&next[*i]));
+            let bent: Vec<usize> = (0..next.len()).filter(first).filter(|i| !self.is_at_noise(&next[*i])).collect();
+            let bent: Vec<Arc<Fitted>> = bent.into_iter().map(|i| self.with_exponents(next[i].clone())).collect();
+            next.extend(bent);
+            order::sort_by_key(&mut next, |f| f.error);
             next.dedup_by(|a, b| sorted(&a.set) == sorted(&b.set));
             next.truncate(BEAM);
-            // What freedom of its exponent takes up is no further name.
-            let above = next.iter().filter(|f| !self.is_at_noise(f));
-            let bent: Vec<Arc<Fitted>> = above.map(|f| self.with_exponents(f.clone())).collect();
-            held.extend(next.iter().chain(&bent).cloned());
+            held.extend(next.iter().cloned());
             next.retain(|f| f.set.len() < MOST_LAWS);
             frontier = next;
         }

@@ -292,7 +292,7 @@ impl Decay {
         let first = self.first() + from;
         Shown {
             from: first,
-            held_out: vec![first..first + length],
+            held_out: std::iter::once(first..first + length).collect(),
             reading: reading.to_vec(),
             base: less(before),
             repaired: less(after),

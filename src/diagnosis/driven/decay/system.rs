@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::driven::base::{BASE, GAIN, INITIAL, OFFSET, OMEGA, OMEGAS_PER_SAMPLE, ZETA, ZETAS};
+use crate::driven::base::{GAIN, OFFSET, OMEGA, OMEGAS_PER_SAMPLE, ZETA, ZETAS};
 use crate::driven::simulation::filter::{Keep, Nothing};
 use crate::driven::simulation::run::{Run, innovations};
 use crate::driven::simulation::structure::ModelStructure;
@@ -89,7 +89,6 @@ impl System {
         let mut all = vec![0.0; structure.parameters];
         all[GAIN] = 1.0;
         (all[OMEGA], all[ZETA], all[OFFSET]) = (shared[0], shared[1], shared[2]);
-        debug_assert!(BASE == INITIAL + 2);
         for (segment, start) in starts.iter().enumerate() {
             all[structure.offset(segment)] = shared[2];
             all[structure.initial(segment)] = start[0];
