@@ -126,7 +126,10 @@ fn nulls() -> Result<(), Failed> {
         };
         let verdict = decimated(&quiet.iter().map(noisy).collect::<Vec<f64>>(), 1)?;
         check(verdict.effects.is_empty(), format!("{seed}: {:?}", ids(&verdict)))?;
-        check(verdict.verdict == Outcome::Adequate, format!("{seed}: {} {}", verdict.verdict.name(), verdict.sentence))?;
+        check(
+            verdict.verdict == Outcome::Adequate,
+            format!("{seed}: {} {}", verdict.verdict.name(), verdict.sentence),
+        )?;
     }
     Ok(())
 }
@@ -241,7 +244,8 @@ fn roll(folder: &std::path::Path) -> Result<(), Failed> {
         let both = found.contains(&"cubic-stiffness") && found.contains(&"quadratic-damping");
         check(both, format!("every {every}: {found:?} {}", verdict.sentence))?;
         check(verdict.verdict == Outcome::Unexplained, format!("every {every}: it is not at the noise"))?;
-        let of = |id: &str| verdict.effects.iter().find(|e| e.id == id).map(|e| e.parameters[0].value).unwrap_or(f64::NAN);
+        let of =
+            |id: &str| verdict.effects.iter().find(|e| e.id == id).map(|e| e.parameters[0].value).unwrap_or(f64::NAN);
         near("k3", of("cubic-stiffness"), 5.38, 0.02 * 5.38)?;
         near("b2", of("quadratic-damping"), 0.109, 0.1 * 0.109)?;
         let after = verdict.fit.test.rmse_after.unwrap_or(f64::NAN).to_degrees();

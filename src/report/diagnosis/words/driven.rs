@@ -3,7 +3,7 @@
 use proofmass_base::number::{short, with_uncertainty};
 use proofmass_diagnosis::answer::Answer;
 use proofmass_diagnosis::driven::verdict::detail::{Account, Detail};
-use proofmass_diagnosis::verdict::{Effect, Estimate, Outcome};
+use proofmass_diagnosis::verdict::{DependsOn, Effect, Estimate, Outcome};
 
 /// One or two plain sentences.
 pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
@@ -25,6 +25,15 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
     let sentence = match answer.outcome {
         Outcome::Explained | Outcome::Unexplained if answer.fit.test.share.is_some() && !effects.is_empty() => {
             shares(answer, &holding(effects, &named), unit)
+        }
+        Outcome::Unexplained if effects.is_empty() && answer.places.argument.is_some() => {
+            let part = |a: &DependsOn| format!("{} % of it depends on {}", short(100.0 * a.share.value), a.name);
+            format!(
+                "The mismatch is real: the base model's error on held-out samples is {} {unit}, {}, and no law of the \
+                 library fits it.",
+                short(before),
+                answer.places.argument.as_ref().map_or(String::new(), part)
+            )
         }
         Outcome::Explained => format!("The model left out {}; with it, {fall}.", listed(&named, "and")),
         Outcome::Undecidable if effects.is_empty() => format!(
