@@ -18,6 +18,7 @@ mod suite {
     pub mod closed_form;
     pub mod colours;
     pub mod convergence;
+    pub mod decays;
     pub mod device_faults;
     pub mod diagnose_cli;
     pub mod diagnose_rest_cli;
@@ -256,6 +257,8 @@ fn main() {
         suite::tumble_wander::tests(),
         // diagnosis_driven: planted physics is named, foreign physics is not, and a real circuit's spring is found.
         suite::diagnosis_driven::tests(),
+        // decay: a free decay's laws are named together, with shares, at every rate.
+        suite::decays::tests(),
         // several recordings: fitted together, judged by others, refused where they do not belong together.
         suite::several_recordings::tests(),
         // require: the value that a requirement takes is the one of theory, covered as stated.

@@ -42,6 +42,7 @@ pub mod consequence;
 pub mod consistency;
 pub mod detection;
 pub mod driven;
+mod engine;
 pub mod model;
 pub mod recordings;
 pub mod rectification;

@@ -195,6 +195,7 @@ mod tests {
             topic: None,
             unit: None,
             rate_hz: Some(200.0),
+            force_rate: false,
             rows: Vec::new(),
             columns: DrivenColumns { time: None, input, output, environment: Vec::new() },
             start: Start::default(),
@@ -248,6 +249,7 @@ mod tests {
         let model = model::Static {
             topic: None,
             rate_hz: None,
+            force_rate: false,
             rows: Vec::new(),
             unit: "g".into(),
             latitude_deg: None,

@@ -21,7 +21,7 @@ pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
 }
 
 /// Scalar product; of the shorter length where they differ.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     // Eight partial sums: independent chains, and less rounding than one.
     let mut sums = [0.0; 8];
     let whole = a.len().min(b.len()) / 8 * 8;

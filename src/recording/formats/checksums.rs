@@ -76,7 +76,7 @@ fn covered(bytes: &[u8]) -> Vec<Range<usize>> {
     }
     match chunk(bytes) {
         Some((_, records)) => vec![records],
-        None if variables.is_empty() => vec![0..bytes.len()],
+        None if variables.is_empty() => std::iter::once(0..bytes.len()).collect(),
         None => variables,
     }
 }

@@ -80,6 +80,7 @@ pub fn worded(answer: Answer) -> Diagnosis {
             frequency_hz: places.frequency_hz,
             state: places.state,
             state_cells: places.state_cells,
+            argument: places.argument,
         },
         calibration,
         fit,

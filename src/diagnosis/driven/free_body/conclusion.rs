@@ -202,6 +202,7 @@ impl Models<'_> {
             channels: vec![channels.output.clone()],
             evidence: Evidence { held_out_gain: comparison.gain, p_value: comparison.p_value },
             form: None,
+            share: None,
             confusable_with: Vec::new(),
         }
     }
@@ -241,6 +242,7 @@ impl Models<'_> {
             rmse_before: over(before, ranges),
             rmse_after: named.then(|| over(after, ranges)),
             ratio_ci95,
+            share: None,
         };
         let recording = |piece: &Piece| {
             let range = std::slice::from_ref(&piece.range);

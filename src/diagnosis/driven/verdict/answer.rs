@@ -125,7 +125,9 @@ pub fn answer(
         named: !c.named.is_empty(),
         candidates: ranking.iter().map(|r| (r.id.to_owned(), r.gain, r.named)).collect(),
     };
-    let repair = (selection.base_follows || !c.named.is_empty()).then(|| repair(asked, data, c));
+    let low_frequency = c.noise.memory.map_or(1.0, |memory| memory.low_frequency);
+    let fits = [&c.base.fit, &c.model.fit];
+    let repair = (selection.base_follows || !c.named.is_empty()).then(|| repair(asked, data, fits, low_frequency));
     Answer {
         kind: Kind::Driven,
         outcome: c.outcome,
@@ -213,11 +215,12 @@ fn scores(data: &Data, c: &Conclusion, [before, after]: [&[f64]; 2], test: &[[us
         unit: unit.to_owned(),
         noise_floor: effects::noise_floor(data, &c.model.fit),
         noise: None,
-        train: Score { rmse_before: rmse(before), rmse_after: Some(rmse(after)), ratio_ci95: None },
+        train: Score { rmse_before: rmse(before), rmse_after: Some(rmse(after)), ratio_ci95: None, share: None },
         test: Score {
             rmse_before: c.base.held_out.free().sqrt(),
             rmse_after: Some(c.model.held_out.free().sqrt()),
             ratio_ci95: Some(ratio_interval(&c.base.held_out, &c.model.held_out)),
+            share: None,
         },
         test_ranges: range_scores(test, &c.base.held_out, &c.model.held_out),
         recordings: Vec::new(),

@@ -43,7 +43,7 @@ pub(crate) fn unit_of(recording: &Recording, heading: &str, otherwise: &str) -> 
 }
 
 /// Unit of a term's parameter: a share per unit of the environment column where the term follows one.
-pub(super) fn parameter_unit(term: &Term, parameter: usize, channels: &Channels) -> String {
+pub(in crate::driven) fn parameter_unit(term: &Term, parameter: usize, channels: &Channels) -> String {
     match term.environment().and_then(|column| channels.environment_units.get(column)) {
         Some(own) => format!("1/{own}"),
         None => unit(term.candidate().parameters[parameter].unit, channels),
@@ -116,7 +116,7 @@ pub fn base(c: &Conclusion, scales: &Scales, channels: &Channels) -> Vec<Estimat
 }
 
 /// The 95 % interval about a value that moves in this coordinate.
-fn interval_about(value: f64, coordinate: Coordinate, reach: [f64; 2]) -> [f64; 2] {
+pub(in crate::driven) fn interval_about(value: f64, coordinate: Coordinate, reach: [f64; 2]) -> [f64; 2] {
     let [down, up] = reach.map(|r| r.min(1e3));
     match coordinate {
         Coordinate::Linear(scale) => [value - down * scale, value + up * scale],
@@ -249,6 +249,7 @@ pub fn effects(
             channels: vec![channels.output.clone()],
             form: forms.iter().find(|(index, _)| *index == named.index).map(|(_, form)| form.clone()),
             evidence: Evidence { held_out_gain: gain(c, named, floor), p_value: named.comparison.p_value },
+            share: None,
             confusable_with: alike(named),
         });
     }
@@ -273,6 +274,7 @@ pub fn effects(
                 channels: vec![channels.output.clone()],
                 form: None,
                 evidence: Evidence { held_out_gain: gain(c, named, floor), p_value: named.comparison.p_value },
+                share: None,
                 confusable_with: vec![id.to_owned()],
             });
         }
@@ -297,6 +299,7 @@ pub fn effects(
                 p_value: (-(lattice.gain * c.model.fit.linear.residual.len() as f64).min(600.0)).exp()
                     * selection.tried as f64,
             },
+            share: None,
             confusable_with: Vec::new(),
         });
     }

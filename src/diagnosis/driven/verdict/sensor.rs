@@ -24,22 +24,24 @@ use crate::units::key::Sign;
 use crate::warm_profile::{is_in_celsius, is_possible, profile};
 
 use super::asked::Asked;
-use super::conclude::Conclusion;
 
 /// Sensors with and without the terms of the final model. The input's unit is the file's where that
 /// is one of specific force, else taken as 1 m/s²; without an input, one unit of output is taken as
-/// 1 m. Readout noise with a memory is written as the white
-/// noise of the same density at low frequencies, from which drift comes.
-pub(super) fn repair(asked: &Asked<'_>, data: &Data, conclusion: &Conclusion) -> Repair {
+/// 1 m. Readout noise with a memory is written as the white noise of the same density at low
+/// frequencies, which is `low_frequency` times that of its innovations, from which drift comes.
+pub(in crate::driven) fn repair(
+    asked: &Asked<'_>,
+    data: &Data,
+    [before, after]: [&Fit; 2],
+    low_frequency: f64,
+) -> Repair {
     let input = data.input.as_ref().and(asked.columns.input.as_deref());
     let own = input.and_then(|name| match roles::stated(name, asked.recording.stated(name)) {
         Some(Stated::Inertial(unit)) if unit.quantity == Quantity::Accelerometer => Some(unit),
         _ => None,
     });
     let per_input = own.as_ref().map_or(1.0, |unit| unit.si);
-    let warmth = warmth(asked, data, &conclusion.model.fit.structure.terms);
-    let [before, after] = [&conclusion.base.fit, &conclusion.model.fit];
-    let low_frequency = conclusion.noise.memory.map_or(1.0, |memory| memory.low_frequency);
+    let warmth = warmth(asked, data, &after.structure.terms);
     let mut not_expressible = Vec::new();
     let with_noise = |mut sensor: Sensor| {
         sensor.accelerometer.velocity_random_walk_m_s_rts *= low_frequency;
