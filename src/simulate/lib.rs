@@ -14,7 +14,9 @@ pub mod study;
 pub mod validation;
 
 // The crates below, under the names by which files here call them.
-use proofmass_base::{columns, control, document, error, number, numerics, parallel, rng, shard, statistics, units};
+use proofmass_base::{
+    columns, control, document, error, number, numerics, output, parallel, rng, shard, signal, statistics, units,
+};
 use proofmass_physics::{self as physics, dynamics};
 use proofmass_recording as recording;
 use proofmass_scenario::{excitation, motion, navigation, sensor};
