@@ -17,11 +17,13 @@
 //!
 //! | crate | modules | answers |
 //! |---|---|---|
-//! | `base` | `units` `number` `escape` `signal` `error` `control` `progress` `document` `columns` `output` `shard` `parallel` `numerics` `rng` `statistics` | how we name, round, fail, read, write and share work among threads; mathematics, random numbers |
+//! | `base` | `units` `number` `escape` `signal` `error` `control` `progress` `document` `columns` `output` `shard` `parallel` | how we name, round, fail, read, write and share work among threads |
+//! | `numerics` | `numerics` `rng` `statistics` | mathematics without a domain, random numbers, what ensembles are summed to |
 //! | `physics` | `physics` `dynamics` | the laws of a proof mass, one file each |
 //! | `recording` | `recording` | files, clocks, units, findings |
 //! | `scenario` | `sensor` `excitation` `navigation` `motion` | sensors, what moves them, closed forms of their drift |
-//! | `simulate` | `kernel` `study` `backend` `ensemble` `drift` `strapdown` `decision` `validation` | study × backend → statistics → envelopes, error budget; requirements |
+//! | `kernel` `study` | `kernel` `study` | the contract between host and device; what to simulate |
+//! | `simulate` | `backend` `ensemble` `drift` `strapdown` `decision` `validation` | study × backend → statistics → envelopes, error budget; requirements |
 //! | `diagnosis` | `diagnosis` | what physics was left out |
 //! | `report` `export` | `report` `export` | figures, tables, pages; configurations for other tools |
 //! | `map` `paper` `trial` `benchmark` | `map` `paper` `trial` `benchmark` | the tool put to the test |
@@ -52,8 +54,7 @@
 //! out; *candidate*, an effect that the library can name; *null*, a recording without any effect.
 
 pub use proofmass_base::{
-    columns, control, document, error, escape, number, numerics, output, parallel, progress, rng, shard, signal,
-    statistics, units,
+    columns, control, document, error, escape, number, output, parallel, progress, shard, signal, units,
 };
 #[cfg(feature = "cli")]
 pub use proofmass_benchmark as benchmark;
@@ -61,8 +62,10 @@ pub use proofmass_benchmark as benchmark;
 pub use proofmass_cli as cli;
 pub use proofmass_diagnosis as diagnosis;
 pub use proofmass_export as export;
+pub use proofmass_kernel as kernel;
 #[cfg(feature = "cli")]
 pub use proofmass_map as map;
+pub use proofmass_numerics::{numerics, rng, statistics};
 #[cfg(feature = "cli")]
 pub use proofmass_paper as paper;
 pub use proofmass_physics::{self as physics, dynamics};
@@ -70,6 +73,7 @@ pub use proofmass_recording as recording;
 #[cfg(feature = "plots")]
 pub use proofmass_report as report;
 pub use proofmass_scenario::{excitation, motion, navigation, sensor};
-pub use proofmass_simulate::{backend, decision, drift, ensemble, kernel, strapdown, study, validation};
+pub use proofmass_simulate::{backend, decision, drift, ensemble, strapdown, validation};
+pub use proofmass_study as study;
 #[cfg(feature = "cli")]
 pub use proofmass_trial as trial;

@@ -18,6 +18,7 @@ mod suite {
     pub mod closed_form;
     pub mod colours;
     pub mod convergence;
+    pub mod decays;
     pub mod device_faults;
     pub mod diagnose_cli;
     pub mod diagnose_rest_cli;
@@ -46,6 +47,7 @@ mod suite {
     pub mod motion;
     pub mod motion_keys;
     pub mod near_laws;
+    pub mod next_command;
     pub mod noise_law;
     pub mod numbers;
     pub mod one_sided_stop;
@@ -80,9 +82,12 @@ mod suite {
     pub mod study;
     pub mod study_cli;
     pub mod sweep;
+    pub mod tiers;
+    pub mod tilt;
     pub mod trial;
     pub mod tumble_bench;
     pub mod tumble_wander;
+    pub mod units;
     pub mod unlike_members;
     pub mod warm_spring;
     pub mod warm_start;
@@ -97,7 +102,8 @@ fn main() {
     // SAFETY: no other thread exists yet that could read the environment.
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     let arguments = Arguments::from_args();
-    let tests: Vec<Trial> = [
+    // T1: laws, files, commands, pages.
+    let tests = [
         // world: what the tests compare with fails where it must.
         suite::world::tests(),
         // architecture: imports run one way, heavy crates have one owner.
@@ -136,15 +142,12 @@ fn main() {
         suite::laws::tests(),
         // own_states: laws with states of their own, in a study.
         suite::own_states::tests(),
-        // start search: it finds the local minima that a few starts miss; profiles are what refits give.
-        suite::start_search::tests(),
         // invariance: the same bits for any tile, batch, thread, lane and interruption.
         suite::invariance::tests(),
         // shards: divided runs merge to the bits of one, and what does not belong together is refused by name.
         suite::shards::tests(),
         suite::shards_in_motion::tests(),
         suite::shards_map_trial::tests(),
-        suite::single_sine::tests(),
         // emit: scripts for batch systems run by a plain shell.
         suite::emit::tests(),
         // ranks: mpirun shares a study, or is refused.
@@ -159,18 +162,8 @@ fn main() {
         suite::rows::tests(),
         // clock: one clock for all readers.
         suite::clock::tests(),
-        // static: each effect at rest is found alone, nothing where nothing is.
-        suite::diagnosis_rest::tests(),
         // diagnose_rest_cli: a sensor at rest at the command line; every kind's repaired model runs in a study.
         suite::diagnose_rest_cli::tests(),
-        // carried_over: what a diagnosis at rest names, a study of its repaired sensor runs.
-        suite::carried_over::tests(),
-        // carried_over_driven: what is named of a readout.
-        suite::carried_over_driven::tests(),
-        // carried_over_mass: what is named of a proof mass and its readout, by value.
-        suite::carried_over_mass::tests(),
-        // carried_over_tumble: what is named of poses, axis by axis.
-        suite::carried_over_tumble::tests(),
         // dynamics: Duffing orbits match analysis, print and each other.
         suite::dynamics::tests(),
         // paper: twenty figures, every check holds and can fail.
@@ -179,18 +172,8 @@ fn main() {
         suite::diagnose_cli::tests(),
         // driven_bad_input: damaged recordings of a proof mass are refused in a sentence or survived and mentioned.
         suite::driven_bad_input::tests(),
-        // far_from_linear: what follows no linear oscillator gets a verdict, what follows nothing an error.
-        suite::far_from_linear::tests(),
-        // trajectory: what is concealed in the log of a flight is found, and nothing else.
-        suite::diagnosis_trajectory::tests(),
-        // tumble: planted physics of an IMU in still poses is named, and nothing else.
-        suite::diagnosis_tumble::tests(),
-        // tumble: a wander of 1/f noise is no mismatch.
-        suite::tumble_wander::tests(),
-        // diagnosis_driven: planted physics is named, foreign physics is not, and a real circuit's spring is found.
-        suite::diagnosis_driven::tests(),
-        // several recordings: fitted together, judged by others, refused where they do not belong together.
-        suite::several_recordings::tests(),
+        // units: the unit that a file states holds, whatever names its columns.
+        suite::units::tests(),
         // benchmarks: public ones, and a body without a spring.
         suite::benchmarks::tests(),
         // strapdown: six axes drift as theory says, at rest and over the Earth.
@@ -207,16 +190,12 @@ fn main() {
         suite::resume_in_motion::tests(),
         // study: a study is read as it is meant, or refused in a sentence.
         suite::study::tests(),
-        // require: the value that a requirement takes is the one of theory, covered as stated.
-        suite::require::tests(),
+        // tilt: a study along one axis says from when on its small angles are too large.
+        suite::tilt::tests(),
         // sweep: a study along one key or over two, beside the closed form.
         suite::sweep::tests(),
-        // digits: digits that are declared stable are.
-        suite::digits::tests(),
         // trial: the blind trial is blind, and its scoring can tell an oracle from a coin.
         suite::trial::tests(),
-        // planted: a very small blind trial of the real diagnosis.
-        suite::planted::tests(),
         // closed_form: every error source alone drifts as its law says.
         suite::closed_form::tests(),
         // unlike_members: what only some members of a study have.
@@ -225,14 +204,10 @@ fn main() {
         suite::warm_spring::tests(),
         // warm_start: what a still start takes off what follows the temperature.
         suite::warm_start::tests(),
-        // still_start: what averaging the first seconds leaves of each error.
-        suite::still_start::tests(),
         // windows: a recorded log beside its prediction.
         suite::windows::tests(),
-        // kept_shapes: laws with a fitted exponent, and what is near a power without being one.
-        suite::kept_shapes::tests(),
-        suite::near_laws::tests(),
-        suite::own_noise::tests(),
+        // next_command: `inspect` names the command that a file is for.
+        suite::next_command::tests(),
         // noise_law: every noise term has the Allan deviation of its coefficient.
         suite::noise_law::tests(),
         // device_faults: a device that fails costs neither the run nor what was done.
@@ -245,8 +220,6 @@ fn main() {
         suite::one_sided_stop::tests(),
         // schema: editors know the keys that the tool knows.
         suite::schema::tests(),
-        // samples: simulated readings are a recording.
-        suite::same_verdict::tests(),
         suite::samples::tests(),
         // export: what other tools make of an exported file is the study's noise.
         suite::export::tests(),
@@ -258,11 +231,56 @@ fn main() {
         suite::limits::tests(),
         // study_cli: refusals leave nothing behind, Ctrl-C leaves what --resume continues from.
         suite::study_cli::tests(),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
+    ];
+    // T2: campaigns of verdicts.
+    let campaigns = [
+        // start search: it finds the local minima that a few starts miss; profiles are what refits give.
+        suite::start_search::tests(),
+        suite::single_sine::tests(),
+        // static: each effect at rest is found alone, nothing where nothing is.
+        suite::diagnosis_rest::tests(),
+        // carried_over: what a diagnosis at rest names, a study of its repaired sensor runs.
+        suite::carried_over::tests(),
+        // carried_over_driven: what is named of a readout.
+        suite::carried_over_driven::tests(),
+        // carried_over_mass: what is named of a proof mass and its readout, by value.
+        suite::carried_over_mass::tests(),
+        // carried_over_tumble: what is named of poses, axis by axis.
+        suite::carried_over_tumble::tests(),
+        // far_from_linear: what follows no linear oscillator gets a verdict, what follows nothing an error.
+        suite::far_from_linear::tests(),
+        // trajectory: what is concealed in the log of a flight is found, and nothing else.
+        suite::diagnosis_trajectory::tests(),
+        // tumble: planted physics of an IMU in still poses is named, and nothing else.
+        suite::diagnosis_tumble::tests(),
+        // tumble: a wander of 1/f noise is no mismatch.
+        suite::tumble_wander::tests(),
+        // diagnosis_driven: planted physics is named, foreign physics is not, and a real circuit's spring is found.
+        suite::diagnosis_driven::tests(),
+        // decay: a free decay's laws are named together, with shares, at every rate.
+        suite::decays::tests(),
+        // several recordings: fitted together, judged by others, refused where they do not belong together.
+        suite::several_recordings::tests(),
+        // require: the value that a requirement takes is the one of theory, covered as stated.
+        suite::require::tests(),
+        // digits: digits that are declared stable are.
+        suite::digits::tests(),
+        // planted: a very small blind trial of the real diagnosis.
+        suite::planted::tests(),
+        // still_start: what averaging the first seconds leaves of each error.
+        suite::still_start::tests(),
+        // kept_shapes: laws with a fitted exponent, and what is near a power without being one.
+        suite::kept_shapes::tests(),
+        suite::near_laws::tests(),
+        suite::own_noise::tests(),
+        // samples: simulated readings are a recording.
+        suite::same_verdict::tests(),
+    ];
+    let all = arguments.filter.is_some() || std::env::var_os("PROOFMASS_ALL").is_some();
+    let campaigns = suite::tiers::campaigns(campaigns.into_iter().flatten().collect(), all);
+    let tests: Vec<Trial> = tests.into_iter().flatten().chain(campaigns).collect();
     let failed = libtest_mimic::run(&arguments, tests).has_failed();
+    println!("{}", suite::tiers::slowest());
     leave(if failed { 101 } else { 0 });
 }
 

@@ -12,6 +12,7 @@ use serde::de::DeserializeOwned;
 
 use crate::error::{Error, Result, nearest};
 
+mod mistaken;
 mod whole;
 
 pub use whole::{Staged, UNFINISHED, write_whole};
@@ -22,17 +23,15 @@ pub use whole::{Staged, UNFINISHED, write_whole};
 /// File, line and column; an unknown key also names the nearest known one.
 pub fn parse_toml<T: DeserializeOwned>(name: &str, text: &str) -> Result<T> {
     toml::from_str(text).map_err(|error| {
-        let place = match error.span() {
-            Some(span) => {
-                let before = &text[..span.start.min(text.len())];
-                let line = before.matches('\n').count() + 1;
-                let column = before.rsplit('\n').next().map_or(0, |l| l.chars().count()) + 1;
-                format!("{name}:{line}:{column}: ")
-            }
-            None => String::new(),
-        };
+        let at = error.span().map(|span| {
+            let before = &text[..span.start.min(text.len())];
+            let column = before.rsplit('\n').next().map_or(0, |l| l.chars().count()) + 1;
+            (before.matches('\n').count() + 1, column)
+        });
+        let place = at.map_or(String::new(), |(line, column)| format!("{name}:{line}:{column}: "));
         let message = error.message();
-        Error::new(format!("could not read {name}"), format!("{place}{}", plain(message)), hint(message))
+        let hint = mistaken::hint(name, text, at.map(|at| at.0), message).unwrap_or_else(|| hint(message));
+        Error::new(format!("could not read {name}"), format!("{place}{}", plain(message)), hint)
     })
 }
 
@@ -112,9 +111,18 @@ pub fn read_text(path: &Path) -> Result<String> {
     })
 }
 
+/// More allowed words than these are not listed beside a wrong one.
+const FEW_WORDS: usize = 6;
+
 /// The parser's words for types, in those of a person who writes numbers.
 fn plain(message: &str) -> String {
     let mut out = message.replace(" as i128", "").replace("invalid type: map", "invalid type: a section");
+    // Many allowed words stand in the hint, where none is near; here they would hide the wrong one.
+    if let Some((wrong, known)) = out.split_once(", expected one of ")
+        && known.matches('`').count() > 2 * FEW_WORDS
+    {
+        out = wrong.to_owned();
+    }
     for (theirs, ours) in [
         ("expected u64", "expected a whole number, zero or more"),
         ("expected u32", "expected a whole number from 0 to 4294967295"),
@@ -144,6 +152,7 @@ fn hint(message: &str) -> String {
     }
     match message {
         m if m.starts_with("missing field") => "add that key; `proofmass template` prints an example of every file",
+        m if m.contains("a standard deviation is zero or more") => "a spread has no sign: leave the minus out",
         m if m.starts_with("duplicate key") => "keep one of the two",
         m if m.contains("map, expected a sequence") => {
             "a section that may come several times has two brackets, [[so]]; a list has one, [1.0, 2.0]"

@@ -70,13 +70,24 @@ impl Error {
 
 /// The nearest of `known` to a misspelt `word`, if any is near enough to be meant.
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let known: Vec<&str> = known.into_iter().collect();
+    // A key without its unit: `bias` is `bias_deg_h`.
+    let without_unit = || {
+        known
+            .iter()
+            .copied()
+            .filter(|k| k.strip_prefix(word).is_some_and(|rest| rest.starts_with('_')))
+            .min_by_key(|k| k.len())
+    };
     known
-        .into_iter()
+        .iter()
+        .copied()
         .map(|k| (strsim::damerau_levenshtein(word, k), k))
-        // A word of which no letter is kept is another one, however short.
-        .filter(|(d, k)| *d <= 2 + k.len() / 4 && *d < word.chars().count().max(k.chars().count()))
+        // A word of which less than half is kept is another one.
+        .filter(|(d, k)| *d <= 2 + k.len() / 4 && 2 * d <= word.chars().count().max(k.chars().count()))
         .min_by_key(|(d, _)| *d)
         .map(|(_, k)| k)
+        .or_else(without_unit)
 }
 
 #[cfg(test)]
@@ -89,5 +100,7 @@ mod tests {
         assert_eq!(nearest("durations", known), Some("duration_s"));
         assert_eq!(nearest("zzzzzzzzzz", known), None);
         assert_eq!([nearest("zz", ["t"]), nearest("tz", ["t"])], [None, Some("t")]);
+        assert_eq!(nearest("bias", ["bias_instability_deg_h", "bias_deg_h"]), Some("bias_deg_h"));
+        assert_eq!(nearest("ros", ["vins", "kalibr"]), None);
     }
 }

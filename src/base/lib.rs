@@ -1,4 +1,4 @@
-//! Names, numbers, errors, files and mathematics that every part of proofmass shares.
+//! Names, numbers, errors and files that every part of proofmass shares.
 //! The order of its modules stands in the table of the facade.
 
 #![warn(unreachable_pub)]
@@ -9,12 +9,9 @@ pub mod document;
 pub mod error;
 pub mod escape;
 pub mod number;
-pub mod numerics;
 pub mod output;
 pub mod parallel;
 pub mod progress;
-pub mod rng;
 pub mod shard;
 pub mod signal;
-pub mod statistics;
 pub mod units;

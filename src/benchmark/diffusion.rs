@@ -4,11 +4,11 @@
 //!
 //! A yardstick; the tool itself solves no such equation.
 
-use proofmass_base::numerics::elementary::{Real, fma};
 use proofmass_base::parallel;
-use proofmass_base::rng::Stream;
-use proofmass_simulate::kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
-use proofmass_simulate::kernel::cpu::noise::Drawer;
+use proofmass_kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
+use proofmass_kernel::cpu::noise::Drawer;
+use proofmass_numerics::numerics::elementary::{Real, fma};
+use proofmass_numerics::rng::Stream;
 
 pub(crate) const MEMBERS: usize = 32_768;
 pub(crate) const STEPS: usize = 256;

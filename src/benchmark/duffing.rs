@@ -5,12 +5,12 @@
 //! In displacement coordinates, as the others have it; the ensemble's own kernel works on the error
 //! and does more.
 
-use proofmass_base::numerics::elementary::{Real, fma};
 use proofmass_base::parallel;
-use proofmass_base::rng::Stream;
 use proofmass_base::units::MICRO_G;
-use proofmass_simulate::kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
-use proofmass_simulate::kernel::cpu::noise::{Draw, Drawer};
+use proofmass_kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
+use proofmass_kernel::cpu::noise::{Draw, Drawer};
+use proofmass_numerics::numerics::elementary::{Real, fma};
+use proofmass_numerics::rng::Stream;
 
 pub(crate) const MEMBERS: usize = 8192;
 pub(crate) const STEPS: usize = 4096;

@@ -9,14 +9,14 @@
 
 use proofmass_base::control::{Control, Progress};
 use proofmass_base::error::Result;
-use proofmass_base::numerics::elementary::Real;
+use proofmass_kernel::cpu::lanes::Level;
+use proofmass_kernel::job::Job;
+use proofmass_numerics::numerics::elementary::Real;
 use proofmass_simulate::backend::cpu::{Cpu, Precision};
 use proofmass_simulate::backend::gpu::Gpu;
 use proofmass_simulate::backend::gpu::peak::multiply_adds;
 use proofmass_simulate::backend::orbits::{Device, explore_on};
 use proofmass_simulate::backend::{Backend, Batch};
-use proofmass_simulate::kernel::cpu::lanes::Level;
-use proofmass_simulate::kernel::job::Job;
 
 pub mod diffusion;
 pub mod duffing;

@@ -3,9 +3,9 @@
 //!
 //! A yardstick; the tool itself solves no Lorenz system.
 
-use proofmass_base::numerics::elementary::{Real, fma};
 use proofmass_base::parallel;
-use proofmass_simulate::kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
+use proofmass_kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
+use proofmass_numerics::numerics::elementary::{Real, fma};
 
 pub(crate) const MEMBERS: usize = 16_384;
 pub(crate) const STEPS: usize = 1000;

@@ -2,11 +2,11 @@
 //! ensemble's time.
 
 use super::duffing::{MEMBERS, STEPS};
-use proofmass_base::numerics::elementary::Real;
 use proofmass_base::parallel;
-use proofmass_base::rng::Stream;
-use proofmass_simulate::kernel::cpu::lanes::{LANES, Lane, Level};
-use proofmass_simulate::kernel::cpu::noise::{Draw, Drawer};
+use proofmass_kernel::cpu::lanes::{LANES, Lane, Level};
+use proofmass_kernel::cpu::noise::{Draw, Drawer};
+use proofmass_numerics::numerics::elementary::Real;
+use proofmass_numerics::rng::Stream;
 
 /// Numbers drawn at a time, as the ensemble's own kernel does.
 const STRETCH: usize = 16;

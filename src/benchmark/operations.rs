@@ -6,9 +6,9 @@
 //! Divisions and roots count as one although they take several, so a share is if anything too
 //! small.
 
-use proofmass_base::numerics::elementary::Real;
-use proofmass_simulate::kernel::cpu::lanes::LANES;
-use proofmass_simulate::kernel::cpu::members::Members;
+use proofmass_kernel::cpu::lanes::LANES;
+use proofmass_kernel::cpu::members::Members;
+use proofmass_numerics::numerics::elementary::Real;
 
 /// A Runge–Kutta step of the Duffing oscillator in displacement: 16 for four accelerations, 14 for
 /// the stages.

@@ -3,9 +3,9 @@
 
 use std::hint::black_box;
 
-use proofmass_base::numerics::elementary::{Real, fma};
 use proofmass_base::parallel;
-use proofmass_simulate::kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
+use proofmass_kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
+use proofmass_numerics::numerics::elementary::{Real, fma};
 
 /// Multiply-adds per number and call.
 const LENGTH: usize = 100_000;

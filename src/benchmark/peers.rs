@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use super::{duffing, ensemble, work};
 use proofmass_base::control::Control;
-use proofmass_base::numerics::elementary::Real;
+use proofmass_kernel::cpu::lanes::Level;
+use proofmass_numerics::numerics::elementary::Real;
 use proofmass_simulate::backend::cpu::{Cpu, Precision};
-use proofmass_simulate::kernel::cpu::lanes::Level;
 
 /// Rows `peer,config,dtype,work,seconds_per_run,others_cpu_fraction,x_check` of the work unit that
 /// other tools print too.

@@ -6,8 +6,8 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::duffing::{MEMBERS, STEP_S, STEPS};
 use proofmass_base::parallel;
-use proofmass_base::rng::{Philox, Stream};
 use proofmass_base::units::MICRO_G;
+use proofmass_numerics::rng::{Philox, Stream};
 
 /// The noisy work unit for the first `members` oscillators; the sum of final displacements, m.
 pub fn duffing(members: usize) -> f64 {

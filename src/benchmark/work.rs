@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use proofmass_base::units::STANDARD_GRAVITY_M_S2;
+use proofmass_kernel::integrator::Integrator;
+use proofmass_kernel::job::{Clock, Job, Member};
+use proofmass_kernel::orbit::{ALIGN_PERIODS, Plan, Point};
 use proofmass_scenario::sensor::mechanics::CUBIC_STIFFNESS;
 use proofmass_scenario::sensor::{ProofMass, Sensor};
-use proofmass_simulate::kernel::integrator::Integrator;
-use proofmass_simulate::kernel::job::{Clock, Job, Member};
-use proofmass_simulate::kernel::orbit::{ALIGN_PERIODS, Plan, Point};
 use proofmass_simulate::validation::jobs::{Sine, duffing};
 use proofmass_simulate::validation::parity::everything;
 

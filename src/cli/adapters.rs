@@ -2,9 +2,9 @@
 
 use super::say::{say, sayln};
 use proofmass_base::error::Result;
+use proofmass_kernel::cpu::lanes::Level;
 use proofmass_report::table::Table;
 use proofmass_simulate::backend::{cpu, gpu};
-use proofmass_simulate::kernel::cpu::lanes::Level;
 
 /// Arguments of `adapters`.
 #[derive(Debug, clap::Args)]

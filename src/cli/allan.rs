@@ -9,11 +9,14 @@ use proofmass_base::output::{self, Folder};
 use proofmass_base::progress;
 use proofmass_export::imu::Imu;
 use proofmass_export::{self as export, Target};
+use proofmass_numerics::numerics::allan::law::Term;
 use proofmass_recording::finding::Finding;
-use proofmass_recording::noise::{self, Noise};
+use proofmass_recording::noise::{self, Channel, Noise};
+use proofmass_recording::roles::{self, Stated};
+use proofmass_recording::scale::{self, Measured, Named};
+use proofmass_recording::stream;
 use proofmass_recording::unit::{Quantity, Unit};
 use proofmass_recording::{self as recording, Request};
-use proofmass_recording::{roles, stream};
 use proofmass_report::allan as report;
 
 /// Arguments of `allan`.
@@ -28,6 +31,9 @@ pub struct Arguments {
     /// Sampling rate, Hz
     #[arg(long, value_name = "F", allow_negative_numbers = true)]
     rate_hz: Option<f64>,
+    /// Use --rate-hz even against the file's own clock
+    #[arg(long, requires = "rate_hz")]
+    force_rate: bool,
     /// Column that holds the time, instead of or in addition to the rate; its heading may name the
     /// unit: t_s, t_ms, t_us, t_ns
     #[arg(long, value_name = "NAME")]
@@ -39,15 +45,16 @@ pub struct Arguments {
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',')]
     accelerometer: Vec<String>,
     /// Scale of the accelerometer columns: g, mg, ug or m/s2, optionally with a factor (3.33mg)
-    #[arg(long, value_name = "SCALE", default_value = "m/s2", requires = "accelerometer")]
-    accelerometer_scale: String,
+    /// [default: the unit that the file states, else m/s2]
+    #[arg(long, value_name = "SCALE", requires = "accelerometer")]
+    accelerometer_scale: Option<String>,
     /// Columns that are angular rate
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',')]
     gyro: Vec<String>,
     /// Scale of the gyro columns: rad/s, deg/s, mdeg/s or deg/h, optionally with a factor
-    /// (0.05deg/s)
-    #[arg(long, value_name = "SCALE", default_value = "rad/s", requires = "gyro")]
-    gyro_scale: String,
+    /// (0.05deg/s) [default: the unit that the file states, else rad/s]
+    #[arg(long, value_name = "SCALE", requires = "gyro")]
+    gyro_scale: Option<String>,
     /// Use the recording from this many seconds after its first row
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     from_s: Option<f64>,
@@ -117,18 +124,27 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
 pub struct Scales {
     /// Columns that are specific force.
     pub accelerometer: Vec<String>,
-    /// Unit of the accelerometer's columns.
-    pub accelerometer_scale: String,
+    /// Unit of the accelerometer's columns; absent: the file's own.
+    pub accelerometer_scale: Option<String>,
     /// Columns that are angular rate.
     pub gyro: Vec<String>,
-    /// Unit of the gyro's columns.
-    pub gyro_scale: String,
+    /// Unit of the gyro's columns; absent: the file's own.
+    pub gyro_scale: Option<String>,
 }
 
-/// What is asked of a recording, checked.
+/// The analysis asked of a recording, checked.
 pub struct Asked {
     request: Request,
-    scaled: [(Vec<String>, Unit); 2],
+    sensors: [Columns; 2],
+}
+
+/// Columns that are given to one kind of sensor.
+struct Columns {
+    quantity: Quantity,
+    /// The option that states their scale.
+    option: &'static str,
+    names: Vec<String>,
+    scale: Option<Unit>,
 }
 
 impl Asked {
@@ -137,12 +153,20 @@ impl Asked {
     /// # Errors
     /// A scale is invalid, or a column is named twice.
     pub fn new(request: Request, scales: &Scales) -> Result<Self> {
-        let Scales { accelerometer, accelerometer_scale, gyro, gyro_scale } = scales;
-        let scaled = [
-            (accelerometer.clone(), Unit::parse(accelerometer_scale, Quantity::Accelerometer)?),
-            (gyro.clone(), Unit::parse(gyro_scale, Quantity::Gyro)?),
+        let sensor = |quantity, option, names: &[String], scale: &Option<String>| -> Result<Columns> {
+            let scale = scale.as_deref().map(|text| Unit::parse(text, quantity)).transpose()?;
+            Ok(Columns { quantity, option, names: names.to_vec(), scale })
+        };
+        let sensors = [
+            sensor(Quantity::Gyro, "--gyro-scale", &scales.gyro, &scales.gyro_scale)?,
+            sensor(
+                Quantity::Accelerometer,
+                "--accelerometer-scale",
+                &scales.accelerometer,
+                &scales.accelerometer_scale,
+            )?,
         ];
-        let columns = [&request.columns[..], accelerometer, gyro].concat();
+        let columns = [&request.columns[..], &scales.accelerometer, &scales.gyro].concat();
         if let Some(twice) = columns.iter().enumerate().find(|(i, c)| columns[..*i].contains(c)).map(|(_, c)| c) {
             return Err(Error::new(
                 "could not choose the columns",
@@ -150,64 +174,73 @@ impl Asked {
                 "name a column once, under --columns, --accelerometer or --gyro",
             ));
         }
-        Ok(Self { request: Request { columns, ..request }, scaled })
+        Ok(Self { request: Request { columns, ..request }, sensors })
     }
 
-    /// The noise of these columns, in the units that the user or the file gives them.
+    /// Analyses the noise of these columns, in the units that the file or the user gives them.
     ///
     /// # Errors
-    /// As `noise::analyse`.
+    /// As `noise::analyse`; a scale that contradicts the unit that the file states.
     pub fn analyse(&self, recording: &Path) -> Result<Noise> {
-        let known =
-            if self.request.columns.is_empty() { inertial(recording, &self.request)? } else { Inertial::default() };
-        let mut noise = noise::analyse(recording, &self.request, |name| {
-            let given = self.scaled.iter().find(|(columns, _)| columns.iter().any(|c| c == name)).map(|(_, unit)| unit);
-            let unit = given.or_else(|| known.units.iter().find(|u| u.0 == name).map(|u| &u.1));
-            unit.cloned().unwrap_or_else(Unit::unknown)
+        let (names, stated) = stream::headings(recording, &self.request)?;
+        let everything = self.request.columns.is_empty();
+        let around = if everything { roles::surroundings(&names, &stated) } else { Vec::new() };
+        let (names, stated): (Vec<String>, Vec<Option<String>>) =
+            names.into_iter().zip(stated).filter(|(name, _)| !around.contains(name)).unzip();
+        // Named only where some are left out: two columns of one name cannot be.
+        let columns = if around.is_empty() { self.request.columns.clone() } else { names.clone() };
+        let request = Request { columns, ..self.request.clone() };
+        let found = roles::of(&names);
+        let by_role = [found.gyro, found.accelerometer].map(|places| places.filter(|_| everything));
+        let mut units = vec![Unit::unknown(); names.len()];
+        let mut unstated = [Vec::new(), Vec::new()];
+        for (place, name) in names.iter().enumerate() {
+            let sensor = self.sensors.iter().position(|s| s.names.contains(name));
+            let role = by_role.iter().position(|places| places.is_some_and(|p| p.contains(&place)));
+            let text = stated[place].as_deref();
+            let known = match (sensor, roles::stated(name, text)) {
+                (Some(sensor), _) => {
+                    let Columns { quantity, option, scale, .. } = &self.sensors[sensor];
+                    let named = Named { name, stated: text, quantity: *quantity, option };
+                    let unit = named.unit(scale.as_ref())?;
+                    if unit.is_none() {
+                        unstated[sensor].push(place);
+                    }
+                    unit
+                }
+                (None, Some(Stated::Inertial(unit))) if role.is_some() || text.is_some() || !everything => Some(unit),
+                (None, Some(_)) => roles::alone(name),
+                (None, None) => {
+                    unstated.iter_mut().enumerate().filter(|(s, _)| role == Some(*s)).for_each(|(_, p)| p.push(place));
+                    None
+                }
+            };
+            units[place] = known.unwrap_or_else(Unit::unknown);
+        }
+        let mut noise = noise::analyse(recording, &request, |name| {
+            names.iter().position(|n| n == name).map_or_else(Unit::unknown, |place| units[place].clone())
         })?;
-        noise.source.findings.extend(known.findings);
+        for (sensor, places) in self.sensors.iter().zip(&unstated).filter(|(_, places)| !places.is_empty()) {
+            assume(&mut noise, sensor, places);
+        }
+        noise.source.findings.extend((!around.is_empty()).then_some(Finding::Environment { columns: around }));
         Ok(noise)
     }
 }
 
-/// Columns that are known for those of an inertial sensor, and their units.
-#[derive(Default)]
-struct Inertial {
-    units: Vec<(String, Unit)>,
-    findings: Vec<Finding>,
-}
-
-/// Knows them by their names, and by the units that the file states.
-fn inertial(recording: &Path, request: &Request) -> Result<Inertial> {
-    let (names, stated) = stream::headings(recording, request)?;
-    let mut known = Inertial::default();
-    let found = roles::of(&names);
-    let kinds = [
-        (found.gyro, Quantity::Gyro, "rad/s", "--gyro-scale"),
-        (found.accelerometer, Quantity::Accelerometer, "m/s2", "--accelerometer-scale"),
-    ];
-    for (places, quantity, usual, option) in kinds {
-        let mut assumed = Vec::new();
-        for place in places.into_iter().flatten() {
-            let unit = match roles::unit(&names[place], stated[place].as_deref()) {
-                Some(unit) => unit.filter(|u| u.quantity == quantity),
-                None => {
-                    assumed.push(names[place].clone());
-                    Some(Unit::parse(usual, quantity)?)
-                }
-            };
-            known.units.extend(unit.map(|unit| (names[place].clone(), unit)));
-        }
-        if !assumed.is_empty() {
-            known.findings.push(Finding::UnitAssumed { columns: assumed, unit: usual, option });
-        }
-    }
-    for (name, _) in names.iter().zip(&stated).filter(|(_, stated)| stated.is_none()) {
-        if known.units.iter().all(|(other, _)| other != name) {
-            known.units.extend(roles::alone(name).map(|unit| (name.clone(), unit)));
-        }
-    }
-    Ok(known)
+/// Gives columns of no stated unit the usual one, or that in which their size is a sensor's at rest.
+fn assume(noise: &mut Noise, sensor: &Columns, places: &[usize]) {
+    let channels: Vec<&Channel> = places.iter().map(|place| &noise.channels[*place]).collect();
+    let length = match channels[..] {
+        [x, y, z] => Some(scale::length([x, y, z].map(|c| c.mean))),
+        _ => None,
+    };
+    let walks = channels.iter().filter_map(|c| c.fit.as_ref().map(|fit| fit.coefficients[Term::White as usize].value));
+    let measured = Measured { length, walk: walks.reduce(f64::min) };
+    let names = channels.iter().map(|c| c.name.clone()).collect();
+    let (unit, finding) = scale::assumed(names, sensor.quantity, sensor.option, &measured);
+    places.iter().for_each(|place| noise.channels[*place].unit = unit.clone());
+    noise.source.findings.push(finding);
 }
 
 const REPORT: &str = "report.html";
@@ -219,6 +252,7 @@ impl Arguments {
             topic: self.topic.clone(),
             columns: self.columns.clone(),
             rate_hz: self.rate_hz,
+            force_rate: self.force_rate,
             time: self.time.clone(),
             from_s: self.from_s,
             to_s: self.to_s,

@@ -2,7 +2,7 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-use proofmass_simulate::study::{Assignment, Overrides, Preset};
+use proofmass_study::{Assignment, Overrides, Preset};
 
 /// Options that change the study before it is run.
 #[derive(Debug, Clone, Default, clap::Args)]

@@ -36,6 +36,9 @@ pub struct Arguments {
     /// Use each recording up to this many seconds after its first row
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub to_s: Option<f64>,
+    /// Use the model's rate_hz even against a recording's own clock; also `force_rate` in the model
+    #[arg(long)]
+    pub force_rate: bool,
     /// Where to write report.html, verdict.json, repaired.toml, the figures and their numbers
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -56,6 +59,9 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let mut model = model::read(&arguments.model)?;
     if let Some(topic) = &arguments.topic {
         model = model.of_topic(topic);
+    }
+    if arguments.force_rate {
+        model = model.with_forced_rate();
     }
     let control = progress::terminal();
     let seconds = model::Seconds { from_s: arguments.from_s, to_s: arguments.to_s };
@@ -88,6 +94,8 @@ const REPORT: &str = "report.html";
 const VERDICT: &str = "verdict.json";
 /// Never a name that an input carries: model.toml is what the user believes.
 const REPAIRED: &str = "repaired.toml";
+/// The same sensor with the constants that a navigator subtracts left in.
+const UNCORRECTED: &str = "uncorrected.toml";
 
 fn outputs(arguments: &Arguments, model: &Model) -> output::Request {
     let reads = match model {
@@ -101,7 +109,7 @@ fn outputs(arguments: &Arguments, model: &Model) -> output::Request {
         command: "diagnose",
         inputs: arguments.recordings.iter().chain(&arguments.test).chain([&arguments.model]).cloned().collect(),
         reads,
-        writes: [REPORT, VERDICT, REPAIRED]
+        writes: [REPORT, VERDICT, REPAIRED, UNCORRECTED]
             .map(str::to_owned)
             .into_iter()
             .chain(numbers::files(arguments.parquet))
@@ -120,6 +128,9 @@ fn write(mut folder: Folder, diagnosis: &Diagnosis, costs: &[repair::Cost]) -> R
     let study = repaired::document(diagnosis.repair.as_ref(), &diagnosis.detail, &diagnosis.verdict);
     if let Some(study) = &study {
         folder.write(REPAIRED, study.as_bytes())?;
+    }
+    if let Some(study) = repaired::uncorrected(&diagnosis.detail, &diagnosis.verdict) {
+        folder.write(UNCORRECTED, study.as_bytes())?;
     }
     numbers::write(&mut folder, REPORT, page::page(diagnosis, costs, &exhibits, study.as_deref()))?;
     folder.finish()

@@ -23,6 +23,9 @@ pub struct Arguments {
     /// Sampling rate, Hz
     #[arg(long, value_name = "F", allow_negative_numbers = true)]
     rate_hz: Option<f64>,
+    /// Use --rate-hz even against the file's own clock
+    #[arg(long, requires = "rate_hz")]
+    force_rate: bool,
 }
 
 /// Runs it.
@@ -34,6 +37,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         topic: arguments.topic.clone(),
         time: arguments.time.clone(),
         rate_hz: arguments.rate_hz,
+        force_rate: arguments.force_rate,
         control: progress::terminal(),
         ..Request::default()
     };

@@ -14,7 +14,7 @@ use proofmass_simulate::decision::document::{Document, Found};
 use proofmass_simulate::decision::parts::{self, Asked, Catalogue};
 use proofmass_simulate::decision::require::{self, Question};
 use proofmass_simulate::decision::statistic::Limit;
-use proofmass_simulate::study::{Study, StudyText};
+use proofmass_study::{Study, StudyText};
 
 const EXAMPLES: &str = "EXPR is STAT(QUANTITY, TIME_S) < NUMBER
   STAT      mean sd p01 p05 p50 p95 p99 of the signed error; abs95, the 95 % of its absolute value;

@@ -9,7 +9,7 @@ use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};
 use proofmass_base::progress;
 use proofmass_simulate::ensemble;
-use proofmass_simulate::study::Study;
+use proofmass_study::Study;
 
 /// What is asked for.
 pub(super) struct Request<'a> {

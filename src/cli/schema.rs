@@ -12,7 +12,7 @@ use proofmass_base::document::to_json;
 use proofmass_base::error::Result;
 use proofmass_diagnosis::model::{Driven, Static, Trajectory, Tumble};
 use proofmass_map::document::Document;
-use proofmass_simulate::study::file::File;
+use proofmass_study::file::File;
 
 /// Arguments of `schema`.
 #[derive(Debug, clap::Args)]
@@ -38,11 +38,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 fn schema(kind: Kind) -> Schema {
     match kind {
-        Kind::Study | Kind::Trajectory => titled(schema_for!(File), "study.toml"),
+        Kind::Study | Kind::TrajectoryStudy => titled(schema_for!(File), "study.toml"),
         Kind::Driven => model(schema_for!(Driven), "driven"),
         Kind::Static => model(schema_for!(Static), "static"),
         Kind::Tumble => model(schema_for!(Tumble), "tumble"),
-        Kind::Flight => model(schema_for!(Trajectory), "trajectory"),
+        Kind::Trajectory => model(schema_for!(Trajectory), "trajectory"),
         Kind::Map => titled(schema_for!(Document), "map.toml"),
     }
 }

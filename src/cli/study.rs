@@ -27,7 +27,7 @@ use proofmass_simulate::decision::digits;
 use proofmass_simulate::decision::statistic::Limit;
 use proofmass_simulate::drift;
 use proofmass_simulate::ensemble::{Backends, Choice, Keeper, Options};
-use proofmass_simulate::study::{Axis, Study, StudyText};
+use proofmass_study::{Axis, Study, StudyText};
 
 const EXAMPLES: &str = "Examples:
   proofmass study study.toml --members 100000
@@ -37,7 +37,7 @@ const EXAMPLES: &str = "Examples:
   proofmass study study.toml --digits 2                        as many members as two stable digits need
   proofmass study study.toml --shard 3/16 --out shards         one of sixteen parts, for `proofmass merge shards`
   proofmass study study.toml --emit slurm --shards 64 > run.sh  all of them as a Slurm job array, and the merge
-  proofmass study --preset tactical                            the default motion, with a tactical-grade sensor
+  proofmass study --preset tactical                            the default study with a tactical-grade sensor, after a still start
   proofmass study study.toml --samples 3 log.csv && proofmass allan log.csv
 
 Scope: one axis, small tilt, flat non-rotating Earth, until the study is given a trajectory.";

@@ -7,7 +7,7 @@ use proofmass_base::document::to_json;
 use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};
 use proofmass_base::progress;
-use proofmass_base::statistics::Statistics;
+use proofmass_numerics::statistics::Statistics;
 use proofmass_report::sweep as page;
 use proofmass_simulate::decision::statistic::Limit;
 use proofmass_simulate::decision::sweep::{self, Plan, Summed, Work};
@@ -15,8 +15,8 @@ use proofmass_simulate::decision::sweep_document::Document;
 use proofmass_simulate::decision::watched::IN_MOTION;
 use proofmass_simulate::ensemble::{Backends, Choice, Keeper, Options};
 use proofmass_simulate::strapdown::backends::run_on;
-use proofmass_simulate::study::sweep::Sweep;
-use proofmass_simulate::study::{Axis, Study, StudyText};
+use proofmass_study::sweep::Sweep;
+use proofmass_study::{Axis, Study, StudyText};
 
 /// What `study` was asked.
 pub(super) struct Asked<'a> {

@@ -23,15 +23,16 @@ pub(super) enum Kind {
     /// study.toml for `study`
     Study,
     /// study.toml in six axes, along a trajectory
-    Trajectory,
+    TrajectoryStudy,
     /// model.toml for `diagnose`: one proof mass, shaken or ringing
     Driven,
     /// model.toml for `diagnose`: sensors at rest
     Static,
     /// model.toml for `diagnose`: an IMU in many still poses
     Tumble,
-    /// model.toml for `diagnose`: an IMU in motion, beside a reference
-    Flight,
+    /// model.toml for `diagnose`: an IMU in motion, next to a reference
+    #[value(alias = "flight")]
+    Trajectory,
     /// map.toml for `map`
     Map,
 }
@@ -40,11 +41,11 @@ impl Kind {
     fn text(self) -> &'static str {
         match self {
             Self::Study => include_str!("template/study.toml"),
-            Self::Trajectory => include_str!("template/trajectory.toml"),
+            Self::TrajectoryStudy => include_str!("template/trajectory-study.toml"),
             Self::Driven => include_str!("template/driven.toml"),
             Self::Static => include_str!("template/static.toml"),
             Self::Tumble => include_str!("template/tumble.toml"),
-            Self::Flight => include_str!("template/flight.toml"),
+            Self::Trajectory => include_str!("template/trajectory.toml"),
             Self::Map => include_str!("template/map.toml"),
         }
     }
@@ -70,11 +71,11 @@ mod tests {
     use proofmass_base::document::parse_toml;
     use proofmass_diagnosis::model;
     use proofmass_map::document::Document;
-    use proofmass_simulate::study;
+    use proofmass_study as study;
 
     fn parsed(kind: Kind, text: &str) -> Result<()> {
         match kind {
-            Kind::Study | Kind::Trajectory => study::parse("the template", text, Path::new("")).map(drop),
+            Kind::Study | Kind::TrajectoryStudy => study::parse("the template", text, Path::new("")).map(drop),
             Kind::Map => parse_toml::<Document>("the template", text).map(drop),
             _ => model::parse("the template", text).map(drop),
         }

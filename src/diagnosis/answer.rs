@@ -4,7 +4,9 @@
 use super::candidate::Kind;
 use super::repair::Repair;
 use super::standing::Ranked;
-use super::verdict::{Detectable, Effect, Estimate, Fit, Outcome, RecordingInfo, StateCell, Stretch, Whiteness};
+use super::verdict::{
+    DependsOn, Detectable, Effect, Estimate, Fit, Outcome, RecordingInfo, StateCell, Stretch, Whiteness,
+};
 use super::{driven, rest, trajectory, tumble};
 
 /// The result of a diagnosis, before it is put into words.
@@ -50,6 +52,8 @@ pub struct Places {
     pub state: Vec<Stretch>,
     /// In the plane of displacement and velocity, strongest first; driven recordings only.
     pub state_cells: Vec<StateCell>,
+    /// Quantity on which the residual of the final model depends most.
+    pub argument: Option<DependsOn>,
 }
 
 /// What each kind keeps for its figures and its own paragraphs.

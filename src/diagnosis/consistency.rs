@@ -109,7 +109,7 @@ fn is_repaired_without_name(answer: &Answer) -> bool {
 
 fn without_repair(answer: &mut Answer) {
     for score in scores(answer) {
-        (score.rmse_after, score.ratio_ci95) = (None, None);
+        (score.rmse_after, score.ratio_ci95, score.share) = (None, None, None);
     }
     answer.fit.test_ranges.iter_mut().for_each(|r| r.rmse_after = None);
     answer.fit.recordings.iter_mut().for_each(|r| r.rmse_after = None);
@@ -145,7 +145,8 @@ mod tests {
     /// An answer that contradicts nothing, named or not.
     fn sound(outcome: Outcome, named: bool) -> Answer {
         let after = named.then_some(1.0);
-        let score = Score { rmse_before: if named { 5.0 } else { 1.0 }, rmse_after: after, ratio_ci95: None };
+        let score =
+            Score { rmse_before: if named { 5.0 } else { 1.0 }, rmse_after: after, ratio_ci95: None, share: None };
         let beta = Estimate { name: "beta".into(), value: 2.0, unit: "1".into(), ci95: [1.0, 3.0] };
         let effect = Effect {
             id: "cubic-stiffness".into(),
@@ -154,6 +155,7 @@ mod tests {
             parameters: vec![beta],
             channels: Vec::new(),
             evidence: Evidence { held_out_gain: 1.0, p_value: 0.0 },
+            share: None,
             confusable_with: Vec::new(),
             form: None,
         };

@@ -1,9 +1,11 @@
 //! Input and output of one proof mass, or its free ring-down: which physics its model leaves out.
 //!
 //! One room per stage, each of which imports only those before it: `intake` → `simulation` →
-//! `identification` → `selection` → `verdict`, over the laws in `physics`.
+//! `identification` → `selection` → `verdict`, over the laws in `physics`. A free decay goes its own way,
+//! through the engine (`decay`).
 
 pub mod base;
+pub mod decay;
 pub mod free_body;
 pub mod identification;
 pub mod intake;
@@ -67,7 +69,37 @@ pub fn diagnose(recording: &Recording, model: &model::Driven, control: &Control)
 /// As [`diagnose`], and as `several::taken`.
 pub(crate) fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, control: &Control) -> Result<Answer> {
     let recording = &recordings.train[0];
-    let Taken { prepared, pieces, judging } = several::taken(recordings, model, settled, control)?;
+    let taken = several::taken(recordings, model, settled, control)?;
+    let Some((answer, of_memory)) = decayed(recording, &taken, model) else {
+        return by_likelihood(recording, taken, model, control);
+    };
+    // Noise is named last, from what remains, by its likelihood.
+    let other = if of_memory { by_likelihood(recording, taken, model, control).ok() } else { None };
+    Ok(other.filter(names_noise_alone).unwrap_or(answer))
+}
+
+/// The answer of a free decay, and whether what its model leaves is noise with a memory; `None` where
+/// an input drives it, samples are kept for validation, or nothing swings.
+fn decayed(recording: &Recording, taken: &Taken, model: &model::Driven) -> Option<(Answer, bool)> {
+    let Taken { prepared, pieces, judging } = taken;
+    if prepared.data.input.is_some() || prepared.own_test || pieces.len() != 1 {
+        return None;
+    }
+    let decay = decay::searched::decay(&prepared.data, &prepared.filled)?;
+    let asked = Asked { recording, pieces, judging, columns: &model.columns, unit: model.unit.as_deref() };
+    let answer = decay::answer::answer(&asked, &prepared.data, &decay, prepared.notes.clone());
+    Some((answer, decay.leaves_noise_with_memory()))
+}
+
+/// Whether an answer names something, and noise alone.
+fn names_noise_alone(answer: &Answer) -> bool {
+    let is_noise = |id: &str| Term::all().iter().any(|t| t.id() == id && t.noise().is_some());
+    !answer.effects.is_empty() && answer.effects.iter().all(|e| is_noise(&e.id))
+}
+
+/// The answer by terms that are added step by step, judged by their likelihood.
+fn by_likelihood(recording: &Recording, taken: Taken, model: &model::Driven, control: &Control) -> Result<Answer> {
+    let Taken { prepared, pieces, judging } = taken;
     let mut course = Course::begin(prepared);
     let (base, scales) = course.base(control).map_err(|refusal| refusal.of(recording))?;
     let asked =

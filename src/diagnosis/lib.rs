@@ -13,7 +13,7 @@
 //! use proofmass_base::control::Control;
 //! use proofmass_diagnosis::{diagnose, model, verdict::Outcome};
 //! use proofmass_recording::{Column, Recording};
-//! use proofmass_base::rng::{Philox, Stream};
+//! use proofmass_numerics::rng::{Philox, Stream};
 //! use rand_distr::{Distribution, StandardNormal};
 //!
 //! let mut random = Philox::new(1, 0, Stream::Host);
@@ -42,6 +42,7 @@ pub mod consequence;
 pub mod consistency;
 pub mod detection;
 pub mod driven;
+mod engine;
 pub mod model;
 pub mod recordings;
 pub mod rectification;
@@ -51,17 +52,19 @@ pub mod repaired;
 pub mod rest;
 pub mod ruling;
 pub mod standing;
+mod stated_units;
 pub mod trajectory;
 pub mod tumble;
 pub mod verdict;
 mod warm_profile;
 
 // The crates below, under the names by which files here call them.
-use proofmass_base::{control, document, error, escape, number, numerics, parallel, rng, units};
+use proofmass_base::{control, document, error, escape, number, parallel, units};
+use proofmass_numerics::{numerics, rng};
 use proofmass_physics as physics;
 use proofmass_recording as recording;
 use proofmass_scenario::{motion, navigation, sensor};
-use proofmass_simulate::study;
+use proofmass_study as study;
 
 use crate::control::Control;
 use crate::error::{Error, Result};
@@ -94,9 +97,13 @@ pub fn diagnose_all(recordings: Recordings<'_>, model: &Model, control: &Control
             Error::new("could not diagnose them together", cause, hint)
         })
     };
+    recordings.all().try_for_each(|recording| stated_units::check(recording, model))?;
     let mut answer = match model {
         Model::Driven(model) => driven::diagnose_all(recordings, model, control)?,
-        Model::Static(model) => rest::diagnose(only()?, model, control)?,
+        Model::Static(model) => {
+            let recording = only()?;
+            rest::diagnose(recording, &stated_units::settled(recording, model), control)?
+        }
         Model::Tumble(model) => tumble::diagnose(only()?, model, control)?,
         Model::Trajectory(model) => trajectory::diagnose(only()?, model, control)?,
     };

@@ -57,6 +57,17 @@ impl Model {
         }
     }
 
+    /// The same model whose rate holds against the recording's own clock.
+    pub fn with_forced_rate(mut self) -> Self {
+        match &mut self {
+            Self::Driven(m) => m.force_rate = true,
+            Self::Static(m) => m.force_rate = true,
+            Self::Tumble(m) => m.force_rate = true,
+            Self::Trajectory(m) => m.force_rate = true,
+        }
+        self
+    }
+
     /// The same model of another topic.
     pub fn of_topic(mut self, topic: &str) -> Self {
         let own = match &mut self {

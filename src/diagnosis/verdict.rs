@@ -77,6 +77,24 @@ pub struct Estimate {
     pub ci95: [f64; 2],
 }
 
+/// Part of the excess error of free simulation, that over the noise, on samples that were not fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Share {
+    /// Part that is removed; 1 is all of it.
+    pub value: f64,
+    /// 95 % interval, from the scatter between blocks.
+    pub ci95: [f64; 2],
+}
+
+/// Quantity on which the residual depends.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DependsOn {
+    /// "displacement", "velocity", "time", …
+    pub name: String,
+    /// Part of the residual's excess error that a free function of it removes.
+    pub share: Share,
+}
+
 /// Why an effect is believed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Evidence {
@@ -128,6 +146,10 @@ pub struct Effect {
     pub form: Option<Form>,
     /// Why it is believed.
     pub evidence: Evidence,
+    /// Part of the error that it removes from the model without it, where models are judged by free
+    /// simulation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share: Option<Share>,
     /// Ids that fit equally or nearly so.
     pub confusable_with: Vec<String>,
 }
@@ -171,6 +193,10 @@ pub struct Where {
     /// In the plane of displacement and velocity, strongest first; driven recordings only.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub state_cells: Vec<StateCell>,
+    /// Quantity on which the residual of the final model depends most; absent where it is at the noise
+    /// or depends on none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub argument: Option<DependsOn>,
 }
 
 /// A cell of displacement and velocity where a force is missing.
@@ -197,6 +223,9 @@ pub struct Score {
     /// 95 % interval of after / before, block bootstrap.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_ci95: Option<[f64; 2]>,
+    /// Part of the base model's error that all named effects remove together.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share: Option<Share>,
 }
 
 /// Root-mean-square error of free simulation on one range of samples.

@@ -5,8 +5,8 @@ use proofmass_base::error::{Error, Result};
 use proofmass_base::units::key::Key;
 use proofmass_scenario::sensor::error_law::ErrorLaw;
 use proofmass_scenario::sensor::{Sense, SensorTerm, coupling};
-use proofmass_simulate::study;
-use proofmass_simulate::study::tolerances::{Tolerances, keys};
+use proofmass_study as study;
+use proofmass_study::tolerances::{Tolerances, keys};
 
 /// Mean and standard deviation over members.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -99,6 +99,11 @@ pub fn target(name: &str) -> Result<&'static Target> {
             format!("known: {}", names.clone().collect::<Vec<_>>().join(", ")),
             match nearest(name, names) {
                 Some(near) => format!("did you mean `{near}`?"),
+                None if name.to_lowercase().starts_with("ros") => {
+                    "ROS itself keeps no noise of a sensor, its estimators \
+                                                                    do: kalibr, openvins, vins, lio-sam or fast-lio"
+                        .into()
+                }
                 None => "`proofmass export --list` says what each is".into(),
             },
         )

@@ -5,9 +5,9 @@ use std::ops::Range;
 use super::document::{Document, Map, Quantity};
 use proofmass_base::control::{Control, Progress};
 use proofmass_base::error::Result;
+use proofmass_kernel::orbit::{Plan, Point};
 use proofmass_physics::dynamics::duffing::{Drive, Oscillator};
 use proofmass_simulate::backend::orbits::{Device, explore_on};
-use proofmass_simulate::kernel::orbit::{Plan, Point};
 
 /// Strobes recorded to recognise a period: up to half as many can be found.
 const STROBES: u32 = 32;

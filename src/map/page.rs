@@ -4,7 +4,7 @@ use crate::document::{Document, Quantity};
 use crate::grid::Grid;
 use crate::{Atlas, Bifurcation};
 use proofmass_base::number::significant;
-use proofmass_base::numerics::order;
+use proofmass_numerics::numerics::order;
 use proofmass_report::figure::{Axis, Chart, Figure, Ink, Mark, Raster};
 use proofmass_report::html::Page;
 use proofmass_report::table::Table;

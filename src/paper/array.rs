@@ -4,11 +4,11 @@
 //! make it.
 
 use super::check::{Check, Exhibit};
-use proofmass_base::numerics::allan::covariance::Covariance;
-use proofmass_base::numerics::allan::{Point, curve, law};
-use proofmass_base::numerics::special::chi_squared_quantile;
 use proofmass_base::parallel;
-use proofmass_base::rng::{Philox, Stream};
+use proofmass_numerics::numerics::allan::covariance::Covariance;
+use proofmass_numerics::numerics::allan::{Point, curve, law};
+use proofmass_numerics::numerics::special::chi_squared_quantile;
+use proofmass_numerics::rng::{Philox, Stream};
 
 /// Sensors in the array.
 pub(crate) const SENSORS: u64 = 16;

@@ -6,13 +6,13 @@ use super::check::{Check, Exhibit};
 use super::forcing::{OMEGA_OF_HERTZ_RAD_S, OMEGA_RAD_S, Scan, choose, scan};
 use proofmass_base::control::{Control, Stopped};
 use proofmass_base::parallel;
+use proofmass_kernel::orbit::{Orbit, Plan, Point};
 use proofmass_physics::dynamics::duffing::{Drive, PAPER, State};
 use proofmass_physics::dynamics::estimate::Estimate;
 use proofmass_physics::dynamics::fractal::{Dimension, Scales, box_counting, correlation};
 use proofmass_physics::dynamics::lyapunov::{Span, kaplan_yorke_dimension, spectrum};
 use proofmass_physics::dynamics::poincare::{Window, portrait};
 use proofmass_simulate::backend::orbits::explore;
-use proofmass_simulate::kernel::orbit::{Orbit, Plan, Point};
 
 /// Groups of orbits between which errors are estimated.
 const GROUPS: usize = 8;

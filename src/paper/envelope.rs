@@ -2,8 +2,8 @@
 //!
 //! Small ensembles held in memory; large ones stream through `statistics`.
 
-use proofmass_base::numerics::moments::mean;
-use proofmass_base::numerics::order;
+use proofmass_numerics::numerics::moments::mean;
+use proofmass_numerics::numerics::order;
 
 /// Mean, spread and quantiles of an ensemble over time.
 #[derive(Debug, Clone, PartialEq)]

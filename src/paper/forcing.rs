@@ -6,10 +6,10 @@
 //! since attractors coexist. Not the two-dimensional maps (`map`).
 
 use proofmass_base::control::{Control, Stopped};
-use proofmass_base::numerics::order;
+use proofmass_kernel::orbit::{Orbit, Plan, Point};
+use proofmass_numerics::numerics::order;
 use proofmass_physics::dynamics::duffing::{Drive, PAPER};
 use proofmass_simulate::backend::orbits::explore;
-use proofmass_simulate::kernel::orbit::{Orbit, Plan, Point};
 
 /// "f = 1.5 Hz" read as an angular frequency.
 pub(super) const OMEGA_RAD_S: f64 = 1.5;

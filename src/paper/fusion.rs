@@ -8,9 +8,9 @@
 use super::beliefs::{STEP_S, WEIGHTINGS, model};
 use super::check::{Check, Exhibit};
 use super::moved::{Moved, moved_checks};
-use proofmass_base::numerics::order;
 use proofmass_base::parallel;
-use proofmass_base::rng::{Philox, Stream};
+use proofmass_numerics::numerics::order;
+use proofmass_numerics::rng::{Philox, Stream};
 use proofmass_scenario::navigation::kalman::{Filter, Model, Reading, Weighting};
 
 /// The paper's times: still until, moved until, back only after, s.

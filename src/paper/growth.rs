@@ -4,8 +4,8 @@
 use super::check::{Check, Exhibit};
 use super::envelope::Envelope;
 use proofmass_base::parallel;
-use proofmass_base::rng::{Philox, Stream};
 use proofmass_base::units::{DEGREE, DEGREE_PER_HOUR, DEGREE_PER_ROOT_HOUR, MILLI_G, STANDARD_GRAVITY_M_S2};
+use proofmass_numerics::rng::{Philox, Stream};
 use proofmass_physics::dynamics::estimate::{Estimate, slope};
 use proofmass_scenario::navigation::closed_form::Process;
 use proofmass_scenario::navigation::dead_reckoning::Drift;

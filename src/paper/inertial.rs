@@ -9,9 +9,9 @@ use std::path::Path;
 use super::check::Provenance;
 use proofmass_base::control::Control;
 use proofmass_base::error::{Error, Result};
-use proofmass_base::rng::{Philox, Stream};
 use proofmass_base::units::{DEGREE, STANDARD_GRAVITY_M_S2};
 use proofmass_diagnosis::tumble::{Imu, Slow, calibrate, poses};
+use proofmass_numerics::rng::{Philox, Stream};
 use proofmass_recording::{Request, read};
 use proofmass_scenario::navigation::tilt::{Vector, turn};
 

@@ -4,7 +4,7 @@
 //! Not noisy: everything here is an error of the mechanics alone.
 
 use super::check::{Check, Exhibit};
-use proofmass_base::numerics::moments::mean;
+use proofmass_numerics::numerics::moments::mean;
 use proofmass_physics::dynamics::duffing::{Oscillator, PAPER, State};
 use proofmass_physics::dynamics::estimate::slope;
 use proofmass_physics::dynamics::linear::{

@@ -8,8 +8,8 @@ use super::beliefs::{WEIGHTINGS, model};
 use super::check::{Check, Provenance};
 use super::inertial::Inertial;
 use super::pitch::{Pitch, up};
-use proofmass_base::numerics::order;
 use proofmass_base::units::{DEGREE, STANDARD_GRAVITY_M_S2};
+use proofmass_numerics::numerics::order;
 use proofmass_scenario::navigation::kalman::{Filter, Model, Reading};
 use proofmass_scenario::navigation::tilt::{norm, pitch_rad, pitch_rate_rad_s, turn};
 

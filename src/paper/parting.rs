@@ -5,7 +5,7 @@
 
 use super::check::{Check, Exhibit};
 use proofmass_base::parallel;
-use proofmass_base::rng::{Philox, Stream};
+use proofmass_numerics::rng::{Philox, Stream};
 use proofmass_physics::dynamics::duffing::{Drive, Oscillator, PAPER, State};
 use proofmass_physics::dynamics::estimate::{Estimate, slope};
 

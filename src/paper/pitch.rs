@@ -5,11 +5,11 @@
 
 use super::check::{Check, Exhibit};
 use super::inertial::{Inertial, PRINTED_GYRO_DENSITY};
-use proofmass_base::numerics::allan;
-use proofmass_base::numerics::allan::fit::{Coefficient, fit};
-use proofmass_base::numerics::moments::{self, mean_sd, rms};
-use proofmass_base::rng::{Philox, Stream};
 use proofmass_base::units::{DEGREE, DENSITY_TO_RANDOM_WALK};
+use proofmass_numerics::numerics::allan;
+use proofmass_numerics::numerics::allan::fit::{Coefficient, fit};
+use proofmass_numerics::numerics::moments::{self, mean_sd, rms};
+use proofmass_numerics::rng::{Philox, Stream};
 use proofmass_physics::dynamics::estimate::{Estimate, slope};
 use proofmass_scenario::navigation::tilt::{Vector, mean, norm, pitch_rad, pitch_rate_rad_s, turn};
 

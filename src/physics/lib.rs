@@ -70,4 +70,5 @@ pub mod warm_stiffness;
 pub mod warm_up;
 
 // The crates below, under the names by which files here call them.
-use proofmass_base::{control, numerics, rng, units};
+use proofmass_base::{control, units};
+use proofmass_numerics::{numerics, rng};

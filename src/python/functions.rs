@@ -27,7 +27,7 @@ use proofmass_simulate::drift;
 use proofmass_simulate::drift::document;
 use proofmass_simulate::ensemble::{self, Backends, Choice, Keeper, Options};
 use proofmass_simulate::strapdown;
-use proofmass_simulate::study::{self as studies, Overrides, Preset, Study};
+use proofmass_study::{self as studies, Overrides, Preset, Study};
 
 /// The command, from its words to its exit code. A defect that panics ends it as it ends the
 /// binary, with 101.
@@ -155,6 +155,7 @@ pub struct Read {
     topic: Option<String>,
     columns: Vec<String>,
     rate_hz: Option<f64>,
+    force_rate: bool,
     time: Option<String>,
     from_s: Option<f64>,
     to_s: Option<f64>,
@@ -162,8 +163,8 @@ pub struct Read {
 
 impl From<Read> for Request {
     fn from(read: Read) -> Self {
-        let Read { topic, columns, rate_hz, time, from_s, to_s } = read;
-        Self { topic, columns, rate_hz, time, from_s, to_s, ..Self::default() }
+        let Read { topic, columns, rate_hz, force_rate, time, from_s, to_s } = read;
+        Self { topic, columns, rate_hz, force_rate, time, from_s, to_s, ..Self::default() }
     }
 }
 
@@ -172,9 +173,9 @@ impl From<Read> for Request {
 #[pyo3(from_item_all)]
 pub struct Units {
     accelerometer: Vec<String>,
-    accelerometer_scale: String,
+    accelerometer_scale: Option<String>,
     gyro: Vec<String>,
-    gyro_scale: String,
+    gyro_scale: Option<String>,
 }
 
 impl From<Units> for Scales {

@@ -272,18 +272,27 @@ fn refuse_stopped(question: &Question<'_>, survey: &Survey, seconds: f64) -> Res
     Ok(())
 }
 
+/// A rate given agrees with a clock's within this share: what a sensor's own oscillator and a
+/// rounded number in a datasheet are off by, and half as much in a noise coefficient.
+const AGREES: f64 = 0.01;
+
+/// Whether two rates contradict each other.
+pub(super) fn contradict(clock_hz: f64, given_hz: f64) -> bool {
+    (clock_hz / given_hz - 1.0).abs() > AGREES
+}
+
 fn refuse_disagreement(question: &Question<'_>, rate_hz: f64, tick: f64, unit: TimeUnit) -> Result<()> {
-    let Some(stated) = question.rate_hz else { return Ok(()) };
-    let ratio = rate_hz / stated;
-    if (ratio - 1.0).abs() <= 0.01 {
-        return Ok(());
-    }
+    let Some(stated) = question.rate_hz.filter(|given| contradict(rate_hz, *given)) else { return Ok(()) };
     let other = UNITS.into_iter().find(|u| (1.0 / (tick * u.seconds()) / stated - 1.0).abs() < 0.05);
     let hint = match other {
         Some(other) => {
             format!("its heading says {}, its numbers look like {}: correct the heading", unit.name(), other.name())
         }
-        None => "correct the rate, or leave it out and let the time column decide".to_owned(),
+        None => "correct the rate, or leave it out and let the time column decide; --force-rate uses the rate given"
+            .to_owned(),
     };
-    Err(question.refuse(format!("the time column says {rate_hz:.6} Hz, the rate given is {stated} Hz"), hint))
+    Err(question.refuse(
+        format!("the time column `{}` says {rate_hz:.6} Hz, the rate given is {stated} Hz", question.heading),
+        hint,
+    ))
 }

@@ -26,6 +26,14 @@ pub fn settled(path: &Path, request: &Request) -> Result<(Request, Option<Findin
     if request.time.is_some() || request.rate_hz.is_some() {
         return Ok((request.clone(), None));
     }
+    own(path, request)
+}
+
+/// The same of a request that has a clock already: the file's own, whether it is to be used or not.
+///
+/// # Errors
+/// As [`settled`].
+pub(super) fn own(path: &Path, request: &Request) -> Result<(Request, Option<Finding>)> {
     let opened = formats::open_in(path, request.memory.as_ref(), request.topic.as_deref())?;
     let headings = opened.headings();
     let with = |name: &str, by: ClockBy| {

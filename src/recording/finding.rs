@@ -53,6 +53,27 @@ pub enum Finding {
         unit: &'static str,
         /// The option that states it.
         option: &'static str,
+        /// What the size of the readings says about it.
+        size: Size,
+    },
+    /// Counts, or numbers of no known unit, whose scale follows from gravity's length.
+    CountsScaled {
+        /// Headings of the columns.
+        columns: Vec<String>,
+        /// Counts in one standard gravity.
+        per_g: f64,
+    },
+    /// Temperature and the like, which is no reading of a sensor and was left out.
+    Environment {
+        /// Headings of the columns.
+        columns: Vec<String>,
+    },
+    /// The rate that was given is used against the file's own clock.
+    RateForced {
+        /// Rate that was given, Hz.
+        given_hz: f64,
+        /// Rate of the file's own clock, Hz.
+        clock_hz: f64,
     },
     /// Lines between the rows that are comments or blank.
     SkippedLines {
@@ -206,6 +227,37 @@ pub enum Finding {
         /// Row near the jump.
         near_row: usize,
         /// Change over the usual change.
+        ratio: f64,
+    },
+}
+
+impl Finding {
+    /// Whether a unit that was taken for granted is in doubt.
+    pub fn is_questionable(&self) -> bool {
+        matches!(self, Self::UnitAssumed { size: Size::NotGravity { .. } | Size::Noisy { .. }, .. })
+    }
+}
+
+/// The size of readings whose unit is not stated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Size {
+    /// Nothing can be told of it.
+    Unknown,
+    /// It agrees with the unit that is taken.
+    Plausible,
+    /// The length of the mean specific force is that of gravity in the unit that is taken.
+    Gravity {
+        /// Length of the mean, in units of the file.
+        length: f64,
+    },
+    /// The length of the mean specific force is that of gravity in no unit.
+    NotGravity {
+        /// Length of the mean, in units of the file.
+        length: f64,
+    },
+    /// A rate at rest is noisier than any gyro's.
+    Noisy {
+        /// Noise over that of the noisiest gyro.
         ratio: f64,
     },
 }

@@ -25,7 +25,7 @@ impl Headings {
     /// The cells of a line.
     pub fn new(cells: &Cells, line: &[u8]) -> Self {
         let name = |i| {
-            let text = String::from_utf8_lossy(cells.of(line, i)).into_owned();
+            let text = text(cells.of(line, i));
             // Between quotation marks, a doubled one stands for itself.
             let quoted = cells.place(i).start.checked_sub(1).is_some_and(|before| line[before] == b'"');
             if quoted { text.replace("\"\"", "\"").trim().to_owned() } else { text.trim().trim_matches('"').to_owned() }
@@ -110,6 +110,11 @@ impl Headings {
             None => format!("it has: {}", known.take(40).map(shortened).collect::<Vec<_>>().join(", ")),
         }
     }
+}
+
+/// Bytes as text: UTF-8, else Latin-1, in which older programs write `m/s²` and `°/s`.
+pub(super) fn text(bytes: &[u8]) -> String {
+    std::str::from_utf8(bytes).map_or_else(|_| bytes.iter().map(|b| char::from(*b)).collect(), str::to_owned)
 }
 
 /// What stands in brackets at the end of a name.

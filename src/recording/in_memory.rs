@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use super::dropped::Dropped;
 use super::finding::{self, Finding};
+use super::roles;
 
 /// A named column in the recording's own unit.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,6 +36,9 @@ pub struct Recording {
     pub rate_hz: f64,
     /// The columns asked for, all of the same length, without NaN.
     pub columns: Vec<Column>,
+    /// Unit of each column where its file states it outside its heading, in brackets, or by its
+    /// format; empty for columns that were never in a file.
+    pub units: Vec<Option<String>>,
     /// Where neighbouring samples were averaged as they were read.
     pub averaged: Option<Averaged>,
     /// What was found and survived: gaps filled, rows dropped, rails touched.
@@ -58,6 +62,17 @@ impl Recording {
     /// Values of the column with this heading.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         self.columns.iter().find(|c| c.name == name).map(|c| c.values.as_slice())
+    }
+
+    /// The unit that the file states for this column, beyond the last words of its heading.
+    pub fn stated(&self, name: &str) -> Option<&str> {
+        let place = self.columns.iter().position(|c| c.name == name)?;
+        self.units.get(place)?.as_deref()
+    }
+
+    /// Words for the unit of this column, where file or heading states one.
+    pub fn unit_words(&self, name: &str) -> Option<String> {
+        roles::unit_words(name, self.stated(name))
     }
 
     /// Number of samples, before neighbours were averaged.

@@ -7,12 +7,15 @@ use std::path::Path;
 
 use super::clock::instant::{Instant, unit_by_size};
 use super::clock_column;
+use super::finding::Finding;
 use super::format;
 use super::formats;
 use super::request::Request;
 use super::roles::{self, Roles};
 use super::rows::{Rows, Wanted};
+use super::scale::{self, Measured, Named};
 use super::time_unit::TimeUnit;
+use super::unit::Quantity;
 use crate::error::{Error, Result};
 use crate::numerics::order;
 
@@ -37,21 +40,27 @@ pub struct Inertial {
     pub left_out: usize,
     /// The first of them.
     pub first_left_out: Option<usize>,
-    /// Whether the file says the units of its readings.
-    pub units_stated: bool,
+    /// What was taken for granted of the units.
+    pub findings: Vec<Finding>,
     /// From one reading to the next, as a rule, s.
     pub interval_s: f64,
 }
 
+/// The way to state a unit where there is no option for it.
+const SCALED: &str = "columns in a unit of the sensor, named in the headings, e.g. gx_deg_s, ax_m_s2";
+
 /// Fewest readings that are worth anything.
 const FEWEST: usize = 100;
 
-/// Reads a log whose columns are named as an IMU's.
+/// Columns x, y and z of a gyro and of an accelerometer, by their headings.
+pub type Names = [[String; 3]; 2];
+
+/// Reads the columns named, or those of a log whose headings are an IMU's.
 ///
 /// # Errors
 /// A file that cannot be read, that has no three gyros and three accelerometers or no clock, units
 /// of no inertial sensor, stamps that run backwards, too few readings.
-pub fn read(path: &Path) -> Result<Inertial> {
+pub fn read(path: &Path, named: Option<&Names>) -> Result<Inertial> {
     let fail =
         |cause: String, hint: &str| Error::new(format!("could not read the IMU of {}", path.display()), cause, hint);
     let (request, _) = clock_column::settled(path, &Request::default())?;
@@ -63,22 +72,31 @@ pub fn read(path: &Path) -> Result<Inertial> {
         let hint = "give it a column of times with a heading that says so, e.g. t_s or `timestamp [ns]`";
         return Err(fail("no column holds the time of its readings".into(), hint));
     };
-    let Roles { gyro: Some(gyro), accelerometer: Some(accelerometer) } = roles::of(&names) else {
-        let hint = "name them gx, gy, gz, ax, ay, az (rad/s and m/s², or with the unit in brackets)";
-        return Err(fail("its headings do not name three gyros and three accelerometers".into(), hint));
+    let columns: Vec<String> = match (named, roles::of(&names)) {
+        (Some(named), _) => named.iter().flatten().cloned().collect(),
+        (None, Roles { gyro: Some(gyro), accelerometer: Some(accelerometer) }) => {
+            gyro.iter().chain(&accelerometer).map(|place| names[*place].clone()).collect()
+        }
+        _ => {
+            let hint = "name them gx, gy, gz, ax, ay, az (rad/s and m/s², or with the unit in brackets)";
+            return Err(fail("its headings do not name three gyros and three accelerometers".into(), hint));
+        }
     };
-    let columns: Vec<String> = gyro.iter().chain(&accelerometer).map(|place| names[*place].clone()).collect();
     let mut table = Rows::open_wanted(path, &Wanted { time: Some(&time), columns: &columns, ..Wanted::default() })?;
-    let mut units_stated = true;
-    let mut scale = [1.0; 6];
-    for (place, name) in columns.iter().enumerate() {
-        match roles::unit(name, table.units()[place].as_deref()) {
-            None => units_stated = false,
-            Some(Some(unit)) => scale[place] = unit.si,
-            Some(None) => {
-                let cause = format!("`{name}` is not in a unit of angular rate or specific force");
-                return Err(fail(cause, "scale the columns to rad/s and m/s²"));
+    let mut findings = Vec::new();
+    let mut si = [1.0; 6];
+    for (sensor, quantity) in [Quantity::Gyro, Quantity::Accelerometer].into_iter().enumerate() {
+        let mut unstated = Vec::new();
+        for place in 3 * sensor..3 * sensor + 3 {
+            let (name, stated) = (&columns[place], table.units()[place].as_deref());
+            match (Named { name, stated, quantity, option: SCALED }).unit(None)? {
+                Some(unit) => si[place] = unit.si,
+                None => unstated.push(name.clone()),
             }
+        }
+        if !unstated.is_empty() {
+            // What moves shows gravity's length only roughly: its size is for who judges the motion.
+            findings.push(scale::assumed(unstated, quantity, SCALED, &Measured::default()).1);
         }
     }
     let mut unit = TimeUnit::of_heading(table.time().unwrap_or_default());
@@ -92,7 +110,7 @@ pub fn read(path: &Path) -> Result<Inertial> {
         force_m_s2: Vec::new(),
         left_out: 0,
         first_left_out: None,
-        units_stated,
+        findings,
         interval_s: 0.0,
     };
     let mut values = [0.0; 6];
@@ -123,8 +141,8 @@ pub fn read(path: &Path) -> Result<Inertial> {
         }
         all.time_s.push(time_s);
         all.row.push(row);
-        all.rate_rad_s.push(std::array::from_fn(|i| values[i] * scale[i]));
-        all.force_m_s2.push(std::array::from_fn(|i| values[3 + i] * scale[3 + i]));
+        all.rate_rad_s.push(std::array::from_fn(|i| values[i] * si[i]));
+        all.force_m_s2.push(std::array::from_fn(|i| values[3 + i] * si[3 + i]));
     }
     let source = table.finish()?;
     (all.sha256, all.rows) = (source.sha256, source.rows);
@@ -151,7 +169,7 @@ mod tests {
         let path = folder.path().join("imu.csv");
         let rows: String = (0..200).map(|k| row(k) + "\n").collect();
         std::fs::write(&path, format!("{heading}\n{rows}")).expect("written");
-        read(&path)
+        read(&path, None)
     }
 
     const EUROC: &str = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],\
@@ -166,7 +184,9 @@ mod tests {
         let read = log(EUROC, row).expect("read");
         assert_eq!((read.time_s.len(), read.left_out, read.first_left_out), (199, 1, Some(7)));
         assert!(
-            (read.time_s[198] - 0.995).abs() < 1e-12 && read.units_stated && (read.interval_s - 0.005).abs() < 1e-12
+            (read.time_s[198] - 0.995).abs() < 1e-12
+                && read.findings.is_empty()
+                && (read.interval_s - 0.005).abs() < 1e-12
         );
         assert_eq!((read.rate_rad_s[0], read.force_m_s2[0]), ([0.1, 0.0, 0.0], [0.0, 0.0, 9.8]));
     }
@@ -180,7 +200,7 @@ mod tests {
         assert!((degrees.force_m_s2[3][2] - 9.806_65).abs() < 1e-12);
         let counts =
             log("t_s,gx_lsb,gy_lsb,gz_lsb,ax_lsb,ay_lsb,az_lsb", |k| format!("{},1,0,0,0,0,1", k as f64 * 0.01));
-        assert!(counts.expect_err("counts").cause.contains("`gx_lsb` is not in a unit"));
+        assert!(counts.expect_err("counts").cause.contains("counts"));
         let none = log("t_s,u,v,w,p,q,r", |k| format!("{},1,0,0,0,0,1", k as f64 * 0.01));
         assert!(none.expect_err("no IMU").cause.contains("three gyros"));
         let back = log(EUROC, |k| format!("{},1,0,0,0,0,1", if k == 150 { 0 } else { k * 5_000_000 + 1 }));

@@ -3,40 +3,38 @@
 //!
 //! Not for judging: what the numbers mean is for `noise` and `diagnosis`.
 
+mod rest;
+mod sensors;
+
+pub use rest::Stretch;
+
 use std::path::Path;
 
 use super::dropped::Dropped;
 use super::finding::{self, Finding};
 use super::formats::{self, Found};
 use super::health::Watch;
+use super::plan;
 use super::reader::Part;
 use super::request::Request;
-use super::roles::{self, Roles};
-use super::stream::{self, Block, Streamed};
-use super::unit::{Quantity, Unit};
+use super::roles;
+use super::stream::{self, Streamed};
+use super::unit::Quantity;
 use crate::error::{Error, Kind, Result};
-use crate::numerics::order;
+use rest::{Rest, Still};
+use sensors::Sensors;
 
-/// Length of the windows that are judged still or moving, s.
-const WINDOW_S: f64 = 1.0;
-/// Fewer samples in a window tell nothing of its variance.
-const FEWEST: usize = 8;
-const SHORTEST: usize = 2;
-/// A window is still whose variance is at most this many times that of the quietest ones.
-const QUIET: f64 = 5.0;
-/// Standard deviations of a sensor at rest are below these, rad/s and m/s²: a hovering drone's are
-/// not.
-const RESTLESS: [f64; 2] = [0.05, 0.3];
-
-/// What a column holds.
+/// Contents of one column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     /// Heading of the column.
     pub name: String,
-    /// Its unit, as the file states it.
+    /// Its unit, as the file states it or its heading ends in.
     pub stated: Option<String>,
-    /// What it measures, where its name or unit tells.
+    /// Quantity that it measures, where its name or unit tells.
     pub quantity: Quantity,
+    /// Temperature or the like: the surroundings of a sensor, not its readings.
+    pub is_environment: bool,
     /// Smallest value.
     pub lowest: f64,
     /// Largest value.
@@ -47,15 +45,6 @@ pub struct Column {
     pub deviation: f64,
     /// Step that its numbers are rounded to.
     pub step: Option<f64>,
-}
-
-/// A stretch of time since the first sample, s.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stretch {
-    /// Beginning of the stretch, s.
-    pub from_s: f64,
-    /// End of the stretch, s.
-    pub to_s: f64,
 }
 
 /// What a file contains: format, columns, clock, ranges, still stretches.
@@ -92,10 +81,14 @@ pub struct Rows {
     pub findings: Vec<Finding>,
     /// Every column of numbers but the clock.
     pub columns: Vec<Column>,
-    /// Whether its columns are an inertial sensor's.
-    pub roles: Roles,
-    /// When that lay still.
+    /// Columns of an inertial sensor, if they are one's: gyros and accelerometers.
+    pub sensors: [Vec<usize>; 2],
+    /// Whether the rows are poses: positions or attitudes of a body, as a reference has them.
+    pub is_pose: bool,
+    /// When the sensor lay still.
     pub still: Vec<Stretch>,
+    /// Directions of gravity in which it lay still.
+    pub poses: usize,
 }
 
 /// Looks through a file.
@@ -108,6 +101,7 @@ pub fn inspect(path: &Path, request: &Request) -> Result<Inspection> {
         Found::Text(_) => ("text", Vec::new()),
         Found::Log { format, log, .. } => (format.name, log.parts().to_vec()),
     };
+    plan::against_clock(path, request)?;
     let mut seen = Inspection { format, parts, part: None, clock: None, rows: None, obstacle: None };
     match formats::open(path, request.topic.as_deref()) {
         Ok(opened) => seen.part = opened.part().map(|p| p.name.clone()).filter(|n| !n.is_empty()),
@@ -121,9 +115,12 @@ pub fn inspect(path: &Path, request: &Request) -> Result<Inspection> {
         Err(error) if error.kind == Kind::Interrupted => return Err(error),
         Err(error) => {
             // Without a clock the numbers can still be looked at, row by row.
-            let counted = Request { rate_hz: Some(1.0), time: None, ..request.clone() };
+            let counted = Request { rate_hz: Some(1.0), force_rate: true, time: None, ..request.clone() };
             match rows(path, &counted) {
-                Ok((found, _)) => seen.rows = Some(Rows { rate_hz: None, still: Vec::new(), ..found }),
+                Ok((mut found, _)) => {
+                    found.findings.retain(|f| !matches!(f, Finding::RateForced { .. }));
+                    seen.rows = Some(Rows { rate_hz: None, still: Vec::new(), ..found });
+                }
                 Err(error) if error.kind == Kind::Interrupted => return Err(error),
                 Err(_) => {}
             }
@@ -135,12 +132,12 @@ pub fn inspect(path: &Path, request: &Request) -> Result<Inspection> {
 
 fn rows(path: &Path, request: &Request) -> Result<(Rows, Option<String>)> {
     let (names, stated) = stream::headings(path, request)?;
-    let roles = roles::of(&names);
+    let sensors = Sensors::of(&names, &stated);
     let mut meters: Vec<Meter> = names.iter().map(|n| Meter::new(n)).collect();
     let mut rest = Rest::default();
     let mut streamed = stream::read(path, request, |block| {
         meters.iter_mut().zip(&block.columns).for_each(|(meter, values)| meter.push(values));
-        rest.push(block, &roles);
+        rest.push(block, &sensors.places);
     })?;
     streamed.findings.extend(meters.iter().flat_map(|m| m.watch.findings()));
     finding::settle(&mut streamed.findings);
@@ -148,25 +145,26 @@ fn rows(path: &Path, request: &Request) -> Result<(Rows, Option<String>)> {
         Finding::ClockFound { heading, .. } => Some(heading.clone()),
         _ => None,
     });
-    let scale = |place: usize, usual: f64| {
-        roles::unit(&names[place], stated[place].as_deref()).map_or(Some(usual), |unit| unit.map(|u| u.si))
-    };
-    let scales = [roles.gyro, roles.accelerometer].map(|places| places.and_then(|p| scale(p[0], 1.0)));
-    let still = rest.stretches(streamed.rate_hz, scales);
-    let quantity = |place: usize| {
-        let among = |places: Option<[usize; 3]>| places.is_some_and(|p| p.contains(&place));
-        match (among(roles.gyro), among(roles.accelerometer)) {
-            (true, _) => Quantity::Gyro,
-            (_, true) => Quantity::Accelerometer,
-            _ => stated[place].as_deref().and_then(Unit::of_file).map_or(Quantity::Unknown, |u| u.quantity),
+    let scaled = sensors.scaled(&names, &rest, streamed.rate_hz);
+    let Still { stretches: still, poses } = rest.still(streamed.rate_hz, scaled.si);
+    streamed.findings.extend(scaled.findings);
+    let is_pose =
+        roles::is_pose(&names) || streamed.findings.iter().any(|f| matches!(f, Finding::TrajectoryRecognised { .. }));
+    let columns = meters.into_iter().enumerate().map(|(place, meter)| {
+        let text = stated[place].as_deref();
+        Column {
+            stated: roles::unit_words(&names[place], text),
+            quantity: sensors.quantity(place),
+            is_environment: roles::is_environment(&names[place], text),
+            ..meter.column()
         }
-    };
-    let columns =
-        meters.into_iter().enumerate().map(|(place, meter)| meter.column(stated[place].clone(), quantity(place)));
+    });
     let columns = columns.collect();
     let clock = clock.or_else(|| request.time.clone());
     let Streamed { sha256, rows, samples, rate_hz, dropped, findings } = streamed;
-    Ok((Rows { sha256, rows, samples, rate_hz: Some(rate_hz), dropped, findings, columns, roles, still }, clock))
+    let sensors = sensors.places;
+    let rate_hz = Some(rate_hz);
+    Ok((Rows { sha256, rows, samples, rate_hz, dropped, findings, columns, sensors, is_pose, still, poses }, clock))
 }
 
 /// Sums over a column; deviations from its first value, so that little is lost of a small one.
@@ -203,13 +201,14 @@ impl Meter {
         }
     }
 
-    fn column(self, stated: Option<String>, quantity: Quantity) -> Column {
+    fn column(self) -> Column {
         let mean = self.sum / self.count.max(1.0);
         let variance = (self.squares / self.count.max(1.0) - mean * mean).max(0.0);
         Column {
             name: self.name,
-            stated,
-            quantity,
+            stated: None,
+            quantity: Quantity::Unknown,
+            is_environment: false,
             lowest: self.lowest,
             highest: self.highest,
             mean: self.origin + mean,
@@ -217,91 +216,6 @@ impl Meter {
             step: self.watch.step(),
         }
     }
-}
-
-/// Variances of an inertial sensor in windows.
-#[derive(Default)]
-struct Rest {
-    /// Samples that fill the window at hand, sensor by sensor and axis by axis, and how many.
-    held: [[[f64; Rest::WIDTH]; 3]; 2],
-    count: usize,
-    /// Per window of [`Rest::WIDTH`] samples, the variance of each sensor, all axes together.
-    variances: Vec<[f64; 2]>,
-}
-
-impl Rest {
-    /// Samples of the shortest window; windows of a second are joined of them.
-    const WIDTH: usize = FEWEST;
-
-    fn push(&mut self, block: &Block, roles: &Roles) {
-        let sensors = [roles.gyro, roles.accelerometer];
-        if sensors == [None, None] {
-            return;
-        }
-        let length = block.columns.first().map_or(0, Vec::len);
-        let mut from = 0;
-        while from < length {
-            let to = length.min(from + Self::WIDTH - self.count);
-            let window = self.count..self.count + to - from;
-            for (held, places) in self.held.iter_mut().zip(sensors) {
-                for (axis, place) in held.iter_mut().zip(places.into_iter().flatten()) {
-                    axis[window.clone()].copy_from_slice(&block.columns[place][from..to]);
-                }
-            }
-            (from, self.count) = (to, window.end);
-            if self.count == Self::WIDTH {
-                // Of a sensor that is not there, zeros.
-                self.variances.push(self.held.each_ref().map(variance));
-                self.count = 0;
-            }
-        }
-    }
-
-    /// When all sensors there are were still.
-    fn stretches(&self, rate_hz: f64, scales: [Option<f64>; 2]) -> Vec<Stretch> {
-        let together = ((WINDOW_S * rate_hz / Self::WIDTH as f64).round() as usize).max(1);
-        let windows: Vec<[f64; 2]> = self
-            .variances
-            .chunks_exact(together)
-            .map(|part| [0, 1].map(|s| part.iter().map(|v| v[s]).sum::<f64>() / part.len() as f64))
-            .collect();
-        if windows.is_empty() || scales == [None, None] {
-            return Vec::new();
-        }
-        let limits = [0, 1].map(|s| {
-            let mut all: Vec<f64> = windows.iter().map(|w| w[s]).collect();
-            order::sort(&mut all);
-            let quiet = QUIET * all[all.len() / 100];
-            scales[s].map_or(f64::INFINITY, |si| quiet.min((RESTLESS[s] / si).powi(2)))
-        });
-        let still = |w: &[f64; 2]| w[0] <= limits[0] && w[1] <= limits[1];
-        let window_s = (together * Self::WIDTH) as f64 / rate_hz;
-        let mut out: Vec<Stretch> = Vec::new();
-        let mut begin = None;
-        for k in 0..=windows.len() {
-            match (begin, windows.get(k).is_some_and(still)) {
-                (None, true) => begin = Some(k),
-                (Some(from), false) => {
-                    if k - from >= SHORTEST {
-                        out.push(Stretch { from_s: from as f64 * window_s, to_s: k as f64 * window_s });
-                    }
-                    begin = None;
-                }
-                _ => {}
-            }
-        }
-        out
-    }
-}
-
-/// Variance about the mean, the three axes together.
-fn variance(axes: &[[f64; Rest::WIDTH]; 3]) -> f64 {
-    let n = Rest::WIDTH as f64;
-    let [a, b, c] = axes.each_ref().map(|axis| {
-        let mean = axis.iter().sum::<f64>() / n;
-        axis.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)
-    });
-    a + b + c
 }
 
 #[cfg(test)]

@@ -47,6 +47,7 @@ pub mod request;
 pub mod roles;
 pub mod rows;
 pub mod run;
+pub mod scale;
 pub mod series;
 pub mod source;
 pub mod stream;
@@ -59,7 +60,8 @@ pub mod unit;
 pub mod zstandard;
 
 // The crates below, under the names by which files here call them.
-use proofmass_base::{control, document, error, escape, number, numerics, parallel, rng, units};
+use proofmass_base::{control, document, error, escape, number, parallel, units};
+use proofmass_numerics::{numerics, rng};
 
 pub use in_memory::{Averaged, Column, Recording};
 pub use limits::FILL_LIMIT;

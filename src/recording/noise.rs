@@ -83,6 +83,15 @@ impl Channel {
         self.curve.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b))).filter(|d| off(d) < 0.05)
     }
 
+    /// Whether the curve still falls at its end: neither flicker nor anything slower is supported, so
+    /// its lowest point is only where the recording ends.
+    pub fn still_falls(&self) -> bool {
+        use crate::numerics::allan::law::Term::{Flicker, Ramp, Walk};
+        self.fit.as_ref().is_some_and(|fit| {
+            fit.good() && ![Flicker, Walk, Ramp].iter().any(|term| fit.coefficients[*term as usize].supported())
+        })
+    }
+
     /// B as datasheets state it: the lowest Allan deviation over 0.664, whatever the curve does
     /// around it.
     pub fn bias_stability(&self) -> Option<(f64, [f64; 2])> {

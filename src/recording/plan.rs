@@ -6,7 +6,8 @@ use std::path::Path;
 
 use super::clock::survey::Survey;
 use super::clock::timeline::{SetBack, Timeline};
-use super::clock::{self, Clock, Kind, Question};
+use super::clock::{self, Clock, Question};
+use super::clock_column;
 use super::dropped::{Dropped, Reason, Tally};
 use super::finding::Finding;
 use super::limits::RATES_HZ;
@@ -15,8 +16,10 @@ use super::request::Request;
 use super::rows::{Rows, Wanted};
 use super::run::Run;
 use super::source::FileSummary;
+use super::time_unit::Basis;
 use crate::control::{Control, Progress, Stopped};
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
+use crate::number::rounded;
 
 /// Rows between looks at the control.
 const LOOK: usize = 65_536;
@@ -181,9 +184,57 @@ pub(crate) fn make(path: &Path, request: &Request, values: bool) -> Result<Plan>
     }
     let wanted = request.rows.clone().unwrap_or(0..usize::MAX);
     match request.time {
+        Some(_) if request.force_rate && request.rate_hz.is_some() => untimed(path, request, wanted, values),
         Some(_) => timed(path, request, wanted),
         None => untimed(path, request, wanted, values),
     }
+}
+
+/// Rows of a clock that are looked at where a rate is given.
+const ENOUGH_ROWS: usize = 100_000;
+
+/// The file's own clock against the rate that is given: a finding where the rate is forced.
+///
+/// # Errors
+/// A rate that contradicts the clock; Ctrl-C. A clock that cannot be used, or whose unit is only
+/// guessed, contradicts nothing.
+pub(crate) fn against_clock(path: &Path, request: &Request) -> Result<Option<Finding>> {
+    let Some(given_hz) = request.rate_hz else { return Ok(None) };
+    let timed = match &request.time {
+        Some(_) => request.clone(),
+        None => clock_column::own(path, &Request { rate_hz: None, ..request.clone() })?.0,
+    };
+    if timed.time.is_none() {
+        return Ok(None);
+    }
+    let Ok(table) = open(path, &timed) else { return Ok(None) };
+    let table = table.without_checksum().stamps_only();
+    let heading = table.time().unwrap_or_default().to_owned();
+    let question = Question { path, heading: &heading, rate_hz: None };
+    let rows = request.rows.clone().unwrap_or(0..usize::MAX);
+    let wanted = rows.start..rows.end.min(rows.start.saturating_add(ENOUGH_ROWS));
+    let surveyed = survey(&question, &request.control, table, &wanted, false);
+    let judged = surveyed.and_then(|survey| match survey.steps {
+        0 => Err(too_few(path, survey.rows)),
+        _ => clock::judge(&question, &survey),
+    });
+    let clock = match judged {
+        Ok(clock) => clock,
+        Err(error) if error.kind == Kind::Interrupted => return Err(error),
+        Err(_) => return Ok(None),
+    };
+    let guessed = |f: &Finding| matches!(f, Finding::TimeUnit { basis: Basis::Magnitude, .. });
+    let clock_hz = clock.rate_hz;
+    if clock.findings.iter().any(guessed) || !clock::contradict(clock_hz, given_hz) {
+        return Ok(None);
+    }
+    if request.force_rate {
+        return Ok(Some(Finding::RateForced { given_hz, clock_hz }));
+    }
+    Err(question.refuse(
+        format!("the file's own clock `{heading}` says {} Hz, the rate given is {given_hz} Hz", rounded(clock_hz, 6)),
+        "leave the rate out and the clock holds, or correct the rate; --force-rate (force_rate = true) uses the rate given",
+    ))
 }
 
 const SECONDS: &str = "seconds count from the first row: --from-s 60 --to-s 120 is the second minute";
@@ -194,7 +245,14 @@ fn refuse(path: &Path, cause: String, hint: &str) -> Error {
 
 fn untimed(path: &Path, request: &Request, wanted: Range<usize>, values: bool) -> Result<Plan> {
     let table = open(path, request)?.without_checksum();
+    if request.rate_hz.is_none()
+        && let Some(name) = table.clock_like()
+    {
+        // A clock that cannot be gone by is the matter, not that there is none.
+        timed(path, &Request { time: Some(name.to_owned()), ..request.clone() }, wanted.clone())?;
+    }
     let rate_hz = checked_rate(path, request.rate_hz, &table)?;
+    let forced = against_clock(path, request)?;
     // A float beyond all rows becomes the largest number.
     let row = |seconds: f64| (seconds * rate_hz - 1e-6).ceil().max(0.0) as usize;
     let seconds = request.from_s.map_or(0, row)..request.to_s.map_or(usize::MAX, row);
@@ -213,7 +271,7 @@ fn untimed(path: &Path, request: &Request, wanted: Range<usize>, values: bool) -
         })?;
     }
     let repeated = repeats.judge();
-    let mut findings = Vec::new();
+    let mut findings: Vec<Finding> = forced.into_iter().collect();
     if let Some(Repeated { meaning, rows: count, first }) = repeated {
         let lost = meaning == Meaning::Lost;
         findings.push(Finding::RepeatedRows { rows: count, first_row: rows.start + first, lost });
@@ -243,7 +301,7 @@ fn timed(path: &Path, request: &Request, wanted: Range<usize>) -> Result<Plan> {
     }
     let clock = clock::judge(&question, &survey)?;
     let whole = survey.whole();
-    let samples = if matches!(clock.kind, Kind::Even) { whole.ticks } else { whole.steps } as usize + 1;
+    let samples = if matches!(clock.kind, clock::Kind::Even) { whole.ticks } else { whole.steps } as usize + 1;
     let (rate_hz, findings) = (clock.rate_hz, clock.findings.clone());
     Ok(Plan { rows, clock: Some(clock), rate_hz, repeated: None, samples, findings, length_bytes })
 }

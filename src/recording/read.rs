@@ -73,7 +73,7 @@ pub fn read(path: &Path, request: &Request) -> Result<Recording> {
         }
         Ok(Next::Go)
     })?;
-    let names = table.names().to_vec();
+    let (names, units) = (table.names().to_vec(), table.units().to_vec());
     let source = table.finish()?;
     plan::check_end(path, request, &plan, &source)?;
     let mut dropped = std::mem::take(&mut gathered.dropped);
@@ -115,6 +115,7 @@ pub fn read(path: &Path, request: &Request) -> Result<Recording> {
         first_sample,
         rate_hz: plan.rate_hz,
         columns,
+        units,
         averaged,
         findings,
         filled,

@@ -16,6 +16,8 @@ pub struct Request {
     pub columns: Vec<String>,
     /// Sampling rate, where rows are evenly spaced by construction.
     pub rate_hz: Option<f64>,
+    /// Use that rate against the file's own clock, where the two contradict each other.
+    pub force_rate: bool,
     /// Heading of a time column. Where both are given, the column must agree with the rate.
     pub time: Option<String>,
     /// Data rows wanted, counted from zero after the header; absent means all. Later indices count

@@ -1,6 +1,6 @@
 //! Which columns are a gyroscope's and which an accelerometer's, by their names, and in what unit.
 
-use super::unit::{Quantity, Unit};
+use super::unit::{self, Quantity, Unit};
 
 /// The six columns of an IMU, by their place among the names.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -26,42 +26,117 @@ const ACCELEROMETER: [&str; 11] = [
     "force",
     "accelerometer_m_s2",
 ];
-/// Units at the end of a name.
-const SUFFIXES: [(&str, &str); 17] = [
-    ("_rad_s", "rad/s"),
-    ("_rads", "rad/s"),
-    ("_rad_per_s", "rad/s"),
-    ("_deg_s", "deg/s"),
-    ("_deg_per_s", "deg/s"),
-    ("_dps", "deg/s"),
-    ("_mdps", "mdeg/s"),
-    ("_m_s2", "m/s2"),
-    ("_ms2", "m/s2"),
-    ("_mss", "m/s2"),
-    ("_mps2", "m/s2"),
-    ("_mg", "mg"),
-    ("_g", "g"),
-    ("_lsb", "LSB"),
-    ("_cnt", "LSB"),
-    ("_counts", "LSB"),
-    ("_raw", "LSB"),
-];
+/// Words that a unit at the end of a name has at most: `m_per_s_per_s`.
+const WORDS: usize = 5;
 
-/// A name without its unit, and the unit.
-fn stem(name: &str) -> (String, Option<&'static str>) {
-    let name = name.trim().to_lowercase();
+/// A heading taken apart.
+#[derive(Debug, Clone, PartialEq)]
+struct Heading {
+    /// Lower case, without its unit.
+    stem: String,
+    /// The unit that it states, as it is written there.
+    unit: Option<Stated>,
+}
+
+/// A statement of a column's unit.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Stated {
+    /// A unit of an inertial sensor.
+    Inertial(Unit),
+    /// Counts of a converter, whose size the file does not state.
+    Counts,
+    /// A unit of something else, or words that are none that is known.
+    Other(String),
+}
+
+impl Stated {
+    /// Words in brackets, in a row of units or in a format's own field.
+    fn of_file(text: &str) -> Self {
+        match Unit::of_file(text) {
+            Some(unit) => Self::Inertial(unit),
+            None if unit::is_count(text) => Self::Counts,
+            None => Self::Other(unit::without_brackets(text).to_owned()),
+        }
+    }
+
+    /// The last words of a heading.
+    fn of_tail(text: &str) -> Option<Self> {
+        match Unit::of_heading(text) {
+            Some(unit) => Some(Self::Inertial(unit)),
+            None if unit::is_count(text) => Some(Self::Counts),
+            None => Self::is_symbol(text).then(|| Self::Other(text.to_owned())),
+        }
+    }
+
+    /// Of single letters only those that are a unit in capitals or a metre: `omega_s` is no time.
+    fn is_symbol(text: &str) -> bool {
+        unit::is_other(text) && (text.chars().count() > 1 || "VANKCm".contains(text))
+    }
+}
+
+/// A heading without its unit: the unit stands in brackets, behind the last words or, as in
+/// `acc_mps2_x`, before the axis.
+fn taken_apart(name: &str) -> Heading {
+    let name = name.trim();
     let plain = match name.split_once(['[', '(']) {
         // An index in brackets is part of the name.
-        Some((front, rest)) if !rest.starts_with(|c: char| c.is_ascii_digit()) => front.trim().to_owned(),
+        Some((front, rest)) if !rest.starts_with(|c: char| c.is_ascii_digit()) => front.trim(),
         _ => name,
     };
-    let suffix = SUFFIXES.iter().find(|(end, _)| plain.len() > end.len() + 1 && plain.ends_with(end));
-    suffix.map_or((plain.clone(), None), |(end, unit)| (plain[..plain.len() - end.len()].to_owned(), Some(*unit)))
+    let cut = |text: &str| {
+        let places: Vec<usize> =
+            text.char_indices().filter(|(at, c)| "_ ".contains(*c) && *at > 0).map(|(at, _)| at).collect();
+        let last = places[places.len().saturating_sub(WORDS)..].iter();
+        last.map(|at| (*at, &text[at + 1..])).find_map(|(at, tail)| Some((at, Stated::of_tail(tail)?)))
+    };
+    if let Some((at, unit)) = cut(plain) {
+        return Heading { stem: plain[..at].to_lowercase(), unit: Some(unit) };
+    }
+    if let Some((front, axis)) = before_axis(plain)
+        && let Some((at, unit @ (Stated::Inertial(_) | Stated::Counts))) = cut(front)
+    {
+        let stem = front[..at].to_lowercase();
+        // `imu_g_x` is a gyro's, not an imu's in g.
+        if !front[at + 1..].eq_ignore_ascii_case("g") || ACCELEROMETER.contains(&stem.as_str()) {
+            return Heading { stem: format!("{stem}{}", axis.to_lowercase()), unit: Some(unit) };
+        }
+    }
+    Heading { stem: plain.to_lowercase(), unit: None }
+}
+
+/// A name without its axis, and the axis: `_x`, `.1`, `[0]`.
+fn before_axis(name: &str) -> Option<(&str, &str)> {
+    let (at, bare) = match name.strip_suffix(']') {
+        Some(open) => (open.rfind('[')?, &open[open.rfind('[')? + 1..]),
+        None => (name.rfind(['_', '.'])?, &name[name.rfind(['_', '.'])? + 1..]),
+    };
+    let is_axis = matches!(bare, "x" | "y" | "z" | "X" | "Y" | "Z" | "0" | "1" | "2" | "3");
+    is_axis.then(|| name.split_at(at))
+}
+
+/// The unit that a file states for a column: in a row of units, in brackets or by its format
+/// (`stated`), else at the end of its name. One letter at the end of a name says nothing unless it
+/// is `g`.
+pub fn stated(name: &str, stated: Option<&str>) -> Option<Stated> {
+    match stated {
+        Some(text) => Some(Stated::of_file(text)),
+        None => taken_apart(name).unit.filter(|unit| !matches!(unit, Stated::Other(_))),
+    }
+}
+
+/// The words for that unit, whatever it measures; `None` where nothing states one.
+pub fn unit_words(name: &str, stated: Option<&str>) -> Option<String> {
+    let unit = stated.map(Stated::of_file).or_else(|| taken_apart(name).unit)?;
+    Some(match unit {
+        Stated::Inertial(unit) => unit.symbol().unwrap_or(unit.name),
+        Stated::Counts => "count".to_owned(),
+        Stated::Other(text) => text,
+    })
 }
 
 /// What a column measures and along which axis.
 fn role(name: &str) -> Option<(Quantity, usize)> {
-    let (stem, _) = stem(name);
+    let Heading { stem, .. } = taken_apart(name);
     let plain = stem.replace('[', ".").replace(']', "");
     let last = plain.chars().last()?;
     let front = &plain[..plain.len() - last.len_utf8()];
@@ -107,11 +182,67 @@ pub fn of(names: &[String]) -> Roles {
     Roles { gyro: triple(Quantity::Gyro), accelerometer: triple(Quantity::Accelerometer) }
 }
 
+/// Beginnings of the names of a sensor's surroundings.
+const SURROUNDINGS: [&str; 6] = ["temp", "press", "baro", "humid", "supply", "vbat"];
+/// Units in which those are measured.
+const SURROUNDING_UNITS: [&str; 9] = ["degc", "°c", "c", "k", "kelvin", "pa", "hpa", "kpa", "mbar"];
+
+/// Tells a column of a sensor's surroundings, as temperature is, from one of its readings.
+pub(crate) fn is_environment(name: &str, stated: Option<&str>) -> bool {
+    let lower = name.trim().to_lowercase();
+    let unit = unit_words(name, stated).unwrap_or_default().to_lowercase();
+    let words = || lower.split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty());
+    lower == "t"
+        || SURROUNDING_UNITS.contains(&unit.as_str())
+        || words().any(|w| SURROUNDINGS.iter().any(|s| w.starts_with(s)))
+}
+
+/// The surroundings among the columns of an inertial sensor; none where no column is one's, or where
+/// headings repeat and cannot be named apart.
+pub fn surroundings(names: &[String], stated: &[Option<String>]) -> Vec<String> {
+    let is_environment = |(name, text): &(&String, &Option<String>)| is_environment(name, text.as_deref());
+    let twice = (1..names.len()).any(|i| names[..i].contains(&names[i]));
+    if twice || of(names) == Roles::default() {
+        return Vec::new();
+    }
+    names.iter().zip(stated).filter(is_environment).map(|(name, _)| name.clone()).collect()
+}
+
+/// Tells a file of poses by its headings: an attitude as a quaternion, a matrix or angles, or a
+/// position that is named as one.
+pub(crate) fn is_pose(names: &[String]) -> bool {
+    let stems: Vec<String> = names
+        .iter()
+        .map(|name| taken_apart(name.trim_start_matches(['#', '%'])).stem)
+        .map(|stem| stem.replace(['[', ']'], "."))
+        .collect();
+    let all = |axes: &str, begins: &dyn Fn(&str) -> bool| {
+        let of = |axis: char| {
+            move |stem: &String| stem.strip_suffix(axis).is_some_and(|f| begins(f.trim_end_matches(['_', '.', ' '])))
+        };
+        axes.chars().all(|axis| stems.iter().any(of(axis)))
+    };
+    let turns =
+        |front: &str| front.starts_with('q') || ["quat", "orient", "rot"].iter().any(|word| front.contains(word));
+    let places = |front: &str| {
+        front == "t"
+            || front == "p"
+            || front.starts_with("p_")
+            || front.starts_with("pos")
+            || front.ends_with("position")
+    };
+    let named = |words: [&str; 3]| words.iter().all(|word| stems.iter().any(|stem| stem.starts_with(word)));
+    all("wxyz", &turns)
+        || all("xyz", &places)
+        || named(["roll", "pitch", "yaw"])
+        || named(["north", "east", "down"])
+        || named(["r11", "r12", "r13"])
+}
+
 /// The unit of a column that is one of an inertial sensor's by its name alone, which says unit and
 /// quantity: `gyro_rad_s`, or with a sensor's number `accelerometer_2_m_s2`.
 pub fn alone(name: &str) -> Option<Unit> {
-    let (stem, unit) = stem(name);
-    let unit = Unit::of_file(unit?)?;
+    let Heading { stem, unit: Some(Stated::Inertial(unit)) } = taken_apart(name) else { return None };
     let plain = stem.trim_end_matches(|c: char| c.is_ascii_digit());
     let of = plain.strip_suffix('_').unwrap_or(plain);
     let names = match unit.quantity {
@@ -120,12 +251,6 @@ pub fn alone(name: &str) -> Option<Unit> {
         Quantity::Unknown => &[],
     };
     names.contains(&of).then_some(unit)
-}
-
-/// The unit of a column of this name: what its file states, else what its name ends with.
-/// `Some(None)` where that is no unit of an inertial sensor, as counts are.
-pub fn unit(name: &str, stated: Option<&str>) -> Option<Option<Unit>> {
-    stated.or(stem(name).1).map(Unit::of_file)
 }
 
 #[cfg(test)]
@@ -177,9 +302,31 @@ mod tests {
 
     #[test]
     fn units_stand_in_the_file_or_in_the_name() {
-        let known = |name, stated| unit(name, stated).flatten().map(|u| u.quantity);
+        let known = |name, text| match stated(name, text) {
+            Some(Stated::Inertial(unit)) => Some(unit.quantity),
+            _ => None,
+        };
         assert_eq!(known("wx_deg_s", None), Some(Quantity::Gyro));
         assert_eq!(known("wx", Some("m s^-2")), Some(Quantity::Accelerometer));
-        assert_eq!((unit("gx", None), unit("gx_lsb", None)), (None, Some(None)));
+        assert_eq!((stated("gx", None), stated("gx_lsb", None)), (None, Some(Stated::Counts)));
+        assert_eq!((stated("omega_s", None), stated("V2_V", None)), (None, None), "no unit of an inertial sensor");
+        assert_eq!(stated("gx", Some("V")), Some(Stated::Other("V".into())));
+    }
+
+    #[test]
+    fn words_for_a_unit_are_the_headings_own() {
+        for (name, text, words) in [
+            ("V2_V", None, Some("V")),
+            ("force_m_s2", None, Some("m/s²")),
+            ("x_um", None, Some("um")),
+            ("force_g", None, Some("g")),
+            ("a", Some("m/s^2"), Some("m/s²")),
+            ("wx_deg_s", None, Some("°/s")),
+            ("y_lsb", None, Some("count")),
+            ("temp_degC", None, Some("degC")),
+            ("force_x", None, None),
+        ] {
+            assert_eq!(unit_words(name, text).as_deref(), words, "{name}");
+        }
     }
 }

@@ -8,7 +8,7 @@ use crate::units::{
     STANDARD_GRAVITY_M_S2,
 };
 
-/// What a column measures.
+/// The quantity that a column measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// Specific force.
@@ -17,6 +17,17 @@ pub enum Quantity {
     Gyro,
     /// Quantity not stated.
     Unknown,
+}
+
+impl Quantity {
+    /// Name of the quantity for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Accelerometer => "specific force",
+            Self::Gyro => "angular rate",
+            Self::Unknown => "an unknown quantity",
+        }
+    }
 }
 
 /// Unit of a column: its factor to SI and the name that was written.
@@ -30,26 +41,29 @@ pub struct Unit {
     pub name: String,
 }
 
-const SCALES: [(&str, Quantity, f64); 10] = [
+const SCALES: [(&str, Quantity, f64); 12] = [
     ("g", Quantity::Accelerometer, STANDARD_GRAVITY_M_S2),
     ("mg", Quantity::Accelerometer, MILLI_G),
     ("ug", Quantity::Accelerometer, MICRO_G),
     ("m/s2", Quantity::Accelerometer, 1.0),
+    ("cm/s2", Quantity::Accelerometer, 1e-2),
     ("mm/s2", Quantity::Accelerometer, 1e-3),
     ("rad/s", Quantity::Gyro, 1.0),
     ("mrad/s", Quantity::Gyro, 1e-3),
     ("deg/s", Quantity::Gyro, DEGREE),
     ("mdeg/s", Quantity::Gyro, 1e-3 * DEGREE),
+    ("deg/min", Quantity::Gyro, DEGREE / 60.0),
     ("deg/h", Quantity::Gyro, DEGREE_PER_HOUR),
 ];
 
 /// Names of what a converter counts in.
-const COUNTS: [&str; 6] = ["lsb", "count", "counts", "cnt", "digit", "digits"];
+const COUNTS: [&str; 8] = ["lsb", "count", "counts", "cnt", "cnts", "digit", "digits", "raw"];
 
-/// Other units that stand below headings.
-const OTHERS: [&str; 34] = [
-    "s", "ms", "us", "ns", "sec", "seconds", "m", "mm", "m/s", "km/h", "deg", "rad", "c", "degc", "k", "ut", "mt", "t",
-    "gauss", "mgauss", "pa", "hpa", "kpa", "mbar", "bar", "v", "mv", "a", "ma", "hz", "n", "%", "1", "-",
+/// Other units that stand below headings or at their end.
+const OTHERS: [&str; 49] = [
+    "s", "ms", "us", "ns", "sec", "seconds", "m", "cm", "mm", "um", "nm", "pm", "km", "m/s", "mm/s", "km/h", "deg",
+    "rad", "mrad", "c", "degc", "k", "ut", "mt", "t", "gauss", "mgauss", "pa", "hpa", "kpa", "mbar", "bar", "v", "mv",
+    "uv", "a", "ma", "ua", "pf", "ff", "hz", "khz", "n", "mn", "un", "kn", "%", "1", "-",
 ];
 
 /// What stands in brackets, if anything does.
@@ -65,7 +79,7 @@ pub(super) fn are_units(cells: &[String]) -> bool {
     let is_unit = |cell: &String| {
         let word = normal(without_brackets(cell));
         without_brackets(cell).len() < cell.len()
-            || COUNTS.contains(&word.as_str())
+            || (COUNTS.contains(&word.as_str()) && word != "raw")
             || OTHERS.contains(&word.as_str())
             || SCALES.iter().any(|s| s.0 == word)
     };
@@ -75,14 +89,35 @@ pub(super) fn are_units(cells: &[String]) -> bool {
         && filled().any(|c| c != "1")
 }
 
+/// Text that says that a column holds counts of a converter.
+pub(super) fn is_count(text: &str) -> bool {
+    COUNTS.contains(&normal(without_brackets(text)).as_str())
+}
+
+/// Text that is a unit of some other quantity, or none: `V`, `degC`, `%`.
+pub(super) fn is_other(text: &str) -> bool {
+    OTHERS.contains(&normal(without_brackets(text)).as_str())
+}
+
+/// Text that is a unit of any quantity.
+pub(super) fn is_known(text: &str) -> bool {
+    is_count(text) || is_other(text) || Unit::of_file(text).is_some()
+}
+
+/// One unit written in two ways; all names of counts are one.
+pub(super) fn is_same(one: &str, other: &str) -> bool {
+    (is_count(one) && is_count(other)) || normal(without_brackets(one)) == normal(without_brackets(other))
+}
+
 /// A unit as it is written in `SCALES`, however people write it: `rad s^-1`, `m/s/s`, `deg/sec`,
 /// `dps`.
 fn normal(text: &str) -> String {
-    let mut plain = text.trim().to_lowercase();
+    let mut plain = text.trim().to_lowercase().replace("g's", "g");
     for (theirs, ours) in [
         ("µ", "u"),
         ("μ", "u"),
         ("°", "deg"),
+        ("º", "deg"),
         ("²", "2"),
         ("^", ""),
         ("**", ""),
@@ -90,6 +125,7 @@ fn normal(text: &str) -> String {
         ("¹", "1"),
         ("·", " "),
         ("⋅", " "),
+        (".s", " s"),
     ] {
         plain = plain.replace(theirs, ours);
     }
@@ -108,6 +144,8 @@ fn normal(text: &str) -> String {
         ("seconds", "s"),
         ("second", "s"),
         ("sec", "s"),
+        ("ssquared", "s2"),
+        ("minute", "min"),
         ("hours", "h"),
         ("hour", "h"),
         ("/hr", "/h"),
@@ -126,7 +164,9 @@ fn normal(text: &str) -> String {
         "mdps" => "mdeg/s".into(),
         "dph" => "deg/h".into(),
         "gn" | "g0" | "g_0" | "gs" => "g".into(),
-        "mps2" => "m/s2".into(),
+        "mps2" | "ms2" | "mss" => "m/s2".into(),
+        "gal" => "cm/s2".into(),
+        "rads" | "rps" => "rad/s".into(),
         _ => match unit.split_once('/') {
             Some(("dps", below)) => format!("deg/s/{below}"),
             Some((above, "dps")) => format!("{above}/deg/s"),
@@ -193,6 +233,23 @@ impl Unit {
     /// A unit as a file states it, if it is one of an inertial sensor.
     pub fn of_file(text: &str) -> Option<Self> {
         [Quantity::Accelerometer, Quantity::Gyro].into_iter().find_map(|q| Self::parse(without_brackets(text), q).ok())
+    }
+
+    /// A unit as it is written at the end of a heading, where nothing but `_` stands between its
+    /// parts: `m_s2`, `deg_per_s`, `dps`.
+    pub(super) fn of_heading(text: &str) -> Option<Self> {
+        if !text.starts_with(|c: char| c.is_alphabetic() || c == '°') {
+            return None;
+        }
+        let divided = text.replace("_per_", "/").replacen('_', "/", 1).replace('_', "");
+        [Quantity::Accelerometer, Quantity::Gyro].into_iter().find_map(|q| Self::parse(&divided, q).ok())
+    }
+
+    /// Name of the unit itself for people, where it is one without a factor of its own: `m/s²`,
+    /// `°/s`, `g`.
+    pub fn symbol(&self) -> Option<String> {
+        let (word, ..) = SCALES.iter().find(|s| s.1 == self.quantity && (s.2 / self.si - 1.0).abs() < 1e-12)?;
+        Some(word.replace("deg", "°").replace("s2", "s²").replace("ug", "µg"))
     }
 
     /// Unit of the signal for people, and how many of it one unit of the file is.

@@ -145,7 +145,7 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
     page.section("What to do next");
     page.callout(&verdict.next_experiment);
     if let Some(study) = study {
-        page.paragraph("The repaired sensor as a study, also in repaired.toml beside this page: run it with `proofmass study repaired.toml`.");
+        page.paragraph("The repaired sensor as a study, also in repaired.toml next to this page: run it with `proofmass study repaired.toml`. Constants that a calibration subtracts are left out of it; where there are any, uncorrected.toml has them.");
         page.preformatted(study);
     }
     if !verdict.findings.is_empty() {
@@ -191,12 +191,12 @@ fn answers(diagnosis: &Diagnosis, costs: &[Cost]) -> Vec<(&'static str, String)>
         [] => nothing_named(verdict.verdict).to_owned(),
         effects => statements(effects).join(" "),
     };
-    let mut out = vec![
-        ("recording", recorded(verdict)),
-        ("left out", what),
-        ("where it shows", verdict.location.summary.clone()),
-        ("how sure", sure(verdict)),
-    ];
+    let mut out = vec![("recording", recorded(verdict)), ("left out", what)];
+    // The sentence above may hold it already.
+    if !verdict.sentence.contains(verdict.location.summary.trim_end_matches('.')) {
+        out.push(("where it shows", verdict.location.summary.clone()));
+    }
+    out.push(("how sure", sure(verdict)));
     if !verdict.base.is_empty() {
         out.push(("base model", base_words(verdict)));
     }

@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use super::table::Table;
+use proofmass_base::document::toml_string;
 use proofmass_base::number::{duration, rounded, short};
 use proofmass_recording::finding::sentences;
 use proofmass_recording::inspection::{Inspection, Rows, Stretch};
@@ -12,8 +13,8 @@ use proofmass_recording::unit::Quantity;
 const SHOWN: usize = 40;
 /// Share of its time that a sensor at rest is still.
 const AT_REST: f64 = 0.8;
-/// Poses that a calibration needs.
-const POSES: usize = 9;
+/// Directions of gravity in which a sensor rests that is turned on purpose: the faces of a box.
+const FACES: usize = 6;
 /// Rests shorter than this tell little of noise, s.
 const WORTHWHILE_S: f64 = 60.0;
 
@@ -35,7 +36,10 @@ pub fn tables(seen: &Inspection) -> Vec<Table> {
             let numbers = [column.lowest, column.highest, column.mean, column.deviation].map(short);
             let step = column.step.map_or("–".into(), short);
             let unit = column.stated.clone().unwrap_or_else(|| "–".into());
-            table.row([&[column.name.clone(), unit], &numbers[..], &[step]].concat());
+            // The unit in brackets stands in a column of its own.
+            let bare = column.name.split(['[', '(']).next().unwrap_or_default().trim();
+            let name = if column.name.ends_with([']', ')']) && !bare.is_empty() { bare } else { &column.name };
+            table.row([&[name.to_owned(), unit], &numbers[..], &[step]].concat());
         }
         out.push(table);
     }
@@ -82,8 +86,18 @@ pub fn notes(seen: &Inspection) -> Vec<String> {
             rounded(longest.from_s, 4),
             rounded(longest.to_s, 4)
         ));
-    } else if rows.roles.gyro.is_some() && rows.rate_hz.is_some() {
+    } else if rows.sensors.iter().any(|places| !places.is_empty()) && rows.rate_hz.is_some() {
         out.push("never still for two seconds".to_owned());
+    }
+    if rows.poses >= FACES {
+        out.push(format!("it rests with gravity in {} directions: poses of a calibration", rows.poses));
+    }
+    let around: Vec<&str> = rows.columns.iter().filter(|c| c.is_environment).map(|c| c.name.as_str()).collect();
+    if !around.is_empty() && rows.sensors.iter().any(|places| !places.is_empty()) {
+        out.push(format!("environment, not a reading of the sensor: {}", around.join(", ")));
+    }
+    if rows.is_pose {
+        out.push("its rows are poses: the reference of a motion, not readings of a sensor".to_owned());
     }
     out
 }
@@ -98,7 +112,8 @@ fn quoted(word: &str) -> String {
     }
 }
 
-/// The command that suits what was seen; none where something must be chosen first.
+/// The command that suits what was seen; none where something must be chosen first, or nothing
+/// suits.
 pub fn next(file: &str, seen: &Inspection) -> Option<String> {
     let rows = seen.rows.as_ref()?;
     let rate_hz = rows.rate_hz?;
@@ -106,22 +121,29 @@ pub fn next(file: &str, seen: &Inspection) -> Option<String> {
     let topic = seen.part.as_ref().filter(|_| several).map_or(String::new(), |t| format!(" --topic {}", quoted(t)));
     let allan = format!("proofmass allan {}{topic}", quoted(file));
     let whole_s = rows.samples as f64 / rate_hz;
-    let inertial = rows.roles.gyro.is_some() || rows.roles.accelerometer.is_some();
+    let [gyros, accelerometers] = [0, 1].map(|sensor| rows.sensors[sensor].len());
     let model = |kind: &str| {
         format!(
             "proofmass diagnose {}{topic} --model model.toml, where model.toml begins with kind = \"{kind}\"",
             quoted(file)
         )
     };
-    Some(match longest(&rows.still) {
-        Some(_) if total_s(&rows.still) >= AT_REST * whole_s => allan,
-        _ if !inertial => model("driven"),
-        Some(_) if rows.still.len() >= POSES => model("tumble"),
+    match longest(&rows.still) {
+        _ if gyros + accelerometers == 0 && rows.is_pose => Some(format!(
+            "proofmass diagnose IMU.csv --model model.toml, where model.toml begins with kind = \"trajectory\" and its \
+             [reference] has file = {}",
+            toml_string(file)
+        )),
+        _ if gyros + accelerometers == 0 => Some(model("driven")),
+        _ if rows.poses >= FACES => Some(model("tumble")),
+        Some(_) if total_s(&rows.still) >= AT_REST * whole_s => Some(allan),
         Some(rest) if rest.to_s - rest.from_s >= WORTHWHILE_S => {
-            format!("{allan} --from-s {} --to-s {}", rounded(rest.from_s, 4), rounded(rest.to_s, 4))
+            Some(format!("{allan} --from-s {} --to-s {}", rounded(rest.from_s, 4), rounded(rest.to_s, 4)))
         }
-        _ => model("trajectory"),
-    })
+        _ if gyros == 3 && accelerometers == 3 => Some(model("trajectory")),
+        // In motion, a sensor alone says nothing of itself.
+        _ => None,
+    }
 }
 
 /// The public document `proofmass.inspect/1`.
@@ -158,6 +180,7 @@ fn of_rows(rows: &Rows) -> serde_json::Map<String, Value> {
             let quantity = match c.quantity {
                 Quantity::Accelerometer => "accelerometer",
                 Quantity::Gyro => "gyro",
+                Quantity::Unknown if c.is_environment => "environment",
                 Quantity::Unknown => "unknown",
             };
             json!({ "name": c.name, "quantity": quantity, "unit": c.stated, "min": c.lowest, "max": c.highest,

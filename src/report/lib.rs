@@ -8,6 +8,7 @@
 pub mod allan;
 pub mod diagnosis;
 pub mod figure;
+mod grouped;
 pub mod html;
 pub mod inspection;
 pub mod require;

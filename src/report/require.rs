@@ -10,7 +10,7 @@ use proofmass_simulate::decision::parts::Judged;
 use proofmass_simulate::decision::require::{Answer, Outcome, Value};
 use proofmass_simulate::decision::statistic::{Limit, Statistic};
 use proofmass_simulate::decision::watched::{self, Watched};
-use proofmass_simulate::study::Study;
+use proofmass_study::Study;
 
 /// Name and unit of an error.
 fn named(quantity: Watched) -> (&'static str, &'static str) {
@@ -81,11 +81,8 @@ fn sentence(limit: &Limit, answer: &Answer) -> String {
     let keys: Vec<&str> = answer.vary.iter().map(|v| v.key.as_str()).collect();
     let keys = keys.join(" and ");
     let together = if answer.vary.len() > 1 { ", all scaled by one factor" } else { "" };
-    let wide = if answer.settled {
-        ""
-    } else {
-        " The interval is wider than requested: the result is insensitive to this key."
-    };
+    let wide =
+        if answer.settled { "" } else { " The interval is wider than requested: raise --members for a narrower one." };
     match answer.outcome {
         Outcome::Crosses { below: true } => {
             format!("The {subject} stays below {bound} up to {values}{together}.{wide}")

@@ -11,12 +11,12 @@ use super::study::moment::{moment, plain};
 use super::study::{jcgm101, percent};
 use super::table::Table;
 use proofmass_base::number::{duration, significant, worth};
-use proofmass_base::statistics::jcgm101::Stated;
 use proofmass_base::units::DEGREE;
+use proofmass_numerics::statistics::jcgm101::Stated;
 use proofmass_simulate::backend::flight::Quantity;
 use proofmass_simulate::strapdown::answer::Answer;
 use proofmass_simulate::strapdown::covariance::{Cause, Part};
-use proofmass_simulate::study::Study;
+use proofmass_study::Study;
 
 /// The page; `stated` is the last horizontal error where digits were asked for.
 pub fn page(study: &Study, answer: &Answer, stated: Option<&Stated>) -> Page {

@@ -13,12 +13,13 @@ mod windows;
 use super::html::Page;
 use super::table::Table;
 use proofmass_base::number::{duration, significant, with_uncertainty, worth};
-use proofmass_base::statistics::{Origin, Statistics, Summary, quantity};
+use proofmass_numerics::statistics::{Origin, Statistics, Summary, quantity};
 use proofmass_scenario::navigation::power_law::EXPONENTS;
 use proofmass_simulate::drift::Drift;
 use proofmass_simulate::drift::budget::Contribution;
-use proofmass_simulate::study::Study;
-use proofmass_simulate::study::alignment::Alignment;
+use proofmass_simulate::drift::scope::SMALL_TILT_RAD;
+use proofmass_study::Study;
+use proofmass_study::alignment::Alignment;
 
 pub use envelope::log_log as envelope_figure;
 use moment::{moment, plain};
@@ -27,10 +28,25 @@ pub use windows::picture as windows_figure;
 /// What is simulated, and what is not.
 const SCOPE: &str = "Scope: one axis, small tilt, flat non-rotating Earth, until the study is given a trajectory.";
 
+/// Says from when on the tilt is too large for a study along one axis.
+fn beyond_scope(drift: &Drift) -> Option<String> {
+    let from_s = drift.small_tilt_ends_s()?;
+    Some(format!(
+        "From {} on the numbers are too large: one sensor in twenty or more is tilted to one side by more than {} degrees, where the \
+         small-angle model of one axis errs by more than 1 %. Give the study a still start ([alignment] kind = \
+         \"still\"), which removes a constant gyro bias, or six axes ([trajectory] kind = \"rest\").",
+        moment(from_s),
+        significant(SMALL_TILT_RAD.to_degrees(), 3)
+    ))
+}
+
 /// The report page of `study`.
 pub fn page(study: &Study, drift: &Drift) -> Page {
     let mut page = Page::new(&format!("{}: how far it drifts", study.name), &lede(study, drift));
     page.paragraph(SCOPE);
+    if let Some(sentence) = beyond_scope(drift) {
+        page.callout(&sentence);
+    }
     page.section("How far it drifts");
     let (linear, log) =
         (envelope::linear(drift).draw().named("percentiles"), envelope::log_log(drift).draw().named("envelope"));
@@ -322,6 +338,7 @@ fn origins(statistics: &Statistics) -> String {
 
 /// What the terminal shows.
 pub fn terminal(study: &Study, drift: &Drift) -> String {
+    let beyond = beyond_scope(drift).map_or(String::new(), |sentence| format!("\n\n{sentence}"));
     let machine = &drift.statistics.machine;
     let sentences = windows::sentences(&drift.compared).into_iter().chain(compared::sentences(&drift.compared));
     let compared: String = sentences.map(|s| format!("{s}\n")).collect();
@@ -329,7 +346,7 @@ pub fn terminal(study: &Study, drift: &Drift) -> String {
     let origins = origins(&drift.statistics);
     let origins = if origins.is_empty() { origins } else { format!("members:    {origins}\n") };
     format!(
-        "{}\n\nposition error\n{}\nerror budget: fraction of the position variance\n{}\n{compared}integrator: {} \
+        "{}{beyond}\n\nposition error\n{}\nerror budget: fraction of the position variance\n{}\n{compared}integrator: {} \
         ({})\nbackend:    {} ({}, {}), {} for {} million member-steps\n{origins}",
         lede(study, drift),
         drift_table(drift),

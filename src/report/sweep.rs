@@ -6,10 +6,10 @@ use super::html::Page;
 use super::require::{subject_of, unit_of};
 use super::table::Table;
 use proofmass_base::number::{significant, with_uncertainty, worth};
-use proofmass_base::statistics::{Summary, quantity};
+use proofmass_numerics::statistics::{Summary, quantity};
 use proofmass_simulate::decision::sweep::{Crossing, Plan, Point, Sweep};
 use proofmass_simulate::decision::watched::Watched;
-use proofmass_simulate::study::{self, Study};
+use proofmass_study::{self as study, Study};
 
 const CURVE: &str = "curve.svg";
 const TIMES: &str = "times.svg";

@@ -9,6 +9,7 @@ pub mod navigation;
 pub mod sensor;
 
 // The crates below, under the names by which files here call them.
-use proofmass_base::{control, error, number, numerics, rng, units};
+use proofmass_base::{control, error, number, units};
+use proofmass_numerics::{numerics, rng};
 use proofmass_physics as physics;
 use proofmass_recording as recording;

@@ -12,6 +12,7 @@ pub mod disturbance;
 pub mod divided;
 pub mod document;
 pub mod expected;
+pub mod scope;
 pub mod windows;
 
 use crate::control::Control;

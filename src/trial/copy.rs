@@ -13,8 +13,8 @@ use super::plant::{self, Size};
 use super::refit::{self, Window};
 use super::standstill::{Slow, Still};
 use proofmass_base::error::{Error, Result};
-use proofmass_base::rng::{Philox, Stream};
 use proofmass_diagnosis::model;
+use proofmass_numerics::rng::{Philox, Stream};
 use proofmass_recording::Recording;
 
 /// Rows used of a longer recording: the diagnosis of each planted copy takes as long as that of the
@@ -195,6 +195,7 @@ mod tests {
             topic: None,
             unit: None,
             rate_hz: Some(200.0),
+            force_rate: false,
             rows: Vec::new(),
             columns: DrivenColumns { time: None, input, output, environment: Vec::new() },
             start: Start::default(),
@@ -248,6 +249,7 @@ mod tests {
         let model = model::Static {
             topic: None,
             rate_hz: None,
+            force_rate: false,
             rows: Vec::new(),
             unit: "g".into(),
             latitude_deg: None,

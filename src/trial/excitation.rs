@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
-use proofmass_base::rng::{Philox, Stream};
+use proofmass_numerics::rng::{Philox, Stream};
 
 /// What drives the proof mass, in the input's unit. Time zero is the first recorded sample.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -13,8 +13,8 @@ use crate::outcome::{Confusion, FALLBACK_LIMIT, Limit, Outcome};
 use crate::plan::Plan;
 use crate::real::Found;
 use proofmass_base::number::{duration, significant};
-use proofmass_base::numerics::order;
 use proofmass_diagnosis::candidate::Kind;
+use proofmass_numerics::numerics::order;
 use proofmass_report::html::Page;
 use proofmass_report::table::Table;
 

@@ -10,7 +10,7 @@ use super::physics::Physics;
 use super::plant::{self, Drive, Size, log_uniform, plant, uniform};
 use super::standstill::{Slow, Still};
 use super::turning::{Fault, Turned};
-use proofmass_base::rng::{Philox, Stream};
+use proofmass_numerics::rng::{Philox, Stream};
 
 /// Readout noise of every planted case, relative to the rms output.
 const NOISE: f64 = 0.002;

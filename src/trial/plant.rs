@@ -202,7 +202,7 @@ fn remeasure(case: &mut Driven) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proofmass_base::rng::{Philox, Stream};
+    use proofmass_numerics::rng::{Philox, Stream};
 
     #[test]
     fn every_effect_reaches_the_size_asked() {

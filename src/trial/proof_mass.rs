@@ -6,7 +6,7 @@
 
 use super::equation::{Contact, Machine, Oscillator, Window};
 use super::physics::{Physics, Scales, Term};
-use proofmass_base::rng::{Philox, Stream};
+use proofmass_numerics::rng::{Philox, Stream};
 
 /// The input on the integrator's half-steps.
 #[derive(Debug, Clone)]

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use super::physics::{Physics, Scales, Term};
-use proofmass_base::rng::{Philox, Stream};
+use proofmass_numerics::rng::{Philox, Stream};
 
 /// The signal on a fine grid and how to read it.
 #[derive(Debug, Clone)]

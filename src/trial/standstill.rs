@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::catalogue::catalogue;
 use super::plant::{log_uniform, sign, uniform};
-use proofmass_base::rng::{Philox, Stream};
+use proofmass_numerics::rng::{Philox, Stream};
 
 catalogue! {
     /// What can be planted at rest: white level off the datasheet's, rounding, 1/f, a running sum

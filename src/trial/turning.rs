@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::catalogue::catalogue;
 use super::plant::{log_uniform, sign, uniform};
-use proofmass_base::rng::{Philox, Stream};
+use proofmass_numerics::rng::{Philox, Stream};
 
 /// Length of gravity where all of them are recorded, m/s².
 pub(super) const GRAVITY_M_S2: f64 = 9.81;

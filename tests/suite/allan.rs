@@ -22,6 +22,7 @@ pub fn tests() -> Vec<Trial> {
         test("allan: quantisation, white noise and a ramp come back, covered as claimed", || {
             round_trip("Q, N, R", [0.02, 0.1, 0.0, 0.0, 2e-4])
         }),
+        test("allan: a white log has reached no floor and says so, one with flicker has", floor),
         test("allan: the command writes JSON, a page and a sensor for a study, or one sentence why not", command),
         data_test("allan: the ADIS16405 has the coefficients known of it", adis16405),
     ]
@@ -88,6 +89,26 @@ fn round_trip(name: &str, truth: [f64; 5]) -> Result<(), Failed> {
         )?;
     }
     Ok(())
+}
+
+/// 20,000 samples of white noise, and as control with flicker that rules from 30 s on: at σ = N/√τ
+/// and 0.664 B the two are equal at (0.1/(0.664·0.03))² = 25 s.
+fn floor() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let log = folder.path().join("log.csv");
+    let answer = |b: f64| -> Result<String, Failed> {
+        let mut rng = Philox::new(13, 0, Stream::Host);
+        let values = signal(20_000, [0.0, 0.1, b, 0.0, 0.0], &mut rng);
+        let rows: String = values.iter().map(|v| format!("{v}\n")).collect();
+        std::fs::write(&log, format!("x\n{rows}"))?;
+        let output = program().arg("allan").arg(&log).args(["--rate-hz", "10", "--json"]).output()?;
+        let document: serde_json::Value = serde_json::from_slice(&output.stdout)?;
+        Ok(document["answer"].as_str().unwrap_or_default().to_owned())
+    };
+    let white = answer(0.0)?;
+    check(white.contains("where the curve still falls: no floor was reached"), white)?;
+    let flicker = answer(0.03)?;
+    check(flicker.contains("lowest Allan deviation") && !flicker.contains("still falls"), flicker)
 }
 
 fn command() -> Result<(), Failed> {

@@ -32,7 +32,7 @@ fn read(file: &str) -> String {
 /// Crate, and the places that may name it.
 const OWNERS: [(&str, &[&str]); 4] = [
     ("wgpu", &["src/simulate/backend/gpu"]),
-    ("naga", &["src/simulate/kernel/source"]),
+    ("naga", &["src/kernel/source"]),
     ("plotters", &["src/report/figure"]),
     ("rayon", &["src/base/parallel", "src/trial/workers"]),
 ];

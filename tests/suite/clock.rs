@@ -6,7 +6,7 @@ use proofmass::error::Error;
 use proofmass::recording::finding::Finding;
 use proofmass::recording::{self, Request, stream};
 
-use super::world::{check, data_test, test};
+use super::world::{check, data_test, program, test};
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
@@ -17,6 +17,10 @@ pub fn tests() -> Vec<Trial> {
         test(
             "clock: the rate of the first thousand rows, as a control, is wrong where the whole file's is right",
             control,
+        ),
+        test(
+            "clock: a rate that contradicts the file's own clock is refused with both, or forced and reported",
+            forced,
         ),
         data_test("clock: real logs in ns, in s from anywhere and with jitter have the rate known of them", real),
     ]
@@ -236,6 +240,54 @@ fn real(folder: &std::path::Path) -> Result<(), Failed> {
         }
         check((streamed.rate_hz / held.rate_hz - 1.0).abs() < 1e-3, format!("{file}: the readers disagree"))?;
         check(!held.column("2").is_some_and(|_| true), format!("{file}: its header was not found"))?;
+    }
+    Ok(())
+}
+
+/// A log at 200 Hz whose clock is found by its heading or named.
+fn forced() -> Result<(), Failed> {
+    let file = tempfile::NamedTempFile::with_suffix(".csv")?;
+    let write = |heading: &str, step_s: f64| {
+        let rows: String = (0..4000).map(|n| format!("{:.4},{:.6}\n", n as f64 * step_s, noise(n))).collect();
+        std::fs::write(file.path(), format!("{heading},x\n{rows}"))
+    };
+    write("t_s", 0.005)?;
+    let path = file.path().to_string_lossy().into_owned();
+    let allan = |more: &[&str]| program().args([&["allan", &path, "--columns", "x"], more].concat()).output();
+    for time in [&[][..], &["--time", "t_s"]] {
+        let output = allan(&[&["--rate-hz", "100"], time].concat())?;
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        check(output.status.code() == Some(2) && said.contains("200") && said.contains("100"), &said)?;
+        let output = allan(&[&["--rate-hz", "100", "--force-rate", "--json"], time].concat())?;
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        check(output.status.success() && said.contains("used against the file's own clock, which says 200 Hz"), &said)?;
+        check(said.contains("\"rate_hz\": 100.0"), said)?;
+    }
+    // By inspect and by a model, too.
+    let output = program().args(["inspect", &path, "--rate-hz", "100"]).output()?;
+    check(output.status.code() == Some(2), String::from_utf8_lossy(&output.stderr))?;
+    let model = tempfile::NamedTempFile::with_suffix(".toml")?;
+    let model_path = model.path().to_string_lossy().into_owned();
+    let diagnose = |force: &str| {
+        let text = format!("kind = \"static\"\nrate_hz = 100.0\n{force}\n[columns]\nchannels = [\"x\"]\n");
+        std::fs::write(model.path(), text)?;
+        program().args(["diagnose", &path, "--model", &model_path]).output()
+    };
+    let refused = diagnose("")?;
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    check(refused.status.code() == Some(2) && said.contains("200") && said.contains("100"), said)?;
+    check(diagnose("force_rate = true")?.status.success(), "a forced rate in a model")?;
+    // Controls: what agrees, to within what an oscillator is off by; a column that is no clock; a unit
+    // that is only guessed.
+    for (heading, step_s, rate) in
+        [("t_s", 0.005, "200"), ("t_s", 0.005, "198.5"), ("u", 0.005, "100"), ("t", 5.0, "100")]
+    {
+        write(heading, step_s)?;
+        let output = allan(&["--rate-hz", rate])?;
+        check(
+            output.status.success(),
+            format!("{heading} {step_s} {rate}: {}", String::from_utf8_lossy(&output.stderr)),
+        )?;
     }
     Ok(())
 }

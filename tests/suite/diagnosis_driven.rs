@@ -74,6 +74,7 @@ fn plan(physics: Option<Physics>, share: f64) -> Plan {
 
 fn model(input: Option<&str>, split: Split) -> Driven {
     Driven {
+        force_rate: false,
         topic: None,
         unit: None,
         rate_hz: Some(1000.0),
@@ -256,6 +257,7 @@ fn silverbox(folder: &Path, train: [usize; 2]) -> Result<Diagnosis, Failed> {
     let request = Request { columns: names.to_vec(), rate_hz: Some(1e7 / 16384.0), ..Request::default() };
     let recording = read(&folder.join("silverbox/SNLS80mV.csv"), &request).map_err(|e| e.to_string())?;
     let model = Driven {
+        force_rate: false,
         topic: None,
         unit: None,
         rate_hz: request.rate_hz,

@@ -66,6 +66,7 @@ fn judged(channels: Vec<Vec<f64>>, density: Option<f64>) -> Result<Verdict, Fail
     let recording = Recording { path: "planted.csv".into(), rate_hz: RATE_HZ, columns, ..Recording::default() };
     let noise = density.map(|density| Noise { density, bias_instability: 0.0, random_walk: 0.0 });
     let model = Static {
+        force_rate: false,
         topic: None,
         rate_hz: Some(RATE_HZ),
         rows: Vec::new(),

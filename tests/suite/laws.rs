@@ -133,6 +133,7 @@ fn data(reading: Vec<f64>, input: Vec<f64>) -> Data {
         validation: Vec::new(),
         test: Vec::new(),
         windows: None,
+        clock_s: Vec::new(),
         work: Default::default(),
     }
 }

@@ -14,6 +14,7 @@ pub fn tests() -> Vec<Trial> {
         test("mistakes: a command line is answered with attempt, cause and hint", command_lines),
         test("mistakes: every wrong key of a model.toml has its line and column", models),
         test("mistakes: a study that no sensor can follow is refused, not answered", studies),
+        test("mistakes: each slip of a first hour has the sentence that helps", first_hour),
         test("mistakes: a full disk under stdout, a pipe as recording and a file as folder", places),
         test("mistakes: a map beyond arithmetic is refused", maps),
         test("mistakes: a log with an open quotation mark, without headings or with impossible numbers", logs),
@@ -50,6 +51,41 @@ fn command_lines() -> Result<(), Failed> {
 fn run_on(folder: &Path, file: &str, text: &str, arguments: &[&str]) -> Result<Output, Failed> {
     std::fs::write(folder.join(file), text)?;
     Ok(program().current_dir(folder).args(arguments).output()?)
+}
+
+fn first_hour() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let study = |value: &str| format!("name = \"s\"\nmembers = 64\nduration_s = 1.0\n[gyro]\nbias_deg_h = {value}\n");
+    let model = "kind = \"static\"\nrate_hz = 100.0\n[columns]\nchannels = [\"x\"]\n";
+    let log = "t_s,x\n0.02,1.0\n0.00,1.5\n0.03,1.2\n0.01,1.1\n0.05,1.3\n0.04,1.0\n";
+    let require = ["require", "f", "--limit", "p90(position_error_m, 1) < 1", "--vary", "gyro.bias_deg_h"];
+    let cases: [(&str, String, &[&str], &str); 12] = [
+        ("a model as a study", model.into(), &["study", "f"], "diagnose LOG --model f"),
+        ("a study as a model", study("1.0"), &["diagnose", "log.csv", "--model", "f"], "proofmass study f"),
+        ("a log to export", log.into(), &["export", "f", "--to", "px4"], "proofmass allan f --to"),
+        ("a log as a study", log.into(), &["study", "f"], "this is a recording"),
+        ("a decimal comma", study("3,5"), &["study", "f"], "3.5"),
+        ("one inside a draw", study("{ mean = 0.0, sd = 3,5 }"), &["study", "f"], "3.5"),
+        ("a typographic minus", study("−3.0"), &["study", "f"], "hyphen"),
+        ("a negative spread", study("{ mean = 0.0, sd = -3.0 }"), &["study", "f"], "a spread has no sign"),
+        (
+            "a key without its unit",
+            study("1.0"),
+            &["study", "f", "--set", "gyro.bias.sd=3"],
+            "did you mean `bias_deg_h`?",
+        ),
+        ("a percentile that is none", study("1.0"), &require, "did you mean `p95`?"),
+        ("ROS as a target", study("1.0"), &["export", "f", "--to", "ros"], "ROS itself keeps no noise"),
+        ("a clock out of order", log.into(), &["allan", "f"], "time runs backwards in data row 1"),
+    ];
+    for (what, text, arguments, word) in cases {
+        refused(what, &run_on(folder.path(), "f", &text, arguments)?, &[word])?;
+    }
+    // The old name of a template, and what the other is called now.
+    let printed = |kind: &str| program().args(["template", kind]).output();
+    check(printed("flight")?.stdout == printed("trajectory")?.stdout, "`flight` is `trajectory`")?;
+    let text = String::from_utf8_lossy(&printed("trajectory-study")?.stdout).into_owned();
+    check(text.contains("[trajectory]") && text.contains("duration_s"), text)
 }
 
 fn models() -> Result<(), Failed> {

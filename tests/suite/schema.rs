@@ -39,7 +39,7 @@ const SLIPS: &[(&str, &[(&str, &str)])] = &[
     ),
     ("static", &[("channels =", "channel ="), ("channels = [", "channels = [1, ")]),
     (
-        "trajectory",
+        "trajectory-study",
         &[
             ("kind = \"car\"", "kind = \"cart\""),
             ("latitude_deg", "latitude"),
@@ -49,7 +49,7 @@ const SLIPS: &[(&str, &[(&str, &str)])] = &[
     ),
     ("tumble", &[("gravity_m_s2", "gravity"), ("[\"gx\", ", "[")]),
     (
-        "flight",
+        "trajectory",
         &[
             ("[reference]", "[references]"),
             ("[\"gx\", ", "["),

@@ -61,6 +61,7 @@ fn data(interpolation: Interpolation) -> Data {
         validation: vec![700..800, 800..900],
         test: Vec::new(),
         windows: None,
+        clock_s: Vec::new(),
         work: Default::default(),
     }
 }
@@ -117,6 +118,7 @@ fn profile_is_refits() -> Result<(), Failed> {
         channels: Vec::new(),
         form: None,
         evidence: Evidence { held_out_gain: 1.0, p_value: 0.0 },
+        share: None,
         confusable_with: Vec::new(),
     };
     let budget = data.work.budget(Stage::Conclusion, data.hull.len());

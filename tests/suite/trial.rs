@@ -127,7 +127,7 @@ fn controls() -> Result<(), Failed> {
 }
 
 fn adequate(files: &Files) -> Verdict {
-    let score = verdict::Score { rmse_before: 1.0, rmse_after: None, ratio_ci95: None };
+    let score = verdict::Score { rmse_before: 1.0, rmse_after: None, ratio_ci95: None, share: None };
     Verdict {
         schema: verdict::SCHEMA,
         kind: Kind::Driven,

@@ -163,6 +163,7 @@ pub fn deg_c(minutes: f64) -> f64 {
 pub fn model() -> Tumble {
     let three = |s: &str| ["x", "y", "z"].map(|a| format!("{s}{a}"));
     Tumble {
+        force_rate: false,
         topic: None,
         rate_hz: Some(50.0),
         rows: Vec::new(),

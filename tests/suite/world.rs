@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 
 use libtest_mimic::{Failed, Trial};
 
+use super::tiers::timed;
+
 /// A plain test.
 pub fn test(name: &str, body: impl FnOnce() -> Result<(), Failed> + Send + 'static) -> Trial {
-    Trial::test(name, body)
+    timed(name.to_owned(), body)
 }
 
 /// The folder of real recordings: `PROOFMASS_DATA`, else `../shared/data` beside the checkout.
@@ -20,7 +22,7 @@ pub fn data() -> Option<PathBuf> {
 /// `PROOFMASS_REQUIRE_DATA=1` demands it.
 pub fn data_test(name: &str, body: impl FnOnce(&Path) -> Result<(), Failed> + Send + 'static) -> Trial {
     match data() {
-        Some(folder) => Trial::test(name, move || body(&folder)),
+        Some(folder) => timed(name.to_owned(), move || body(&folder)),
         None if std::env::var_os("PROOFMASS_REQUIRE_DATA").is_some() => Trial::test(name, || {
             Err("PROOFMASS_REQUIRE_DATA is set and there is no data folder (PROOFMASS_DATA)".into())
         }),
@@ -36,7 +38,7 @@ pub fn gpu_test(name: &str, body: impl FnOnce() -> Result<(), Failed> + Send + '
     static PRESENT: std::sync::OnceLock<bool> = std::sync::OnceLock::new();
     let present = *PRESENT.get_or_init(|| !proofmass::backend::gpu::list().is_empty());
     if present || std::env::var_os("PROOFMASS_REQUIRE_GPU").is_some() {
-        return Trial::test(name, body);
+        return timed(name.to_owned(), body);
     }
     Trial::test(format!("{name} (needs an adapter: install mesa-vulkan-drivers)"), || Ok(())).with_ignored_flag(true)
 }

@@ -9,11 +9,11 @@ use crate::say::{sayln, screen};
 use proofmass_base::document::to_json;
 use proofmass_base::error::Result;
 use proofmass_base::output::Folder;
-use proofmass_base::statistics::jcgm101::{Linear, Stated};
+use proofmass_numerics::statistics::jcgm101::{Linear, Stated};
 use proofmass_report::study as page;
 use proofmass_simulate::drift::Drift;
 use proofmass_simulate::drift::document::Document;
-use proofmass_simulate::study::Study;
+use proofmass_study::Study;
 
 const REPORT: &str = "report.html";
 const ENVELOPE: &str = "envelope.svg";

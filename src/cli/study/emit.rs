@@ -10,7 +10,7 @@ use crate::say::{say, sayln};
 use proofmass_base::error::Result;
 use proofmass_base::output::{self, Folder};
 use proofmass_simulate::ensemble::Choice;
-use proofmass_simulate::study::Study;
+use proofmass_study::Study;
 
 /// For which batch system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

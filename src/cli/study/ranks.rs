@@ -22,7 +22,7 @@ use proofmass_simulate::drift::carried;
 use proofmass_simulate::drift::divided::{Divided, merged};
 use proofmass_simulate::ensemble::divided::run_pieces;
 use proofmass_simulate::ensemble::{Backends, Choice, Keeper, Kept, Options};
-use proofmass_simulate::study::Study;
+use proofmass_study::Study;
 
 /// What is asked of the ranks.
 pub(super) struct Request<'a> {

@@ -10,7 +10,7 @@ use proofmass_base::shard::file::Place;
 use proofmass_simulate::drift::divided::Divided;
 use proofmass_simulate::ensemble::divided::run_pieces;
 use proofmass_simulate::ensemble::{Backends, Choice, Keeper, Kept, Options};
-use proofmass_simulate::study::Study;
+use proofmass_study::Study;
 
 /// What is asked of a shard.
 pub(super) struct Request<'a> {

@@ -21,7 +21,6 @@ pub mod noise_scale;
 mod other_power;
 mod pumped;
 pub mod residual_structure;
-mod ring_down;
 pub mod rivals;
 mod round;
 mod score_test;

@@ -91,6 +91,12 @@ pub fn requested(path: &Path, model: &Model, seconds: Seconds) -> Result<Request
     let mut request = Request { columns, rate_hz, time: time.clone(), rows, ..Request::default() };
     (request.from_s, request.to_s) = (seconds.from_s, seconds.to_s);
     request.topic = model.topic().cloned();
+    request.force_rate = match model {
+        Model::Driven(m) => m.force_rate,
+        Model::Static(m) => m.force_rate,
+        Model::Tumble(m) => m.force_rate,
+        Model::Trajectory(m) => m.force_rate,
+    };
     if let Model::Static(m) = model {
         request.at_most = Some(MOST_AT_REST);
         request.samples = m.split.hull();

@@ -19,6 +19,9 @@ pub struct Trajectory {
     pub topic: Option<String>,
     /// Sampling rate, or `columns.time`.
     pub rate_hz: Option<f64>,
+    /// Use that rate against the recording's own clock, where the two contradict each other.
+    #[serde(default)]
+    pub force_rate: bool,
     /// Data rows used, counted from zero after the header; absent means all. One range.
     #[serde(default)]
     pub rows: Ranges,

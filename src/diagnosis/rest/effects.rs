@@ -58,6 +58,7 @@ impl Found {
             channels: self.channels.iter().map(|i| channels[*i].name.clone()).collect(),
             form: None,
             evidence: self.evidence,
+            share: None,
             confusable_with: self.rivals.iter().filter_map(|c| Some(row(*c).entry?.id.to_owned())).collect(),
         })
     }

@@ -62,7 +62,7 @@ pub(super) fn locate(
         also: mismatched.iter().skip(SPOKEN_OF).map(|i| channels[*i].name.clone()).collect(),
     };
     let time_s = shown[worst].time_s.clone();
-    (Places { time_s, frequency_hz, state, state_cells: Vec::new() }, location)
+    (Places { time_s, frequency_hz, state, ..Places::default() }, location)
 }
 
 /// Every moment at which channels jump, however many do.

@@ -30,6 +30,7 @@ pub(super) fn fit(
         rmse_before: power(&|i| 2.0 * squares[i][part][0]),
         rmse_after: Some(power(&|i| 2.0 * squares[i][part][1])),
         ratio_ci95: None,
+        share: None,
     };
     let scale: f64 = channels.iter().map(|c| c.values.len() as f64 * c.scale.ln()).sum();
     let constant = -0.5 * count * std::f64::consts::TAU.ln() - scale;

@@ -256,6 +256,7 @@ mod tests {
         let model = model::Static {
             topic: None,
             rate_hz: Some(1.0),
+            force_rate: false,
             rows: Vec::new(),
             unit: "m/s2".into(),
             latitude_deg: None,

@@ -10,7 +10,6 @@ use super::course::Case;
 use super::detail::{Detail, Series};
 use super::effects;
 use super::fit::Fit;
-use super::intake::Names;
 use super::judgement::{COLOUR, HeldOut, Standing};
 use super::log::Log;
 use super::parameters::Point;
@@ -27,6 +26,7 @@ use crate::candidate::Kind;
 use crate::model::{Half, InertialNoise, Noise, Reference, Trajectory};
 use crate::numerics::special::normal_cdf;
 use crate::recording::Recording;
+use crate::recording::inertial::Names;
 use crate::remainder::{Remainder, Size, Test};
 use crate::ruling::{self, rule};
 use crate::sensor::Sense;
@@ -100,8 +100,8 @@ impl Examined<'_> {
             unit: "times the noise".into(),
             noise_floor: 1.0,
             noise: None,
-            train: Score { rmse_before: 1.0, rmse_after: None, ratio_ci95: None },
-            test: Score { rmse_before: 1.0, rmse_after: None, ratio_ci95: None },
+            train: Score { rmse_before: 1.0, rmse_after: None, ratio_ci95: None, share: None },
+            test: Score { rmse_before: 1.0, rmse_after: None, ratio_ci95: None, share: None },
             test_ranges: Vec::new(),
             recordings: Vec::new(),
             log_score: None,
@@ -354,8 +354,13 @@ fn scores(found: &Found<'_>, [before, after]: [&Point; 2], held: &HeldOut, named
         unit: "times the noise".into(),
         noise_floor: 1.0,
         noise: None,
-        train: Score { rmse_before: rms(before), rmse_after: some(rms(after)), ratio_ci95: None },
-        test: Score { rmse_before: held_before, rmse_after: some(held_after), ratio_ci95: named.then(|| held.ratio()) },
+        train: Score { rmse_before: rms(before), rmse_after: some(rms(after)), ratio_ci95: None, share: None },
+        test: Score {
+            rmse_before: held_before,
+            rmse_after: some(held_after),
+            ratio_ci95: named.then(|| held.ratio()),
+            share: None,
+        },
         test_ranges: Vec::new(),
         recordings: Vec::new(),
         log_score: None,

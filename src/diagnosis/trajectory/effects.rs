@@ -46,6 +46,7 @@ fn effect(candidate: &Candidate, parameters: Vec<Estimate>, channels: Vec<String
         channels,
         form: None,
         evidence,
+        share: None,
         confusable_with: Vec::new(),
     }
 }

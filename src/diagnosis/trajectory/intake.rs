@@ -16,7 +16,10 @@ use crate::motion::file::{self, Poses};
 use crate::number::rounded;
 use crate::numerics::order;
 use crate::recording::clock::instant::Instant;
-use crate::recording::{Recording, inertial, roles};
+use crate::recording::inertial::{self, Names};
+use crate::recording::scale::Named;
+use crate::recording::unit::Quantity;
+use crate::recording::{Recording, roles};
 
 /// Fewest seconds that both cover.
 const SHORTEST_S: f64 = 10.0;
@@ -38,9 +41,6 @@ fn fail(recording: &Recording, cause: String, hint: &str) -> Error {
     Error::new(format!("could not diagnose {}", recording.path.display()), cause, hint)
 }
 
-/// Names of the columns of gyro and accelerometer.
-pub(super) type Names = [[String; 3]; 2];
-
 /// Which columns are which: as the model says, else as their headings do.
 pub(super) fn names(recording: &Recording, model: &Trajectory) -> Result<Names> {
     let headings: Vec<String> = recording.columns.iter().map(|c| c.name.clone()).collect();
@@ -60,14 +60,12 @@ pub(super) fn names(recording: &Recording, model: &Trajectory) -> Result<Names> 
 /// Readings, and when the first of the file was.
 pub(super) fn log(recording: &Recording, names: &Names, findings: &mut Vec<String>) -> Result<(Log, Option<Instant>)> {
     if recording.path.exists() {
-        let read = inertial::read(&recording.path)?;
+        let read = inertial::read(&recording.path, Some(names))?;
         let first = read.row.partition_point(|row| *row < recording.first_row);
         let until = read.time_s.get(first).copied().unwrap_or_default()
             + (recording.samples() as f64 - 0.5) / recording.rate_hz;
         let last = read.time_s.partition_point(|t| *t <= until).max(first);
-        if !read.units_stated {
-            findings.push("no unit is stated: the readings are taken as rad/s and m/s²".into());
-        }
+        findings.extend(read.findings.iter().map(ToString::to_string));
         let of = |values: &[[f64; 3]]| values[first..last].iter().map(|v| Vector3::from(*v)).collect();
         let log = Log {
             time_s: read.time_s[first..last].to_vec(),
@@ -81,9 +79,21 @@ pub(super) fn log(recording: &Recording, names: &Names, findings: &mut Vec<Strin
         let columns = names.each_ref().map(|name| recording.column(name).unwrap_or_default());
         (0..recording.samples()).map(|k| Vector3::from_fn(|i, _| columns[i].get(k).copied().unwrap_or(0.0))).collect()
     };
+    let si = |names: &[String; 3], quantity: Quantity| -> Result<[f64; 3]> {
+        let mut si = [1.0; 3];
+        for (si, name) in si.iter_mut().zip(names) {
+            let named = Named { name, stated: recording.stated(name), quantity, option: "the heading" };
+            *si = named.unit(None)?.map_or(1.0, |unit| unit.si);
+        }
+        Ok(si)
+    };
+    let scales = [si(&names[0], Quantity::Gyro)?, si(&names[1], Quantity::Accelerometer)?];
+    let of = |sensor: usize| -> Vec<Vector3<f64>> {
+        of(&names[sensor]).into_iter().map(|v| v.component_mul(&Vector3::from(scales[sensor]))).collect()
+    };
     let interval_s = 1.0 / recording.rate_hz;
     let time_s = (0..recording.samples()).map(|k| k as f64 * interval_s).collect();
-    Ok((Log { time_s, rate: of(&names[0]), force: of(&names[1]), interval_s }, None))
+    Ok((Log { time_s, rate: of(0), force: of(1), interval_s }, None))
 }
 
 /// Whether specific force is in m/s², with gravity in it.

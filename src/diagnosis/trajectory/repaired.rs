@@ -78,6 +78,22 @@ pub struct Repaired {
 }
 
 impl Repaired {
+    /// Returns the sensor as a navigator flies it that subtracts what was calibrated: constants are
+    /// zero, and those with an interval keep their standard error as the spread.
+    pub(crate) fn corrected(&self) -> Self {
+        let rest = |of: Drawn| Drawn { mean: 0.0, ..of };
+        Self {
+            gyro_bias: self.gyro_bias.map(rest),
+            force_bias: self.force_bias.map(rest),
+            gyro_scale: self.gyro_scale.map(rest),
+            gyro_misalignment: [[0.0; 2]; 3],
+            g_sensitivity: [[0.0; 3]; 3],
+            time_offset: rest(self.time_offset),
+            clock_drift: rest(self.clock_drift),
+            ..self.clone()
+        }
+    }
+
     /// As a study.
     pub(crate) fn document(&self, verdict: &Verdict) -> String {
         let [from_s, to_s] = self.along.ends_s;
@@ -116,10 +132,10 @@ impl Repaired {
         let one = |key: &Key, value: f64| if value == 0.0 { String::new() } else { line(key, &number(key, value)) };
         text += &self.range[1].map_or(String::new(), |limit| one(&row(SensorTerm::Range)[0], limit));
         let offset = self.offset_at(from_s);
-        if offset.mean != 0.0 && offset.mean.abs() <= LATEST_S {
+        if offset != Drawn::default() && offset.mean.abs() <= LATEST_S {
             text += &line(&coupling::TIME_OFFSET, &drawn(&coupling::TIME_OFFSET, offset));
         }
-        if self.clock_drift.mean != 0.0 {
+        if self.clock_drift != Drawn::default() {
             text += &line(&coupling::CLOCK_DRIFT, &drawn(&coupling::CLOCK_DRIFT, self.clock_drift));
         }
         text += "\n[accelerometer]\n";

@@ -89,8 +89,12 @@ impl Case<'_> {
 
     fn fit(&self, selection: &Selection) -> FitScore {
         let both = [&selection.base, &selection.chosen];
-        let score =
-            |[rmse_before, after]: [f64; 2], ratio_ci95| Score { rmse_before, rmse_after: Some(after), ratio_ci95 };
+        let score = |[rmse_before, after]: [f64; 2], ratio_ci95| Score {
+            rmse_before,
+            rmse_after: Some(after),
+            ratio_ci95,
+            share: None,
+        };
         let fitted = both.map(|f| (f.rows.residual.norm_squared() / f.rows.pose.len() as f64).sqrt());
         FitScore {
             unit: "times the noise of a pose".into(),
@@ -153,6 +157,7 @@ impl Case<'_> {
             channels: self.columns_of(term.sensor),
             form: None,
             evidence: Evidence { held_out_gain: named.standing.gain, p_value: named.standing.p_value },
+            share: None,
             confusable_with: named.rivals.iter().map(|t| t.id().to_owned()).collect(),
         }
     }

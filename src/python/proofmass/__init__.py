@@ -69,25 +69,27 @@ def allan(
     columns: Any = (),
     time: str | None = None,
     gyro: Any = (),
-    gyro_scale: str = "rad/s",
+    gyro_scale: str | None = None,
     accelerometer: Any = (),
-    accelerometer_scale: str = "m/s2",
+    accelerometer_scale: str | None = None,
     from_s: float | None = None,
     to_s: float | None = None,
     topic: str | None = None,
+    force_rate: bool = False,
 ) -> Allan:
     """The noise of a sensor at rest: Allan deviations and the coefficients that they support, ``proofmass allan``.
 
     ``recording`` is an array (samples, or samples × channels), a DataFrame, a dictionary of arrays, or the path of a file.
     Columns of an array are called 1, 2, …; ``gyro`` and ``accelerometer`` name those of a sensor and ``…_scale`` their
-    unit: "mg", "deg/s", "0.05deg/s".
+    unit: "mg", "deg/s", "0.05deg/s"; without one, the unit that the heading states holds, else rad/s and m/s². A
+    ``rate_hz`` that contradicts the recording's own clock is an error unless ``force_rate``.
     """
     from . import _proofmass
     from ._recording import names, recorded
     from ._results import Allan
 
     request = {
-        "topic": topic, "columns": names(columns), "rate_hz": rate_hz, "time": time, "from_s": from_s, "to_s": to_s,
+        "topic": topic, "columns": names(columns), "rate_hz": rate_hz, "force_rate": force_rate, "time": time, "from_s": from_s, "to_s": to_s,
     }
     scales = {
         "gyro": names(gyro), "gyro_scale": gyro_scale,

@@ -124,12 +124,13 @@ def allan(
     columns: _Names = (),
     time: Union[str, None] = None,
     gyro: _Names = (),
-    gyro_scale: str = "rad/s",
+    gyro_scale: Union[str, None] = None,
     accelerometer: _Names = (),
-    accelerometer_scale: str = "m/s2",
+    accelerometer_scale: Union[str, None] = None,
     from_s: Union[float, None] = None,
     to_s: Union[float, None] = None,
     topic: Union[str, None] = None,
+    force_rate: bool = False,
 ) -> Allan: ...
 def diagnose(
     recording: Any,

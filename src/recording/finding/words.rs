@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{ClockBy, Finding, Uneven};
+use super::{ClockBy, Finding, Size, Uneven};
 use crate::dropped::{Dropped, Reason};
 use crate::number::{rounded, significant};
 use crate::time_unit::{Basis, TimeUnit};
@@ -37,10 +37,32 @@ impl fmt::Display for Finding {
             Self::SkippedBytes { bytes, first } => {
                 write!(f, "{bytes} bytes that belong to no message were skipped, the first at byte {first}")
             }
-            Self::UnitAssumed { columns, unit, option } => write!(
+            Self::UnitAssumed { columns, unit, option, size } => write!(
                 f,
-                "the unit of {} is not stated: taken as {unit}; if it is another one, name the columns and give {option}",
-                columns.join(", ")
+                "the unit of {} is not stated: taken as {unit}{}; if it is another one, name the unit in the headings or \
+                 give {option}",
+                columns.join(", "),
+                of_size(size)
+            ),
+            Self::CountsScaled { columns, per_g } => write!(
+                f,
+                "{} are counts: gravity's length is {} of them, so one is about {}, unless a constant is added to them; the \
+                 datasheet's scale is to be preferred (--accelerometer-scale)",
+                columns.join(", "),
+                significant(*per_g, 4),
+                format_args!("{}mg", significant(1e3 / per_g, 4))
+            ),
+            Self::Environment { columns } => write!(
+                f,
+                "{} {} taken as environment, not as a reading of the sensor; to analyse it, name it under --columns",
+                columns.join(", "),
+                if columns.len() == 1 { "is" } else { "are" }
+            ),
+            Self::RateForced { given_hz, clock_hz } => write!(
+                f,
+                "the rate given, {} Hz, is used against the file's own clock, which says {} Hz",
+                rounded(*given_hz, 6),
+                rounded(*clock_hz, 6)
             ),
             Self::SkippedLines { lines, first_line } => {
                 write!(
@@ -178,6 +200,23 @@ fn drop_sentence(f: &mut fmt::Formatter<'_>, dropped: &Dropped) -> fmt::Result {
         }
     }?;
     write!(f, "; the first is row {first_row}")
+}
+
+/// Words for the size of readings, after "taken as …".
+fn of_size(size: &Size) -> String {
+    match size {
+        Size::Unknown | Size::Plausible => String::new(),
+        Size::Gravity { length } => {
+            format!(", because the length of their mean, {}, is gravity's in that unit", significant(*length, 3))
+        }
+        Size::NotGravity { length } => {
+            format!(", although the length of their mean, {}, is gravity's in no unit", significant(*length, 3))
+        }
+        Size::Noisy { ratio } => format!(
+            ", although at rest they would then be {} times as noisy as any gyro is (0.1 °/s/√Hz): are they in deg/s?",
+            significant(*ratio, 2)
+        ),
+    }
 }
 
 /// "1 row", "2 rows".

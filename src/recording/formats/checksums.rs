@@ -74,10 +74,11 @@ fn covered(bytes: &[u8]) -> Vec<Range<usize>> {
         variables.push(at + 8..at + 8 + length);
         at += 8 + length;
     }
-    if variables.is_empty() {
-        variables.push(chunk(bytes).map_or(0..bytes.len(), |(_, records)| records));
+    match chunk(bytes) {
+        Some((_, records)) => vec![records],
+        None if variables.is_empty() => std::iter::once(0..bytes.len()).collect(),
+        None => variables,
     }
-    variables
 }
 
 /// Bits that change the numbers of a file and are not noticed, as words.

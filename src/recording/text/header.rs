@@ -5,7 +5,7 @@ use crate::cells::Cells;
 use crate::error::Result;
 use crate::finding::Finding;
 use crate::format::{self, Cell};
-use crate::headings::Headings;
+use crate::headings::{self, Headings};
 use crate::{trajectory, unit};
 
 impl Text {
@@ -67,7 +67,7 @@ impl Text {
         }
         let line = self.lines.line();
         let words: Vec<String> =
-            (0..self.width).map(|i| String::from_utf8_lossy(self.cells.of(line, i)).trim().to_owned()).collect();
+            (0..self.width).map(|i| headings::text(self.cells.of(line, i)).trim().to_owned()).collect();
         if !unit::are_units(&words) {
             return Ok(());
         }

@@ -4,7 +4,7 @@
 use serde_json::{Value, json};
 
 use super::words;
-use proofmass_base::numerics::allan::law::{TERMS, Term};
+use proofmass_numerics::numerics::allan::law::{TERMS, Term};
 use proofmass_recording::finding::sentences;
 use proofmass_recording::noise::{Channel, Noise};
 use proofmass_recording::unit::Quantity;

@@ -3,7 +3,7 @@
 use super::words;
 use crate::figure::{Axis, Chart, Ink, Mark, labelled};
 use proofmass_base::number::significant;
-use proofmass_base::numerics::moments::mean;
+use proofmass_numerics::numerics::moments::mean;
 use proofmass_recording::noise::{Channel, Deviation, Noise};
 use proofmass_recording::unit::Quantity;
 
@@ -106,7 +106,7 @@ pub(super) fn density(channel: &Channel) -> Chart {
     }
     chart.add("recorded (Welch)", Ink::Blue, Mark::Line, thinned);
     if let Some(fit) = &channel.fit
-        && words::dominant(channel).contains(&proofmass_base::numerics::allan::law::Term::White)
+        && words::dominant(channel).contains(&proofmass_numerics::numerics::allan::law::Term::White)
         && let (Some(first), Some(last)) = (density.frequency_hz.first(), density.frequency_hz.last())
     {
         let level = fit.coefficients[1].value * 2f64.sqrt() * factor;

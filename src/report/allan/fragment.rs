@@ -3,8 +3,8 @@
 
 use proofmass_base::escape::line;
 use proofmass_base::number::rounded;
-use proofmass_base::numerics::allan::law::Term;
 use proofmass_base::units::key::Key;
+use proofmass_numerics::numerics::allan::law::Term;
 use proofmass_recording::noise::{Channel, Noise};
 use proofmass_recording::unit::Quantity;
 use proofmass_scenario::sensor::error_law::ErrorLaw;

@@ -9,12 +9,13 @@ use std::path::Path;
 use super::fragment::{keys, to_five_digits};
 use proofmass_base::document::toml_string;
 use proofmass_base::escape::line;
-use proofmass_base::numerics::allan::law::Term;
 use proofmass_base::units::{DEGREE, MILLI_G};
+use proofmass_numerics::numerics::allan::law::Term;
+use proofmass_recording::finding::Finding;
 use proofmass_recording::noise::{Channel, Noise};
 use proofmass_recording::unit::Quantity;
 use proofmass_scenario::sensor::Sense;
-use proofmass_simulate::study::name_for;
+use proofmass_study::name_for;
 
 /// The run is this long, s, and at least this many samples.
 const LASTS_S: f64 = 60.0;
@@ -53,6 +54,9 @@ pub fn study(path: &Path, noise: &Noise) -> Option<String> {
         return Some(toml + "\n# The log is not compared: it was read from standard input.\n");
     }
     toml += &format!("\n[compare]\nfile = {}\nrate_hz = {rate_hz:?}\n", toml_string(file));
+    if noise.source.findings.iter().any(|f| matches!(f, Finding::RateForced { .. })) {
+        toml += "force_rate = true\n";
+    }
     for (sense, scale, unit, channels) in
         [(Sense::Accelerometer, "scale_mg", MILLI_G, &accelerometers), (Sense::Gyro, "scale_deg_s", DEGREE, &gyros)]
     {

@@ -1,9 +1,11 @@
 //! What an Allan curve says, in sentences: what each coefficient is, what the data do not support,
 //! and when a fit is bad.
 
+use crate::grouped::{Said, grouped};
 use crate::table::Table;
 use proofmass_base::number::{duration, rounded, significant, superscript};
-use proofmass_base::numerics::allan::law::{TERMS, Term};
+use proofmass_numerics::numerics::allan::fit::Fit;
+use proofmass_numerics::numerics::allan::law::{TERMS, Term};
 use proofmass_recording::noise::{Channel, Deviation, Noise};
 use proofmass_recording::unit::Quantity;
 
@@ -11,7 +13,8 @@ pub(super) const TABLE_NOTE: &str = "Values with their 95 % interval; “<” is
     do not support. σ(1 s) is the Allan deviation at 1 s in \
     units of N, which many tools print as N whatever the slope there. N itself is the two-sided coefficient of IEEE \
     952; a datasheet's one-sided density is √2 times it, and both are \
-    shown. B by minimum is the lowest Allan deviation over 0.664, as datasheets state it; it bounds the flicker from above. A \
+    shown. B by minimum is the lowest Allan deviation over 0.664, as datasheets state it; it bounds the flicker from above, and is marked “≤” \
+    where the curve still falls at its end. A \
     star marks a curve that the five terms do not describe.";
 
 pub(super) const CONVENTIONS: [&str; 7] = [
@@ -68,7 +71,8 @@ pub fn tables(noise: &Noise) -> [Table; 2] {
         });
         let stability = channel.bias_stability().map_or("–".into(), |(value, ci95)| {
             let (unit, factor) = channel.unit.coefficient(Term::Flicker);
-            format!("{} {unit}", interval(value * factor, ci95.map(|e| e * factor)))
+            let limit = if channel.still_falls() { "≤ " } else { "" };
+            format!("{limit}{} {unit}", interval(value * factor, ci95.map(|e| e * factor)))
         });
         let star = if channel.fit.as_ref().is_some_and(|f| !f.good()) { " *" } else { "" };
         let at_one_second = channel.at_one_second().map_or("–".into(), |d| {
@@ -95,13 +99,24 @@ pub fn notes(noise: &Noise) -> Vec<String> {
         duration(source.samples as f64 / source.rate_hz)
     )];
     out.extend(source.findings.iter().map(|f| format!("found: {f}")));
-    for channel in noise.channels.iter().filter(|c| !c.curve.is_empty()) {
-        out.push(format!("{}: {}", channel.name, verdict(channel)));
+    let measured: Vec<&Channel> = noise.channels.iter().filter(|c| !c.curve.is_empty()).collect();
+    let mut said = Vec::new();
+    for channel in &measured {
+        let of = |sentence: String, ranges: bool| Said { of: channel.name.clone(), sentence, ranges };
+        said.push(of(verdict(channel), channel.fit.as_ref().is_some_and(Fit::good)));
         let about_spectrum = if channel.fit.is_some() { 5 } else { 0 };
-        out.extend(sentences(channel).into_iter().skip(about_spectrum).map(|s| format!("{}: {s}", channel.name)));
+        let about = sentences(channel).into_iter().skip(about_spectrum);
+        said.extend(about.map(|sentence| {
+            let is_list = sentence.starts_with(LINES);
+            of(sentence, !is_list)
+        }));
     }
+    out.extend(grouped(&said, measured.len()));
     out
 }
+
+/// Beginning of the sentence that lists frequencies, each of which stays as it is.
+const LINES: &str = "Spectral lines at";
 
 /// The answer in numbers: white noise and lowest Allan deviation of the gyros, the accelerometers
 /// and the others.
@@ -121,7 +136,15 @@ pub fn answer(noise: &Noise) -> String {
             let (unit, factor) = channels[0].unit.coefficient(Term::Flicker);
             let values: Vec<f64> = lowest.iter().map(|d| d.value * factor).collect();
             let times: Vec<f64> = lowest.iter().map(|d| d.tau_s).collect();
-            parts.push(format!("lowest Allan deviation {} {unit} at {} s", range(&values), range(&times)));
+            let falling: Vec<&str> = channels.iter().filter(|c| c.still_falls()).map(|c| c.name.as_str()).collect();
+            let floor = match falling.len() {
+                0 => String::new(),
+                n if n == channels.len() => ", where the curve still falls: no floor was reached, so this is an upper \
+                                             limit of the bias instability, and a longer log is lower"
+                    .to_owned(),
+                _ => format!(" (the curve of {} still falls there: no floor was reached)", falling.join(", ")),
+            };
+            parts.push(format!("lowest Allan deviation {} {unit} at {} s{floor}", range(&values), range(&times)));
         }
         let plural = if channels.len() == 1 { "" } else { "s" };
         (!parts.is_empty()).then(|| format!("{name}{plural}: {}", parts.join(", ")))
@@ -175,7 +198,7 @@ pub(super) fn verdict(channel: &Channel) -> String {
             "No sum of the five laws fits this curve (p < {}): it departs from the best one by about {} %, most at \
              τ = {}, where it is {} times the fit. The intervals allow for that. Typical causes are vibration, \
              temperature and motion; `proofmass diagnose` with kind = \"static\" identifies which.",
-            significant(proofmass_base::numerics::allan::fit::BAD, 1),
+            significant(proofmass_numerics::numerics::allan::fit::BAD, 1),
             significant(100.0 * fit.discrepancy, 2),
             duration(fit.worst.0),
             significant(fit.worst.1, 3)
@@ -216,7 +239,7 @@ pub(super) fn sentences(channel: &Channel) -> Vec<String> {
             .map(|l| format!("{} Hz (× {})", significant(l.frequency_hz, 4), significant(l.excess, 2)))
             .collect();
         out.push(format!(
-            "Spectral lines at {}: vibration or pickup. Their contribution to the Allan curve was removed before \
+            "{LINES} {}: vibration or pickup. Their contribution to the Allan curve was removed before \
              the fit.",
             lines.join(", ")
         ));
@@ -262,7 +285,7 @@ pub(super) fn dominant(channel: &Channel) -> Vec<Term> {
     let rules = |term: Term| {
         channel.curve.iter().any(|d| {
             squares[term as usize] * term.variance(d.tau_s)
-                > 0.4 * proofmass_base::numerics::allan::law::variance(&squares, d.tau_s)
+                > 0.4 * proofmass_numerics::numerics::allan::law::variance(&squares, d.tau_s)
         })
     };
     TERMS.into_iter().filter(|t| fit.coefficients[*t as usize].supported() && rules(*t)).collect()

@@ -4,12 +4,12 @@
 //! then the whole stretch, the error in frequency, over the state (the restoring force that is
 //! missing) and in time, and the candidates' standing.
 
-use proofmass_base::numerics::moments::rms;
-use proofmass_base::numerics::order;
-use proofmass_base::numerics::spectrum;
 use proofmass_diagnosis::driven::Detail;
 use proofmass_diagnosis::driven::verdict::surface::Surface;
 use proofmass_diagnosis::standing::Gain;
+use proofmass_numerics::numerics::moments::rms;
+use proofmass_numerics::numerics::order;
+use proofmass_numerics::numerics::spectrum;
 
 use super::exhibit::{Exhibit, Part};
 use crate::figure::{Axis, Chart, Ink, Mark, Raster, labelled};

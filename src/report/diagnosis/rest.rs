@@ -1,8 +1,8 @@
 //! Figures of a diagnosis: a sensor at rest, its noise and its drift.
 
 use proofmass_base::escape::file_name;
-use proofmass_base::numerics::order;
 use proofmass_diagnosis::rest::{ChannelDetail, Detail};
+use proofmass_numerics::numerics::order;
 
 use super::exhibit::{Exhibit, Part};
 use crate::figure::{Axis, Chart, Ink, Mark, labelled};

@@ -5,6 +5,8 @@ mod rest;
 mod trajectory;
 mod tumble;
 
+use std::collections::HashSet;
+
 use proofmass_diagnosis::answer::{Answer, Detail};
 use proofmass_diagnosis::repair::Repair;
 use proofmass_diagnosis::standing::Ranked;
@@ -61,6 +63,9 @@ pub fn worded(answer: Answer) -> Diagnosis {
         detail,
     } = answer;
     findings.extend(told);
+    // Several stages may find the same.
+    let mut seen = HashSet::new();
+    findings.retain(|finding| seen.insert(finding.clone()));
     let verdict = Verdict {
         schema: SCHEMA,
         kind,
@@ -75,6 +80,7 @@ pub fn worded(answer: Answer) -> Diagnosis {
             frequency_hz: places.frequency_hz,
             state: places.state,
             state_cells: places.state_cells,
+            argument: places.argument,
         },
         calibration,
         fit,

@@ -1,6 +1,6 @@
 //! How well an ensemble knows a spread: what digits of it are worth printing.
 
-use proofmass_base::statistics::Summary;
+use proofmass_numerics::statistics::Summary;
 
 /// Standard error of a standard deviation.
 pub(crate) fn doubt(summary: &Summary) -> f64 {

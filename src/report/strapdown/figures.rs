@@ -3,9 +3,9 @@
 
 use crate::figure::{Axis, Chart, Ink, Mark};
 use crate::study::moment::moment;
-use proofmass_base::numerics::order;
-use proofmass_base::statistics::Summary;
 use proofmass_base::units::DEGREE;
+use proofmass_numerics::numerics::order;
+use proofmass_numerics::statistics::Summary;
 use proofmass_simulate::backend::flight::Quantity;
 use proofmass_simulate::strapdown::answer::{Answer, LINEAR};
 use proofmass_simulate::strapdown::covariance::Part;

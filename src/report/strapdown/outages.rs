@@ -9,8 +9,8 @@ use proofmass_base::number::{significant, worth};
 use proofmass_simulate::backend::flight::Quantity;
 use proofmass_simulate::strapdown::answer::Answer;
 use proofmass_simulate::strapdown::outages::Outage;
-use proofmass_simulate::study::Study;
-use proofmass_simulate::study::file::AidingMethod;
+use proofmass_study::Study;
+use proofmass_study::file::AidingMethod;
 
 /// Outages that are drawn.
 const DRAWN: usize = 6;

@@ -5,14 +5,14 @@ use crate::figure::{Axis, Chart, Figure, Ink, Mark, labelled};
 use crate::html::Page;
 use crate::table::Table;
 use proofmass_base::number::{rounded, significant};
-use proofmass_base::numerics::special::normal_quantile;
 use proofmass_base::units::{DEGREE, DEGREE_PER_HOUR_PER_ROOT_HOUR, DEGREE_PER_ROOT_HOUR, MICRO_G};
+use proofmass_numerics::numerics::special::normal_quantile;
 use proofmass_simulate::strapdown::windows::document::{AXES, TOGETHER};
 use proofmass_simulate::strapdown::windows::inflation::{FEWEST, Inflation, Whose};
 use proofmass_simulate::strapdown::windows::length::Length;
 use proofmass_simulate::strapdown::windows::score::{self, BANDS};
 use proofmass_simulate::strapdown::windows::{Compared, Sensor};
-use proofmass_simulate::study::Study;
+use proofmass_study::Study;
 
 /// How the nine errors are called and shown: name, unit, and its size in SI units.
 const SHOWN: [(&str, &str, f64); 9] = [

@@ -50,7 +50,13 @@ pub(crate) fn sentences(outcome: &Outcome) -> Vec<String> {
 fn sentence(axis: &Likeness) -> String {
     let departures = axis.departures();
     if departures.is_empty() {
-        return format!("{}: the log lies within the simulated band at all averaging times.", axis.column);
+        let to_s = axis.tau_s.last().copied().unwrap_or_default();
+        return format!(
+            "{}: the log lies within the simulated band at all averaging times: the model is good for integrations of up \
+             to {}.",
+            axis.column,
+            duration(to_s)
+        );
     }
     let inside = (0..axis.tau_s.len())
         .filter(|k| (axis.simulated[0][*k]..=axis.simulated[2][*k]).contains(&axis.recorded[*k]))
@@ -66,11 +72,28 @@ fn sentence(axis: &Likeness) -> String {
         )
     };
     format!(
-        "{}: within the band at {inside} of {} averaging times; {}.",
+        "{}: {}. It lies within the band at {inside} of {} averaging times; {}.",
         axis.column,
+        judgement(axis),
         axis.tau_s.len(),
         departures.iter().map(phrase).collect::<Vec<_>>().join("; ")
     )
+}
+
+/// How long an integration the model is good for.
+fn judgement(axis: &Likeness) -> String {
+    let trusted: Vec<String> =
+        axis.trusted().iter().map(|[from, to]| format!("{} to {}", duration(*from), duration(*to))).collect();
+    let worst = axis.departures().into_iter().map(|d| d.ratio).max_by(|a, b| a.ln().abs().total_cmp(&b.ln().abs()));
+    let beyond = worst.map_or(String::new(), |ratio| {
+        format!("; elsewhere its noise is up to {} times the simulated", significant(ratio, 2))
+    });
+    match trusted.is_empty() {
+        true => {
+            format!("the model is not good for an integration of any length{}", beyond.replacen("elsewhere ", "", 1))
+        }
+        false => format!("the model is good for integrations of {}{beyond}", trusted.join(" and of ")),
+    }
 }
 
 fn caption(axis: &Likeness) -> String {

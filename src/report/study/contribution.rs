@@ -1,7 +1,7 @@
 //! The error budget over time: fractions of the variance, stacked, and each source's own envelope.
 
 use crate::figure::{Axis, Chart, Ink, Mark};
-use proofmass_base::numerics::order;
+use proofmass_numerics::numerics::order;
 use proofmass_simulate::drift::Drift;
 use proofmass_simulate::drift::budget::Contribution;
 

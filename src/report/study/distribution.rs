@@ -3,7 +3,7 @@
 
 use super::moment::moment;
 use crate::figure::{Axis, Chart, Ink, Mark, labelled};
-use proofmass_base::statistics::{Summary, quantity};
+use proofmass_numerics::statistics::{Summary, quantity};
 use proofmass_simulate::drift::Drift;
 
 /// Bars of a shown histogram.
@@ -60,7 +60,7 @@ fn histogram(name: &str, unit: &str, time_s: f64, summary: &Summary) -> Chart {
     let mut bars = vec![0.0; BARS];
     let bins = &summary.histogram.bins;
     for (i, count) in
-        summary.histogram.counts.iter().enumerate().skip(1).take(proofmass_base::statistics::histogram::BINS)
+        summary.histogram.counts.iter().enumerate().skip(1).take(proofmass_numerics::statistics::histogram::BINS)
     {
         let middle = 0.5 * (bins.edge(i - 1) + bins.edge(i));
         let bar = ((middle - low) / width).floor();

@@ -2,7 +2,7 @@
 //! and guides on log axes.
 
 use crate::figure::{Axis, Chart, Ink, Mark};
-use proofmass_base::statistics::{Summary, quantity};
+use proofmass_numerics::statistics::{Summary, quantity};
 use proofmass_simulate::drift::Drift;
 
 /// 95 % quantile of the standard normal.

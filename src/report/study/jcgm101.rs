@@ -3,7 +3,7 @@
 
 use crate::html::Page;
 use crate::table::Table;
-use proofmass_base::statistics::jcgm101::{Linear, Stated};
+use proofmass_numerics::statistics::jcgm101::{Linear, Stated};
 use proofmass_simulate::drift::Drift;
 
 /// A number to the last digit that the tolerance leaves: JCGM 101 §7.9.2, GUM 7.2.6.

@@ -5,8 +5,8 @@ use proofmass_base::number::rounded;
 use proofmass_base::units::key::Key;
 use proofmass_base::units::number::Number;
 use proofmass_scenario::sensor::SensorTerm;
-use proofmass_simulate::study::Study;
-use proofmass_simulate::study::tolerances::keys;
+use proofmass_study::Study;
+use proofmass_study::tolerances::keys;
 
 /// Which noise is meant, said once.
 pub(super) const CONVENTION: &str = "Noise densities n are one-sided, as datasheets print them; random walks N are two-sided coefficients as in IEEE 952 and \

@@ -8,12 +8,12 @@ use crate::html::Page;
 use crate::table::Table;
 use proofmass_base::escape::file_name;
 use proofmass_base::number::{rounded, significant};
-use proofmass_base::numerics::special::exact_interval;
 use proofmass_base::units::DEGREE;
+use proofmass_numerics::numerics::special::exact_interval;
 use proofmass_scenario::sensor::Sense;
 use proofmass_simulate::drift::compare::{Comparison, Outcome};
 use proofmass_simulate::drift::windows::{BANDS, Drifted, Windows};
-use proofmass_simulate::study::Study;
+use proofmass_study::Study;
 
 /// What the windows show, if the study asks for them and the log is there.
 fn drifted(outcome: &Outcome) -> Option<(&Comparison, &[Drifted])> {

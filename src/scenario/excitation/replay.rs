@@ -6,6 +6,8 @@ use super::section::Form;
 use super::waveform::Waveform;
 use crate::error::Result;
 use crate::recording;
+use crate::recording::roles::{self, Stated};
+use crate::recording::unit::Quantity;
 use crate::units::number::Number;
 
 pub(crate) const KIND: Kind = Kind {
@@ -18,8 +20,8 @@ pub(crate) const KIND: Kind = Kind {
         ("time", Form::Text),
     ],
     plan: |given| {
-        let (replay, sha256) = read(given)?;
-        let scale = given.number("scale").unwrap_or(Number::Fixed(1.0));
+        let Read { replay, sha256, si } = read(given)?;
+        let scale = given.number("scale").unwrap_or(Number::Fixed(si));
         let (column, samples) = (given.need_text("column")?, replay.samples_m_s2.len());
         let words = format!("replay of column {column}, {samples} samples at {} Hz", replay.rate_hz);
         let shape = |factor: f64| Replay {
@@ -30,8 +32,16 @@ pub(crate) const KIND: Kind = Kind {
     },
 };
 
-/// The recording to play back, which must last as long as the run, and its SHA-256.
-fn read(given: &Reader<'_>) -> Result<(Replay, String)> {
+/// A recording to play back, in its own unit.
+struct Read {
+    replay: Replay,
+    sha256: String,
+    /// The unit that its file states, m/s²; 1 where it states none.
+    si: f64,
+}
+
+/// The recording to play back, which must last as long as the run.
+fn read(given: &Reader<'_>) -> Result<Read> {
     let (file, column) = (given.file("file")?, given.need_text("column")?);
     let (rate_hz, time) = (given.real("rate_hz"), given.text("time").map(str::to_owned));
     if rate_hz.is_none() && time.is_none() {
@@ -43,6 +53,11 @@ fn read(given: &Reader<'_>) -> Result<(Replay, String)> {
     let (columns, control) = (vec![column.to_owned()], given.run.control.clone());
     let request = recording::Request { columns, rate_hz, time, control, ..Default::default() };
     let mut recording = recording::read(&file, &request)?;
+    // A scale may also be an amplitude: only without one does the file's unit hold.
+    let si = match roles::stated(column, recording.stated(column)) {
+        Some(Stated::Inertial(unit)) if unit.quantity == Quantity::Accelerometer => unit.si,
+        _ => 1.0,
+    };
     let samples_m_s2 = recording.columns.pop().map(|c| c.values).unwrap_or_default();
     let replay = Replay { samples_m_s2, rate_hz: recording.rate_hz };
     let duration_s = given.run.duration_s;
@@ -52,7 +67,7 @@ fn read(given: &Reader<'_>) -> Result<(Replay, String)> {
             format!("set duration_s to {} or less", replay.length_s()),
         ));
     }
-    Ok((replay, recording.sha256))
+    Ok(Read { replay, sha256: recording.sha256, si })
 }
 
 /// Samples on a uniform clock that starts at t = 0.

@@ -164,11 +164,19 @@ impl FromStr for Limit {
     }
 }
 
+/// The percentile whose number is nearest to that of `p90`.
+fn nearest_percentile(name: &str) -> Option<&'static str> {
+    let number = |name: &str| name.strip_prefix('p')?.parse::<f64>().ok();
+    let wanted = number(name)?;
+    let off = |known: &str| number(known).map_or(f64::INFINITY, |own| (own - wanted).abs());
+    NAMES.iter().map(|(known, _)| *known).min_by(|a, b| off(a).total_cmp(&off(b)))
+}
+
 fn statistic(name: &str) -> Result<Statistic, String> {
     let known: Vec<&str> = NAMES.iter().map(|(known, _)| *known).collect();
     match NAMES.iter().find(|(known, _)| *known == name) {
         Some((_, statistic)) => Ok(*statistic),
-        None => Err(match nearest(name, known.iter().copied()) {
+        None => Err(match nearest_percentile(name).or_else(|| nearest(name, known.iter().copied())) {
             Some(near) => format!("`{name}` is not a statistic: did you mean `{near}`?"),
             None => format!("`{name}` is not a statistic; known: {}", known.join(", ")),
         }),
@@ -192,6 +200,7 @@ mod tests {
         assert_eq!(radius.parse::<Limit>().map(|limit| limit.to_string()), Ok(radius.to_owned()));
         for (wrong, word) in [
             ("p95 < 10", "STAT(QUANTITY, TIME_S)"),
+            ("p90(position_error_m, 60) < 10", "did you mean `p95`"),
             ("p96(position_error_m, 60) < 10", "did you mean `p95`"),
             ("p95(position_eror_m, 60) < 10", "did you mean `position_error_m`"),
             ("p95(position_error_m, soon) < 10", "`soon`"),

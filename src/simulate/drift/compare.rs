@@ -8,17 +8,21 @@
 use super::windows::{self, Cut, Drifted};
 use crate::backend::cpu;
 use crate::control::Control;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::kernel::cpu::lanes::LANES;
 use crate::kernel::job::Job;
 use crate::numerics::allan::{Accumulator, curve};
 use crate::numerics::order;
 use crate::parallel;
+use crate::recording::roles::{self, Stated};
+use crate::recording::scale::Named;
+use crate::recording::unit::{Quantity, Unit};
 use crate::recording::{self, Recording};
 use crate::sensor::Sense;
 use crate::statistics::Statistics;
 use crate::study::Study;
 use crate::study::file::{Axis, Compare};
+use crate::units::{DEGREE, MILLI_G};
 
 /// Allan deviations of one axis in SI units, recorded and simulated.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,6 +81,29 @@ pub struct Comparison {
 }
 
 impl Likeness {
+    /// Stretches of averaging times outside all departures: how long an integration may be, or must
+    /// be, for its error to be as simulated. The Allan deviation at τ is that of a mean over τ, from
+    /// which drift over τ comes.
+    pub fn trusted(&self) -> Vec<[f64; 2]> {
+        let departures = self.departures();
+        let outside = |t: f64| departures.iter().any(|d| (d.from_s..=d.to_s).contains(&t));
+        let mut found: Vec<[f64; 2]> = Vec::new();
+        let mut open = false;
+        for t in &self.tau_s {
+            match (outside(*t), found.last_mut()) {
+                (true, _) => open = false,
+                (false, Some(last)) if open => last[1] = *t,
+                (false, _) => {
+                    found.push([*t, *t]);
+                    open = true;
+                }
+            }
+        }
+        // One averaging time alone is chance, as one outside is.
+        found.retain(|[from, to]| from < to);
+        found
+    }
+
     /// Where simulation and recording leave each other: stretches of two or more neighbouring
     /// averaging times outside the band, since one in ten single points lies outside by chance.
     pub fn departures(&self) -> Vec<Departure> {
@@ -110,11 +137,11 @@ pub fn run(
     simulate: &mut dyn FnMut(&Job, &str) -> Result<Statistics>,
 ) -> Result<Outcome> {
     let Some(compare) = &study.compare else { return Ok(Outcome::NotAsked) };
-    let Some((log, cuts)) = log(study, compare, control)? else {
+    let Some(Read { log, cuts, scaled }) = log(study, compare, control)? else {
         return Ok(Outcome::Absent(compare.file.display().to_string()));
     };
-    let progress = control.stage("comparing", compare.axis.len() as u64);
-    let axes: Result<Vec<Likeness>> = parallel::map(&compare.axis, |axis| {
+    let progress = control.stage("comparing", scaled.len() as u64);
+    let axes: Result<Vec<Likeness>> = parallel::map(&scaled, |axis| {
         let likeness = likeness(study, axis, &log, control);
         progress.step();
         likeness
@@ -124,7 +151,7 @@ pub fn run(
     drop(progress);
     let axes = axes?;
     let mut drifted = Vec::new();
-    for axis in compare.axis.iter().filter(|_| !cuts.is_empty()) {
+    for axis in scaled.iter().filter(|_| !cuts.is_empty()) {
         drifted.push(windows::drifted(study, axis, &log, &cuts, &mut *simulate)?);
     }
     let mut findings: Vec<String> = log.findings.iter().map(ToString::to_string).collect();
@@ -140,8 +167,15 @@ pub fn run(
     })))
 }
 
-/// The log and how it is cut, where it is there.
-fn log(study: &Study, compare: &Compare, control: &Control) -> Result<Option<(Recording, Vec<Cut>)>> {
+/// A log that is there, how it is cut, and its axes with their scales.
+struct Read {
+    log: Recording,
+    cuts: Vec<Cut>,
+    scaled: Vec<Axis>,
+}
+
+/// The log, where it is there.
+fn log(study: &Study, compare: &Compare, control: &Control) -> Result<Option<Read>> {
     let path = study.folder.join(&compare.file);
     if !path.exists() {
         return Ok(None);
@@ -149,11 +183,42 @@ fn log(study: &Study, compare: &Compare, control: &Control) -> Result<Option<(Re
     let columns = compare.axis.iter().map(|a| a.column.clone()).collect();
     let (topic, rate_hz, time) = (compare.topic.clone(), compare.rate_hz, compare.time.clone());
     let control = control.clone();
-    let request = recording::Request { topic, columns, rate_hz, time, control, ..recording::Request::default() };
+    let force_rate = compare.force_rate;
+    let request =
+        recording::Request { topic, columns, rate_hz, force_rate, time, control, ..recording::Request::default() };
     let log = recording::read(&path, &request)?;
     // Refused before the work, not after it.
+    let scaled = compare.axis.iter().map(|axis| scaled(axis, &log)).collect::<Result<_>>()?;
     let cuts = windows::cuts(study, compare, &log)?;
-    Ok(Some((log, cuts)))
+    Ok(Some(Read { log, cuts, scaled }))
+}
+
+/// The axis with the scale that it is given, else with the unit that the log states for its column.
+///
+/// # Errors
+/// A scale that contradicts the log, or none anywhere.
+fn scaled(axis: &Axis, log: &Recording) -> Result<Axis> {
+    let given = match (axis.scale_mg, axis.scale_deg_s) {
+        (Some(mg), _) => Some((format!("scale_mg = {mg}"), "scale_mg", Quantity::Accelerometer, mg * MILLI_G)),
+        (None, Some(deg_s)) => Some((format!("scale_deg_s = {deg_s}"), "scale_deg_s", Quantity::Gyro, deg_s * DEGREE)),
+        (None, None) => None,
+    };
+    let stated = log.stated(&axis.column);
+    if let Some((name, option, quantity, si)) = given {
+        Named { name: &axis.column, stated, quantity, option }.check(Some(&Unit { quantity, si, name }))?;
+        return Ok(axis.clone());
+    }
+    let Some(Stated::Inertial(unit)) = roles::stated(&axis.column, stated) else {
+        return Err(Error::new(
+            format!("could not compare the column `{}` of {}", axis.column, log.path.display()),
+            "neither the file nor the study states its unit",
+            "give scale_mg = … for an accelerometer, scale_deg_s = … for a gyro: the value of one unit of the column",
+        ));
+    };
+    Ok(match unit.quantity {
+        Quantity::Gyro => Axis { scale_deg_s: Some(unit.si / DEGREE), ..axis.clone() },
+        _ => Axis { scale_mg: Some(unit.si / MILLI_G), ..axis.clone() },
+    })
 }
 
 /// The ensembles that [`run`] asks for, in its order.
@@ -162,9 +227,9 @@ fn log(study: &Study, compare: &Compare, control: &Control) -> Result<Option<(Re
 /// As [`run`], of the log and its windows.
 pub fn jobs(study: &Study, control: &Control) -> Result<Vec<Job>> {
     let Some(compare) = study.compare.as_ref().filter(|c| c.windows_s.is_some()) else { return Ok(Vec::new()) };
-    let found = log(study, compare, control)?.filter(|(_, cuts)| !cuts.is_empty());
-    let Some((log, cuts)) = found else { return Ok(Vec::new()) };
-    compare.axis.iter().map(|axis| windows::ensemble(study, axis, &log, &cuts)).collect()
+    let found = log(study, compare, control)?.filter(|read| !read.cuts.is_empty());
+    let Some(Read { log, cuts, scaled }) = found else { return Ok(Vec::new()) };
+    scaled.iter().map(|axis| windows::ensemble(study, axis, &log, &cuts)).collect()
 }
 
 fn likeness(study: &Study, axis: &Axis, log: &Recording, control: &Control) -> Result<Likeness> {
@@ -211,5 +276,8 @@ mod tests {
             simulated: [vec![0.9; 6], vec![1.0; 6], vec![1.1; 6]],
         };
         assert_eq!(likeness.departures(), [Departure { from_s: 5.0, to_s: 6.0, ratio: 0.25 }]);
+        assert_eq!(likeness.trusted(), [[1.0, 4.0]]);
+        let apart = Likeness { recorded: vec![2.0; 6], ..likeness };
+        assert!(apart.trusted().is_empty(), "{:?}", apart.trusted());
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::interval::{Power, Proportion};
 use crate::outcome::{Limit, Outcome, Planted};
-use proofmass_base::numerics::order;
+use proofmass_numerics::numerics::order;
 use proofmass_report::figure::{Axis, Chart, Figure, Ink, Mark};
 
 /// Edges of the size bins, visible rms over noise rms.

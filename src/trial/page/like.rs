@@ -2,8 +2,8 @@
 
 use crate::like::{Power, Revealed, Tried};
 use proofmass_base::number::significant;
-use proofmass_base::numerics::order;
 use proofmass_diagnosis as diagnosis;
+use proofmass_numerics::numerics::order;
 use proofmass_report::figure::{Axis, Chart, Figure, Ink, Mark};
 use proofmass_report::html::Page;
 use proofmass_report::table::Table;

@@ -14,7 +14,7 @@ use std::str::FromStr;
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 /// Crates that hold several modules of the facade; every other crate is one.
-pub const GROUPS: [&str; 3] = ["base", "scenario", "simulate"];
+pub const GROUPS: [&str; 4] = ["base", "numerics", "scenario", "simulate"];
 
 /// A module's path from the facade's root, e.g. `["recording", "clock"]`; empty for `src/lib.rs`.
 pub type Module = Vec<String>;

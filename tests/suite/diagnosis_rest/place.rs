@@ -63,6 +63,7 @@ fn at(vector: [f64; 3], unit: &str, (latitude_deg, height_m): Place) -> Result<V
     let recording =
         Recording { path: "planted.csv".into(), rate_hz: 50.0, columns: columns.collect(), ..Recording::default() };
     let model = Static {
+        force_rate: false,
         topic: None,
         rate_hz: Some(50.0),
         rows: Vec::new(),

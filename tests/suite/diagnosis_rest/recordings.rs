@@ -18,6 +18,7 @@ pub(super) fn adis(folder: &Path) -> Result<(), Failed> {
     let request =
         Request { columns: names.clone(), rate_hz: Some(100.0), rows: Some(0..200_000), ..Request::default() };
     let model = Static {
+        force_rate: false,
         topic: None,
         rate_hz: Some(100.0),
         rows: Vec::new(),
@@ -53,6 +54,7 @@ pub(super) fn sense_hat(folder: &Path) -> Result<(), Failed> {
         ..Request::default()
     };
     let model = |columns: &[&str], environment: &[&str]| Static {
+        force_rate: false,
         topic: None,
         rate_hz: Some(0.1),
         rows: Vec::new(),

@@ -20,17 +20,18 @@ pub fn tests() -> Vec<Trial> {
         test("trajectory: the repaired sensor is a study that runs, with the numbers that were named", runs),
         test("trajectory: the repaired sensor has the clock that was named, from where its study begins", gains),
         test("trajectory: the repaired sensor has the gyro's range that was named", ends),
+        test("trajectory: a repaired IMU flies without the constants that were calibrated", corrected),
     ]
 }
 
-/// repaired.toml of a recording.
+/// uncorrected.toml of a recording, with every number that was named.
 fn document(files: &Files, folder: &std::path::Path) -> Result<String, Failed> {
     let [imu, model] = files.write(folder)?;
     let model = model::read(&model)?;
     let recording = model::read_recording(&imu, &model, &Control::silent())?;
     let answer = diagnose(&recording, &model, &Control::silent())?;
     let found = worded(answer);
-    repaired::document(found.repair.as_ref(), &found.detail, &found.verdict).ok_or_else(|| "no study".into())
+    repaired::uncorrected(&found.detail, &found.verdict).ok_or_else(|| "no study".into())
 }
 
 fn number(value: Option<&Value>) -> f64 {
@@ -123,4 +124,28 @@ fn down_m(study: &Study) -> Result<f64, Failed> {
     let found = answer(study, motion, Choice::Cpu, &Control::silent())?;
     check(found.report_times_s().first().is_some_and(|t| (t - 1.0).abs() < 1e-9), "it does not report after a second")?;
     Ok(found.ensemble.summary(found.report[0], Quantity::Position(2)).mean)
+}
+
+/// Constants are subtracted: their means are zero and their standard errors stay, and an IMU with a
+/// bias of 0.1 m/s² is within the interval of that bias after one second, ½ b t² without.
+fn corrected() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let [imu, model] = made_up(1)?.files().write(folder.path())?;
+    let model = model::read(&model)?;
+    let recording = model::read_recording(&imu, &model, &Control::silent())?;
+    let found = worded(diagnose(&recording, &model, &Control::silent())?);
+    let text = repaired::document(found.repair.as_ref(), &found.detail, &found.verdict).ok_or("no study")?;
+    let table: Table = text.parse()?;
+    for axis in 0..3 {
+        near("gyro bias", mean(&table, "gyro", "bias_deg_h", axis), 0.0, 0.0)?;
+        near("force bias", mean(&table, "accelerometer", "bias_mg", axis), 0.0, 0.0)?;
+    }
+    let path = folder.path().join("repaired.toml");
+    std::fs::write(&path, &text)?;
+    let few = Overrides { members: Some(64), ..Overrides::default() };
+    near("down", down_m(&study::read(&path, &few, &Control::silent())?)?, 0.0, 0.01)?;
+    let left_in = repaired::uncorrected(&found.detail, &found.verdict).ok_or("nothing is left in")?;
+    std::fs::write(&path, &left_in)?;
+    let down = down_m(&study::read(&path, &few, &Control::silent())?)?;
+    check((down - 0.05).abs() < 0.01, format!("with its constants left in it falls by {down} m, not by 0.05 m"))
 }

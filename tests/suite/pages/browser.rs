@@ -24,7 +24,7 @@ pub fn installed() -> bool {
 /// `PROOFMASS_REQUIRE_BROWSER=1` demands one.
 pub fn browser_test(name: &str, body: fn() -> Result<(), Failed>) -> Trial {
     if installed() || std::env::var_os("PROOFMASS_REQUIRE_BROWSER").is_some() {
-        return Trial::test(name, body);
+        return super::super::tiers::timed(name.to_owned(), body);
     }
     Trial::test(format!("{name} (needs a browser: install chromium)"), || Ok(())).with_ignored_flag(true)
 }

@@ -67,8 +67,8 @@ pub fn answer(asked: &Asked<'_>, data: &Data, own_test: bool, mut notes: Notes) 
 impl Models<'_> {
     fn answer(&self, asked: &Asked<'_>, fitted: &[Range<usize>], notes: Notes) -> Answer {
         let Asked { recording, pieces, columns, .. } = *asked;
-        let output_unit = asked.unit.map_or_else(|| unit_of(&columns.output, "output unit"), str::to_owned);
-        let input_unit = columns.input.as_deref().map_or_else(String::new, |i| unit_of(i, "input unit"));
+        let output_unit = asked.unit.map_or_else(|| unit_of(recording, &columns.output, "output unit"), str::to_owned);
+        let input_unit = columns.input.as_deref().map_or_else(String::new, |i| unit_of(recording, i, "input unit"));
         // No law of a free body follows one.
         let environment_units = Vec::new();
         let channels = Channels {
@@ -202,6 +202,7 @@ impl Models<'_> {
             channels: vec![channels.output.clone()],
             evidence: Evidence { held_out_gain: comparison.gain, p_value: comparison.p_value },
             form: None,
+            share: None,
             confusable_with: Vec::new(),
         }
     }
@@ -241,6 +242,7 @@ impl Models<'_> {
             rmse_before: over(before, ranges),
             rmse_after: named.then(|| over(after, ranges)),
             ratio_ci95,
+            share: None,
         };
         let recording = |piece: &Piece| {
             let range = std::slice::from_ref(&piece.range);

@@ -311,6 +311,7 @@ mod tests {
             test: validation.clone(),
             validation,
             windows: None,
+            clock_s: Vec::new(),
             work: Work::default(),
         }
     }

@@ -21,7 +21,7 @@ pub fn refined(data: &Data, fit: &Fit, scales: &Scales) -> Scales {
 
 /// Frequencies at which a sequence's spectrum stands out most from its neighbourhood, strongest
 /// first.
-fn lines(values: &[f64], rate_hz: f64) -> Vec<f64> {
+pub(crate) fn lines(values: &[f64], rate_hz: f64) -> Vec<f64> {
     let raw = spectrum::periodogram(values, rate_hz);
     let count = raw.density.len();
     if count < 64 {

@@ -55,6 +55,8 @@ pub struct Data {
     pub test: Vec<Range<usize>>,
     /// Where simulations are begun anew, where the response is chaotic.
     pub windows: Option<Arc<Windows>>,
+    /// Time of each sample, s, where they do not follow one another at the sampling rate; else empty.
+    pub clock_s: Vec<f64>,
     /// Computing work spent on it so far.
     pub work: Work,
 }

@@ -146,6 +146,7 @@ fn cut(recording: &Recording, range: &Range<usize>) -> Recording {
         first_sample: recording.first_sample + range.start,
         rate_hz: recording.rate_hz,
         columns: recording.columns.iter().map(of).collect(),
+        units: recording.units.clone(),
         averaged: None,
         findings: recording.findings.clone(),
         filled,

@@ -100,6 +100,10 @@ pub fn prepare(recording: &Recording, model: &model::Driven, control: &Control) 
             input = Some(Input::new(values, Interpolation::BandLimited));
         }
     }
+    if input.is_none() {
+        // No input has to be interpolated.
+        ends = 0..samples;
+    }
     let mut environment = Vec::new();
     let (mut columns, mut followed): (Vec<Vec<f64>>, Vec<Followed>) = (Vec::new(), Vec::new());
     for name in &model.columns.environment {
@@ -139,6 +143,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven, control: &Control) 
         validation,
         test,
         windows: None,
+        clock_s: Vec::new(),
         work: Work::default(),
     };
     if data.train_len() < FEWEST / 2 {

@@ -99,7 +99,8 @@ pub(crate) fn reading_noise(s: &Sample<'_>) -> Option<ReadingNoise> {
     // surer measure.
     let (by_differences, by_band) = (differences(y)?, quietest(y, s.rate_hz));
     let white = by_band.filter(|b| b.deviation < AGREE * by_differences.deviation).unwrap_or(by_differences);
-    let any_colour = least([u.and_then(|u| periods(u, y)), still(u, y)]);
+    // Without an input nothing says when the mass is still: the end of a decay may only seem so.
+    let any_colour = u.and_then(|u| least([periods(u, y), still(Some(u), y)]));
     let best = any_colour.filter(|a| a.deviation <= BELIEVED * white.deviation).unwrap_or(white);
     let rounding = step(y) / 12f64.sqrt();
     Some(if best.deviation < rounding { ReadingNoise { deviation: rounding, how: How::Rounding } } else { best })

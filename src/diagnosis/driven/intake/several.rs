@@ -134,6 +134,7 @@ fn joined(recordings: Recordings<'_>, model: &model::Driven, settle: Settle, con
         validation: all.validation,
         test: all.test,
         windows: None,
+        clock_s: Vec::new(),
         work: first.work.clone(),
     };
     let names =

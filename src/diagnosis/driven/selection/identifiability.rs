@@ -151,6 +151,7 @@ mod tests {
             validation: Vec::new(),
             test: Vec::new(),
             windows: None,
+            clock_s: Vec::new(),
             work: Work::default(),
         };
         let mut point = vec![0.0; BASE];

@@ -17,7 +17,6 @@ use super::kept_back::settle_kept_back;
 use super::kept_shape::settle_shape;
 use super::other_power::{settle_power, settle_stop};
 use super::residual_structure::residual_structure;
-use super::ring_down::settle_ring_down;
 use super::rivals::{Look, TIE};
 use super::round::{SURE, round};
 
@@ -113,7 +112,6 @@ pub(crate) fn search(
         settle_stop(data, &mut selection, scales, budget);
         let budget = data.work.budget(Stage::KeptShapes, data.hull.len());
         settle_shape(data, &mut selection, scales, budget);
-        settle_ring_down(data, &mut selection, scales, budget);
     }
     Ok(selection)
 }

@@ -30,6 +30,8 @@ pub(super) struct Pass<'a> {
     /// Environment, row by row.
     pub environment: &'a [f64],
     pub environments: usize,
+    /// Time of each sample where they do not follow one another at the sampling rate; else empty.
+    pub clock_s: &'a [f64],
     pub parts: Parts<'a>,
     /// Where the run begins, and where it begins anew, in the order of time.
     pub beginnings: Vec<Beginning>,
@@ -123,7 +125,7 @@ impl Pass<'_> {
             }
             let environment = &self.environment[k * self.environments..(k + 1) * self.environments];
             let mut at = Instants {
-                time: k as f64 * interval_s,
+                time: self.clock_s.get(k).copied().unwrap_or(k as f64 * interval_s),
                 step: plan.step_s,
                 input: self.input(2 * k * steps, None),
                 x: motion.x,
@@ -272,6 +274,7 @@ mod tests {
             grid_end: 0,
             environment: &[],
             environments: 0,
+            clock_s: &[],
             parts: Parts {
                 base: BaseLanes { gain: [1.0; LANES], stiffness: [PULL; LANES], damping: [0.0; LANES] },
                 oscillator: [[OMEGA; LANES], [0.0; LANES]],

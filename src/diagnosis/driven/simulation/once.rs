@@ -58,6 +58,7 @@ pub(crate) fn once<K: Keep>(
         grid_end: data.input.as_ref().map_or(0, Input::end),
         environment: &data.environment,
         environments: data.environments,
+        clock_s: &data.clock_s,
         parts: Parts {
             base,
             oscillator: [omega, zeta],

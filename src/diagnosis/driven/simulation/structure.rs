@@ -13,6 +13,9 @@ use super::gain::{self, Noisy};
 /// 1e-4 of a term.
 const ANGLE: f64 = 0.25;
 
+/// The same for a free motion, whose linear part is exact: errors stay below 1e-4 of what a term does.
+const FREE_ANGLE: f64 = 0.32;
+
 /// A model: the base and some terms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelStructure {
@@ -145,14 +148,23 @@ impl ModelStructure {
         self.steps_by(point, scales, 4.0 * ANGLE)
     }
 
+    /// As `steps`, where no input has to be followed between the samples: one where that is enough.
+    pub fn free_steps(&self, point: &[f64], scales: &Scales) -> usize {
+        self.angles(point, scales, FREE_ANGLE).clamp(1, MOST_STEPS)
+    }
+
     fn steps_by(&self, point: &[f64], scales: &Scales, angle: f64) -> usize {
+        self.angles(point, scales, angle).clamp(2, MOST_STEPS)
+    }
+
+    fn angles(&self, point: &[f64], scales: &Scales, angle: f64) -> usize {
         let fastest = self
             .terms
             .iter()
             .enumerate()
             .map(|(i, t)| scales.fineness * t.fastest_rad_s(self.of(i, point), scales))
             .fold(point[OMEGA], f64::max);
-        ((fastest * scales.interval_s / angle).ceil() as usize).clamp(2, MOST_STEPS)
+        (fastest * scales.interval_s / angle).ceil() as usize
     }
 }
 

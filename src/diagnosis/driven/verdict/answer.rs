@@ -55,9 +55,10 @@ pub fn answer(
 ) -> Answer {
     let Asked { recording, pieces, judging, columns, unit } = *asked;
     let output = columns.output.clone();
-    let output_unit = unit.map_or_else(|| effects::unit_of(&output, "output unit"), str::to_owned);
-    let input_unit = columns.input.as_deref().map_or_else(String::new, |i| effects::unit_of(i, "input unit"));
-    let units = data.followed.iter().map(|kept| effects::unit_of(&kept.heading, "environment unit"));
+    let output_unit = unit.map_or_else(|| effects::unit_of(recording, &output, "output unit"), str::to_owned);
+    let input_unit =
+        columns.input.as_deref().map_or_else(String::new, |i| effects::unit_of(recording, i, "input unit"));
+    let units = data.followed.iter().map(|kept| effects::unit_of(recording, &kept.heading, "environment unit"));
     let environment_units = units.collect();
     let channels = Channels { output: output.clone(), output_unit: output_unit.clone(), input_unit, environment_units };
     let forms = forms(data, c, scales);
@@ -124,7 +125,9 @@ pub fn answer(
         named: !c.named.is_empty(),
         candidates: ranking.iter().map(|r| (r.id.to_owned(), r.gain, r.named)).collect(),
     };
-    let repair = (selection.base_follows || !c.named.is_empty()).then(|| repair(asked, data, c));
+    let low_frequency = c.noise.memory.map_or(1.0, |memory| memory.low_frequency);
+    let fits = [&c.base.fit, &c.model.fit];
+    let repair = (selection.base_follows || !c.named.is_empty()).then(|| repair(asked, data, fits, low_frequency));
     Answer {
         kind: Kind::Driven,
         outcome: c.outcome,
@@ -212,11 +215,12 @@ fn scores(data: &Data, c: &Conclusion, [before, after]: [&[f64]; 2], test: &[[us
         unit: unit.to_owned(),
         noise_floor: effects::noise_floor(data, &c.model.fit),
         noise: None,
-        train: Score { rmse_before: rmse(before), rmse_after: Some(rmse(after)), ratio_ci95: None },
+        train: Score { rmse_before: rmse(before), rmse_after: Some(rmse(after)), ratio_ci95: None, share: None },
         test: Score {
             rmse_before: c.base.held_out.free().sqrt(),
             rmse_after: Some(c.model.held_out.free().sqrt()),
             ratio_ci95: Some(ratio_interval(&c.base.held_out, &c.model.held_out)),
+            share: None,
         },
         test_ranges: range_scores(test, &c.base.held_out, &c.model.held_out),
         recordings: Vec::new(),

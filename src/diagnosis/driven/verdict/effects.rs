@@ -13,10 +13,12 @@ use crate::physics::law::Noise;
 use crate::physics::library::Term;
 use crate::physics::readout_quantisation;
 use crate::physics::scales::{Coordinate, Scales};
+use crate::recording::Recording;
 use crate::standing::{Gain, Note, Ranked};
 use crate::verdict::{Effect, Estimate, Evidence, Form};
 
 use super::conclude::Conclusion;
+use super::product;
 
 /// Unit of a parameter that is a force on the mass.
 const FORCE: &str = "y/s^2";
@@ -34,32 +36,42 @@ pub struct Channels {
     pub environment_units: Vec<String>,
 }
 
-/// The unit that a heading ends in, "V2_V" → "V"; `otherwise` where it does not end in one.
-pub(crate) fn unit_of(heading: &str, otherwise: &str) -> String {
-    match heading.rsplit_once('_') {
-        Some((_, unit)) if !unit.is_empty() && unit.len() <= 5 => unit.to_owned(),
-        _ => otherwise.to_owned(),
-    }
+/// Unit of a column as file or heading state it, "V2_V" → "V"; `otherwise` where they do not. With
+/// `^2` for a square, as all units of a verdict.
+pub(crate) fn unit_of(recording: &Recording, heading: &str, otherwise: &str) -> String {
+    recording.unit_words(heading).map_or_else(|| otherwise.to_owned(), |unit| unit.replace('²', "^2"))
 }
 
 /// Unit of a term's parameter: a share per unit of the environment column where the term follows one.
-pub(super) fn parameter_unit(term: &Term, parameter: usize, channels: &Channels) -> String {
+pub(in crate::driven) fn parameter_unit(term: &Term, parameter: usize, channels: &Channels) -> String {
     match term.environment().and_then(|column| channels.environment_units.get(column)) {
         Some(own) => format!("1/{own}"),
         None => unit(term.candidate().parameters[parameter].unit, channels),
     }
 }
 
-/// A candidate's unit with the recording's own units in place of `y` and `u`.
+/// A candidate's unit with the recording's own units in place of `y` and `u`, reduced where they are
+/// products of units: m over m/s² and s² is 1.
 pub fn unit(pattern: &str, channels: &Channels) -> String {
+    let composite = |unit: &str| unit.contains(['/', ' ', '^']);
+    if composite(&channels.output_unit) || composite(&channels.input_unit) {
+        let replaced =
+            substituted(pattern, [&format!("({})", channels.output_unit), &format!("({})", channels.input_unit)]);
+        return product::reduced(&replaced).unwrap_or(replaced);
+    }
+    substituted(pattern, [&channels.output_unit, &channels.input_unit])
+}
+
+/// The pattern with units in place of `y` and `u`.
+fn substituted(pattern: &str, [output, input]: [&str; 2]) -> String {
     let mut out = String::new();
     let letters: Vec<char> = pattern.chars().collect();
     for (i, c) in letters.iter().enumerate() {
         let alone = |j: Option<usize>| j.and_then(|j| letters.get(j)).is_none_or(|c| !c.is_alphabetic());
         let single = alone(i.checked_sub(1)) && alone(Some(i + 1));
         match c {
-            'y' if single => out += &channels.output_unit,
-            'u' if single => out += &channels.input_unit,
+            'y' if single => out += output,
+            'u' if single => out += input,
             c => out.push(*c),
         }
     }
@@ -104,7 +116,7 @@ pub fn base(c: &Conclusion, scales: &Scales, channels: &Channels) -> Vec<Estimat
 }
 
 /// The 95 % interval about a value that moves in this coordinate.
-fn interval_about(value: f64, coordinate: Coordinate, reach: [f64; 2]) -> [f64; 2] {
+pub(in crate::driven) fn interval_about(value: f64, coordinate: Coordinate, reach: [f64; 2]) -> [f64; 2] {
     let [down, up] = reach.map(|r| r.min(1e3));
     match coordinate {
         Coordinate::Linear(scale) => [value - down * scale, value + up * scale],
@@ -237,6 +249,7 @@ pub fn effects(
             channels: vec![channels.output.clone()],
             form: forms.iter().find(|(index, _)| *index == named.index).map(|(_, form)| form.clone()),
             evidence: Evidence { held_out_gain: gain(c, named, floor), p_value: named.comparison.p_value },
+            share: None,
             confusable_with: alike(named),
         });
     }
@@ -261,6 +274,7 @@ pub fn effects(
                 channels: vec![channels.output.clone()],
                 form: None,
                 evidence: Evidence { held_out_gain: gain(c, named, floor), p_value: named.comparison.p_value },
+                share: None,
                 confusable_with: vec![id.to_owned()],
             });
         }
@@ -285,6 +299,7 @@ pub fn effects(
                 p_value: (-(lattice.gain * c.model.fit.linear.residual.len() as f64).min(600.0)).exp()
                     * selection.tried as f64,
             },
+            share: None,
             confusable_with: Vec::new(),
         });
     }

@@ -116,18 +116,20 @@ fn departure(data: &Data, freely: &Freely<'_>) -> Option<Form> {
 }
 
 /// A curve as the stated form of some strength, what the base model does besides, and the rest.
-struct Split {
+pub(crate) struct Split {
     law: Freed,
     /// Strengths of the stated form and of the base model's part.
     strengths: Vec<f64>,
     gap: [f64; 2],
-    stated: Vec<f64>,
-    rest: Vec<f64>,
+    /// The stated form at each visit.
+    pub(crate) stated: Vec<f64>,
+    /// What the curve has besides.
+    pub(crate) rest: Vec<f64>,
 }
 
 impl Split {
     /// The nearest one: by least squares over the visits, over the gaps too for a stop.
-    fn of(form: &FreeForm, values: &[f64], at: &[f64], whole: &[f64]) -> Option<Self> {
+    pub(crate) fn of(form: &FreeForm, values: &[f64], at: &[f64], whole: &[f64]) -> Option<Self> {
         let gaps: Vec<[f64; 2]> = match form.law {
             Freed::Stop(_) => {
                 let (furthest, gap) = (at.iter().fold(0.0f64, |m, a| m.max(a.abs())), values[1]);
@@ -155,12 +157,12 @@ impl Split {
     }
 
     /// What the base model's own parameters do of it.
-    fn base(&self, a: f64) -> f64 {
+    pub(crate) fn base(&self, a: f64) -> f64 {
         let all = functions(self.law, self.gap, a);
         all.iter().zip(&self.strengths).skip(strengths_of(self.law)).map(|(f, s)| f * s).sum()
     }
 
-    fn stated_at(&self, a: f64) -> f64 {
+    pub(crate) fn stated_at(&self, a: f64) -> f64 {
         let all = functions(self.law, self.gap, a);
         all.iter().zip(&self.strengths).take(strengths_of(self.law)).map(|(f, s)| f * s).sum()
     }

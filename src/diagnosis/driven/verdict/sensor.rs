@@ -6,6 +6,7 @@ use crate::driven::base::{GAIN, OMEGA, ZETA};
 use crate::driven::identification::fit::Fit;
 use crate::driven::intake::data::{Data, Followed};
 use crate::motion::temperature::Temperature;
+use crate::number::rounded;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::spectrum;
 use crate::physics::coefficients::{Coefficients, StudyLaw, laws};
@@ -15,28 +16,38 @@ use crate::physics::library::Term;
 use crate::physics::one_sided_stop::OneSidedStop;
 use crate::physics::readout_lowpass::{Poles, ReadoutLowpass};
 use crate::physics::warm_stiffness::WarmStiffness;
+use crate::recording::roles::{self, Stated};
+use crate::recording::unit::Quantity;
 use crate::repair::{Repair, Vibration};
 use crate::sensor::{Accelerometer, ProofMass, Sensor};
 use crate::units::key::Sign;
 use crate::warm_profile::{is_in_celsius, is_possible, profile};
 
 use super::asked::Asked;
-use super::conclude::Conclusion;
 
-/// Sensors with and without the terms of the final model. One unit of input is taken as 1 m/s²;
-/// without an input, one unit of output as 1 m. Readout noise with a memory is written as the white
-/// noise of the same density at low frequencies, from which drift comes.
-pub(super) fn repair(asked: &Asked<'_>, data: &Data, conclusion: &Conclusion) -> Repair {
+/// Sensors with and without the terms of the final model. The input's unit is the file's where that
+/// is one of specific force, else taken as 1 m/s²; without an input, one unit of output is taken as
+/// 1 m. Readout noise with a memory is written as the white noise of the same density at low
+/// frequencies, which is `low_frequency` times that of its innovations, from which drift comes.
+pub(in crate::driven) fn repair(
+    asked: &Asked<'_>,
+    data: &Data,
+    [before, after]: [&Fit; 2],
+    low_frequency: f64,
+) -> Repair {
     let input = data.input.as_ref().and(asked.columns.input.as_deref());
-    let warmth = warmth(asked, data, &conclusion.model.fit.structure.terms);
-    let [before, after] = [&conclusion.base.fit, &conclusion.model.fit];
-    let low_frequency = conclusion.noise.memory.map_or(1.0, |memory| memory.low_frequency);
+    let own = input.and_then(|name| match roles::stated(name, asked.recording.stated(name)) {
+        Some(Stated::Inertial(unit)) if unit.quantity == Quantity::Accelerometer => Some(unit),
+        _ => None,
+    });
+    let per_input = own.as_ref().map_or(1.0, |unit| unit.si);
+    let warmth = warmth(asked, data, &after.structure.terms);
     let mut not_expressible = Vec::new();
     let with_noise = |mut sensor: Sensor| {
         sensor.accelerometer.velocity_random_walk_m_s_rts *= low_frequency;
         sensor
     };
-    let repaired = with_noise(sensor(data, after, warmth.is_some(), Some(&mut not_expressible)));
+    let repaired = with_noise(sensor(data, after, per_input, warmth.is_some(), Some(&mut not_expressible)));
     let vibration = match &data.input {
         Some(values) => {
             let u = &values.samples()[data.hull.clone()];
@@ -44,7 +55,7 @@ pub(super) fn repair(asked: &Asked<'_>, data: &Data, conclusion: &Conclusion) ->
             let total: f64 = density.density.iter().sum();
             let mean =
                 density.frequency_hz.iter().zip(&density.density).map(|(f, d)| f * d).sum::<f64>() / total.max(1e-300);
-            Vibration { amplitude_m_s2: SQRT_2 * mean_sd(u).1, frequency_hz: mean.max(1e-9) }
+            Vibration { amplitude_m_s2: SQRT_2 * mean_sd(u).1 * per_input, frequency_hz: mean.max(1e-9) }
         }
         None => {
             let omega = after.point[OMEGA];
@@ -52,14 +63,20 @@ pub(super) fn repair(asked: &Asked<'_>, data: &Data, conclusion: &Conclusion) ->
             Vibration { amplitude_m_s2: amplitude, frequency_hz: 0.1 * omega / std::f64::consts::TAU }
         }
     };
-    let relation = match input {
-        Some(name) => {
+    let relation = match (input, &own) {
+        (Some(name), Some(unit)) => {
+            format!(
+                "one unit of {name} is {} m/s² of specific force; displacement follows from the gain",
+                rounded(unit.si, 6)
+            )
+        }
+        (Some(name), None) => {
             format!("one unit of {name} is taken as 1 m/s² of specific force; displacement follows from the gain")
         }
-        None => "one unit of the output is taken as 1 m of displacement".to_owned(),
+        (None, _) => "one unit of the output is taken as 1 m of displacement".to_owned(),
     };
     Repair {
-        before: with_noise(sensor(data, before, false, None)),
+        before: with_noise(sensor(data, before, per_input, false, None)),
         after: repaired,
         by_axis: Vec::new(),
         relation: relation + &warmth.as_ref().map_or_else(String::new, |(name, _)| format!("; {name} is taken as °C")),
@@ -82,9 +99,10 @@ fn warmth<'a>(asked: &Asked<'_>, data: &'a Data, terms: &[Term]) -> Option<(&'a 
     is_possible(&points).then(|| (heading.as_str(), Temperature::new(points, *mean)))
 }
 
-/// The fitted model; `warm`: with the temperature that its spring follows, if it follows one.
-fn sensor(data: &Data, fit: &Fit, warm: bool, mut not_expressible: Option<&mut Vec<String>>) -> Sensor {
-    let gain = if data.input.is_some() { fit.point[GAIN] } else { 1.0 };
+/// The fitted model, with `per_input` m/s² in one unit of input; `warm`: with the temperature that its spring follows, if it follows one.
+fn sensor(data: &Data, fit: &Fit, per_input: f64, warm: bool, mut not_expressible: Option<&mut Vec<String>>) -> Sensor {
+    // Displacement for 1 m/s², whatever the input's unit.
+    let gain = if data.input.is_some() { fit.point[GAIN] / per_input } else { 1.0 };
     let (omega, zeta) = (fit.point[OMEGA], fit.point[ZETA]);
     let mut mass = ProofMass { natural_frequency_rad_s: omega, damping_ratio: zeta, ..ProofMass::default() };
     let readout = fit.variance.sqrt() / fit.structure.gain(&fit.point, data.interval_s()).innovation_variance.sqrt();
@@ -105,7 +123,7 @@ fn sensor(data: &Data, fit: &Fit, warm: bool, mut not_expressible: Option<&mut V
                     list.push(format!("{}, which came out negative: {}", term.id(), term.candidate().equation));
                 }
             } else {
-                mass.laws = metric(mass.laws, law, p, gain);
+                mass.laws = metric(mass.laws, law, p, [gain, per_input]);
             }
             continue;
         }
@@ -119,7 +137,7 @@ fn sensor(data: &Data, fit: &Fit, warm: bool, mut not_expressible: Option<&mut V
                 accelerometer.acceleration_random_walk_m_s2_rts =
                     p[0] * readout * to_acceleration / data.interval_s().sqrt();
             }
-            None if at_the_readout(&mut accelerometer, term, p, omega * omega / gain) => {}
+            None if at_the_readout(&mut accelerometer, term, p, [omega * omega / gain, per_input]) => {}
             None => {
                 if let Some(list) = not_expressible.as_deref_mut() {
                     list.push(format!("{} ({}): {}", term.id(), term.candidate().equation, why_not(term)));
@@ -162,8 +180,8 @@ fn why_not(term: &Term) -> &'static str {
 const LOPSIDED: f64 = 0.05;
 
 /// Gives the accelerometer what was added at the readout of the displacement, one unit of which is
-/// so much acceleration with its sign; `false` where no term of a study is that.
-fn at_the_readout(accelerometer: &mut Accelerometer, term: &Term, p: &[f64], per_unit: f64) -> bool {
+/// so much acceleration with its sign, as is one unit of input; `false` where no term of a study is that.
+fn at_the_readout(accelerometer: &mut Accelerometer, term: &Term, p: &[f64], [per_unit, per_input]: [f64; 2]) -> bool {
     match term {
         Term::BiasDrift(_) => accelerometer.ramp_m_s3 = p[0] * per_unit,
         Term::WarmUp(_) => {
@@ -178,7 +196,7 @@ fn at_the_readout(accelerometer: &mut Accelerometer, term: &Term, p: &[f64], per
         Term::ReadoutNonlinearity(_) => {
             (accelerometer.k2_per_m_s2, accelerometer.k3_per_m2_s4) = (p[0] / per_unit, p[1] / per_unit.powi(2));
         }
-        Term::Feedthrough(_) => accelerometer.feedthrough = p[0] * per_unit,
+        Term::Feedthrough(_) => accelerometer.feedthrough = p[0] * per_unit / per_input,
         Term::ReadoutDelay(_) => accelerometer.readout_delay_s = p[0],
         Term::ReadoutLowpass(ReadoutLowpass(Poles::One)) => accelerometer.readout_lowpass_s = p[0],
         Term::ReadoutQuantisation(_) => accelerometer.quantisation_m_s2 = p[0] * per_unit.abs(),
@@ -195,10 +213,10 @@ fn is_refused(law: &StudyLaw, p: &[f64]) -> bool {
     law.given().iter().zip(p).any(|(given, value)| given.key.sign != Sign::Any && *value < 0.0)
 }
 
-/// With the law's parameters in SI: a unit of input is 1 m/s², and displacement becomes metres by
-/// the gain.
-fn metric(mut all: Coefficients, law: &StudyLaw, p: &[f64], gain: f64) -> Coefficients {
-    let units = Units { y: 1.0 / gain.abs(), u: 1.0, s: 1.0 };
+/// With the law's parameters in SI: a unit of input is `per_input` m/s², and displacement becomes
+/// metres by the gain for 1 m/s².
+fn metric(mut all: Coefficients, law: &StudyLaw, p: &[f64], [gain, per_input]: [f64; 2]) -> Coefficients {
+    let units = Units { y: 1.0 / gain.abs(), u: per_input, s: 1.0 };
     for (parameter, (given, value)) in law.given().iter().zip(p).enumerate() {
         let turned = if given.turns && gain < 0.0 { -1.0 } else { 1.0 };
         all = all.with(&given.key, turned * value * law.factor(parameter, &units));
@@ -226,7 +244,7 @@ mod tests {
         let given = |id: &str, p: &[f64]| {
             let mut accelerometer = Accelerometer::default();
             let term = *Term::all().iter().find(|term| term.id() == id).expect("it is listed");
-            let taken = at_the_readout(&mut accelerometer, &term, p, -3.0);
+            let taken = at_the_readout(&mut accelerometer, &term, p, [-3.0, 1.0]);
             (taken, accelerometer)
         };
         let bare = Accelerometer::default();
@@ -251,7 +269,7 @@ mod tests {
     #[test]
     fn parameters_become_metric_by_the_gain_and_its_sign() {
         for (id, expected) in [("cubic-stiffness", 12.0), ("quadratic-stiffness", -6.0), ("coulomb-friction", 1.5)] {
-            let got = metric(Coefficients::default(), law(id), &[3.0], -2.0).of(&law(id).given()[0].key);
+            let got = metric(Coefficients::default(), law(id), &[3.0], [-2.0, 1.0]).of(&law(id).given()[0].key);
             assert!((got - expected).abs() < 1e-12, "{id}: {got}");
         }
     }
@@ -267,7 +285,7 @@ mod tests {
         ] {
             // Unknown beginnings stand behind the parameters.
             let fitted = [given[0], given[1], given[2], 7.0, 8.0];
-            let got = metric(Coefficients::default(), law(id), &fitted, -2.0);
+            let got = metric(Coefficients::default(), law(id), &fitted, [-2.0, 1.0]);
             for (key, expected) in law(id).given().iter().zip(expected) {
                 assert!((got.of(&key.key) - expected).abs() < 1e-12, "{id}: {got:?}");
             }

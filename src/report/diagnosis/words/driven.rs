@@ -3,7 +3,7 @@
 use proofmass_base::number::{short, with_uncertainty};
 use proofmass_diagnosis::answer::Answer;
 use proofmass_diagnosis::driven::verdict::detail::{Account, Detail};
-use proofmass_diagnosis::verdict::{Effect, Estimate, Outcome};
+use proofmass_diagnosis::verdict::{DependsOn, Effect, Estimate, Outcome};
 
 /// One or two plain sentences.
 pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
@@ -23,6 +23,18 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
         })
         .collect();
     let sentence = match answer.outcome {
+        Outcome::Explained | Outcome::Unexplained if answer.fit.test.share.is_some() && !effects.is_empty() => {
+            shares(answer, &holding(effects, &named), unit)
+        }
+        Outcome::Unexplained if effects.is_empty() && answer.places.argument.is_some() => {
+            let part = |a: &DependsOn| format!("{} % of it depends on {}", short(100.0 * a.share.value), a.name);
+            format!(
+                "The mismatch is real: the base model's error on held-out samples is {} {unit}, {}, and no law of the \
+                 library fits it.",
+                short(before),
+                answer.places.argument.as_ref().map_or(String::new(), part)
+            )
+        }
         Outcome::Explained => format!("The model left out {}; with it, {fall}.", listed(&named, "and")),
         Outcome::Undecidable if effects.is_empty() => format!(
             "A faint structure remains in the residual ({} % of its variance is predictable), too weak in this \
@@ -114,6 +126,31 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
         ),
     };
     sentence + &doubts(&account.doubts)
+}
+
+/// What the named laws remove of the base model's error together, and what remains, where models were
+/// judged by free simulation.
+fn shares(answer: &Answer, laws: &[String], unit: &str) -> String {
+    let (test, floor) = (&answer.fit.test, answer.fit.noise_floor);
+    let share = test.share.map_or(f64::NAN, |s| 100.0 * s.value);
+    let after = test.rmse_after.unwrap_or(test.rmse_before);
+    let verb = if laws.len() == 1 { "removes" } else { "remove" };
+    let rest = if answer.outcome == Outcome::Explained {
+        "; what remains is noise".to_owned()
+    } else {
+        let depends = answer.places.argument.as_ref().map_or(String::new(), |a| {
+            format!(" and depends on {} ({} % of it)", a.name, short(100.0 * a.share.value))
+        });
+        format!("; what remains is {} times the noise{depends}", short(after / floor.max(1e-300)))
+    };
+    let forms: Vec<String> = answer.effects.iter().filter(|e| departs(e)).filter_map(form).collect();
+    let forms = if forms.is_empty() { String::new() } else { format!("; {}", listed(&forms, "and")) };
+    format!(
+        "{} {verb} {share:.1} % of the base model's held-out error ({} → {} {unit}){rest}{forms}.",
+        listed(laws, "and"),
+        short(test.rmse_before),
+        short(after)
+    )
 }
 
 /// The parameter that is quoted: the first that is known to better than half its size, as the first of
@@ -264,6 +301,7 @@ mod tests {
             channels: Vec::new(),
             form: None,
             evidence: Evidence { held_out_gain: 1.0, p_value: 0.0 },
+            share: None,
             confusable_with: confusable_with.iter().map(|id| (*id).to_owned()).collect(),
         };
         let effects = [effect("a", &[]), effect("b", &["c"]), effect("c", &["b"])];
@@ -293,6 +331,7 @@ mod tests {
             channels: Vec::new(),
             form: Some(form),
             evidence: Evidence { held_out_gain: 1.0, p_value: 0.0 },
+            share: None,
             confusable_with: Vec::new(),
         };
         assert_eq!(

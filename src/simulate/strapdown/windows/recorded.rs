@@ -68,7 +68,7 @@ impl Recorded {
                 ));
             }
         }
-        let log = inertial::read(imu)?;
+        let log = inertial::read(imu, None)?;
         let Some(start) = start else {
             return Err(fail(
                 "the reference has no time stamps".into(),
@@ -151,7 +151,7 @@ impl Recorded {
         if holes > 0 {
             self.findings.push(Finding::Holes { holes, longest_s });
         }
-        if !log.units_stated {
+        if !log.findings.is_empty() {
             self.findings.push(Finding::UnitsTaken);
         }
     }

@@ -1,0 +1,17 @@
+//! A free decay: a recording of one proof mass without an input, from where it is let go until it
+//! rests.
+//!
+//! Intake finds the motion (`swings`) and its rows (`rows`); the engine searches the laws (`space`,
+//! `system`) by free simulation from the base model (`base_model`, `searched`); `answer` says what was
+//! found.
+
+pub mod answer;
+mod base_model;
+mod effects;
+mod findings;
+mod form;
+mod rows;
+pub mod searched;
+mod space;
+mod swings;
+mod system;

@@ -1,0 +1,120 @@
+//! What was found in a decay in public numbers: effects, base model, every candidate's standing.
+
+use crate::driven::verdict::effects::{Channels, interval_about, parameter_unit, unit};
+use crate::engine::evidence::Gain;
+use crate::engine::fit::Fitted;
+use crate::engine::kind::Kind;
+use crate::engine::names::Named;
+use crate::numerics::special;
+use crate::standing::{self, Note, Ranked};
+use crate::verdict::{Effect, Estimate, Evidence, Form, Share};
+
+use super::form::form;
+use super::searched::Decay;
+
+/// 95 % of a normal distribution lie within this many standard deviations.
+const REACH: f64 = 1.96;
+
+/// A gain as the public document states it.
+pub(super) fn share(gain: Gain) -> Share {
+    Share { value: gain.share, ci95: gain.ci95() }
+}
+
+/// Probability of a gain by chance, among as many laws as were tried.
+pub(super) fn p_value(decay: &Decay, gain: Gain) -> f64 {
+    let degrees = (decay.system.layout().blocks.len() as f64 - 1.0).max(1.0);
+    let chance = 0.5 * special::f_survival(gain.errors.max(0.0).powi(2), 1.0, degrees);
+    (chance * decay.system.laws() as f64).clamp(0.0, 1.0)
+}
+
+/// Named laws, strongest first, each followed by the laws that do as well in its place.
+pub(super) fn effects(decay: &Decay, channels: &Channels) -> Vec<Effect> {
+    let mut all: Vec<Effect> = Vec::new();
+    for (named, rivals) in decay.found.named.iter().zip(&decay.numbers.rivals) {
+        let model = &decay.numbers.model;
+        let id = decay.system.members[model.set[named.place]].term.id();
+        let others = rivals.iter().map(|(law, _)| decay.system.members[*law].term.id().to_owned());
+        let mut others: Vec<String> = others.collect();
+        others.dedup();
+        all.push(Effect { confusable_with: others, ..effect(decay, named, model, named.place, channels) });
+        for (law, rival) in rivals {
+            let place = rival.set.iter().position(|l| l == law);
+            let other = place.map(|place| effect(decay, named, rival, place, channels));
+            if let Some(other) = other.filter(|o| all.iter().all(|known| known.id != o.id)) {
+                all.push(Effect { confusable_with: vec![id.to_owned()], form: None, ..other });
+            }
+        }
+    }
+    all
+}
+
+fn effect(decay: &Decay, named: &Named, model: &Fitted, place: usize, channels: &Channels) -> Effect {
+    let term = decay.system.members[model.set[place]].term;
+    let words = term.candidate();
+    Effect {
+        id: words.id.to_owned(),
+        statement: words.statement.to_owned(),
+        equation: words.equation.to_owned(),
+        parameters: estimates(decay, model, place, channels),
+        channels: vec![channels.output.clone()],
+        form: effect_form(decay, named),
+        evidence: Evidence { held_out_gain: named.gain.share, p_value: p_value(decay, named.gain) },
+        share: Some(share(named.gain)),
+        confusable_with: Vec::new(),
+    }
+}
+
+fn effect_form(decay: &Decay, named: &Named) -> Option<Form> {
+    let (freed, gain) = named.departs.as_ref()?;
+    form(decay, freed, *gain)
+}
+
+/// The parameters of the law at a place of a set.
+fn estimates(decay: &Decay, model: &Fitted, place: usize, channels: &Channels) -> Vec<Estimate> {
+    let term = decay.system.members[model.set[place]].term;
+    let own = decay.system.coordinates(&model.set, place);
+    let parameters = term.candidate().parameters;
+    let one = |(j, i): (usize, usize)| {
+        let (value, ci95) = interval(decay, model, i);
+        Estimate { name: parameters[j].name.to_owned(), value, unit: parameter_unit(&term, j, channels), ci95 }
+    };
+    own.enumerate().take(parameters.len()).map(one).collect()
+}
+
+/// A shared value with its interval.
+fn interval(decay: &Decay, model: &Fitted, i: usize) -> (f64, [f64; 2]) {
+    let coordinate = decay.system.shared_coordinates(&model.set)[i];
+    let value = decay.system.shared_values(&model.set, &model.point)[i];
+    (value, interval_about(value, coordinate, [REACH * model.deviations[i]; 2]))
+}
+
+/// ω₀, ζ and the offset, as fitted together with the named laws.
+pub(super) fn base(decay: &Decay, channels: &Channels) -> Vec<Estimate> {
+    let rows = [("omega0", "rad/s"), ("zeta", "1"), ("offset", "y")];
+    let one = |(i, (name, pattern)): (usize, (&str, &str))| {
+        let (value, ci95) = interval(decay, &decay.numbers.model, i);
+        Estimate { name: name.to_owned(), value, unit: unit(pattern, channels), ci95 }
+    };
+    rows.into_iter().enumerate().map(one).collect()
+}
+
+/// Named laws first, then each law alone.
+pub(super) fn ranking(decay: &Decay, channels: &Channels) -> Vec<Ranked> {
+    let of = |law: usize, gain: Gain, named: bool| Ranked {
+        id: decay.system.members[law].term.id(),
+        channels: vec![channels.output.clone()],
+        gain: standing::Gain::held_out(gain.share, gain.ci95()),
+        p_value: p_value(decay, gain),
+        named,
+        note: if named { Note::BesideNamed } else { Note::Alone },
+    };
+    let found = &decay.found;
+    let mut all: Vec<Ranked> = found.named.iter().map(|n| of(found.model.set[n.place], n.gain, true)).collect();
+    for (law, gain) in &found.alone {
+        let id = decay.system.members[*law].term.id();
+        if all.iter().all(|r| r.id != id) {
+            all.push(of(*law, *gain, false));
+        }
+    }
+    all
+}

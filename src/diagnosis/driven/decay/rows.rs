@@ -1,0 +1,144 @@
+//! The rows that a decay is fitted to: at most forty a cycle, each the value of a parabola through
+//! its neighbours, so that neither the fineness of sampling nor decimation matters.
+
+use std::ops::Range;
+
+use crate::driven::intake::data::Data;
+use crate::engine::kind::Layout;
+use crate::numerics::moments::dot;
+
+use super::swings::Motion;
+
+/// Rows of a cycle at most.
+const PER_CYCLE: f64 = 40.0;
+/// Half the width of a parabola, in rows that are left.
+const HALF: f64 = 0.75;
+/// Cycles of a segment.
+const CYCLES: f64 = 4.0;
+/// Rows of a segment at least.
+const LEAST_SEGMENT: f64 = 24.0;
+/// Rows of a cycle that are kept where there are many cycles.
+const FEW_PER_CYCLE: f64 = 16.0;
+/// Rows in all at about; of more, segments are left out evenly, the first one never.
+const MOST: f64 = 2000.0;
+/// Blocks in all at least, where each keeps some rows.
+const FEWEST_BLOCKS: usize = 32;
+/// Rows of a block at least.
+const LEAST_BLOCK: usize = 6;
+
+/// Rows of a decay: segments one after the other, each of which begins anew.
+#[derive(Debug, Clone)]
+pub(super) struct Rows {
+    /// As simulations see them.
+    pub data: Data,
+    /// Segments and blocks.
+    pub layout: Layout,
+    /// Row of the recording of each row here.
+    pub at: Vec<usize>,
+    /// Rows of the recording from one row to the next.
+    pub step: usize,
+    /// One segment of so many is fitted.
+    pub of: usize,
+    /// Standard deviation of white noise of unit size after the parabolas.
+    pub noise_gain: f64,
+}
+
+/// Weights of a parabola's value in the middle of 2m + 1 rows (Savitzky & Golay, Anal. Chem. 36,
+/// 1964).
+fn weights(m: usize) -> Vec<f64> {
+    let m = m as f64;
+    let norm = (2.0 * m - 1.0) * (2.0 * m + 1.0) * (2.0 * m + 3.0);
+    let of = |j: f64| 3.0 * (3.0 * m * m + 3.0 * m - 1.0 - 5.0 * j * j) / norm;
+    (0..=2 * m as usize).map(|i| of(i as f64 - m)).collect()
+}
+
+/// Rows of a motion; `filled` were not recorded.
+pub(super) fn rows(data: &Data, motion: &Motion, filled: &[Range<usize>]) -> Rows {
+    let seen = motion.stretches.iter().map(Range::len).sum::<usize>() as f64;
+    let step = (motion.cycle / PER_CYCLE).max((seen / MOST).min(motion.cycle / FEW_PER_CYCLE)).max(1.0) as usize;
+    let half = if step > 1 { ((HALF * step as f64).round() as usize).max(2) } else { 0 };
+    let weights = if half > 0 { weights(half) } else { vec![1.0] };
+    let cycle = motion.cycle / step as f64;
+    let length = (CYCLES * cycle).max(LEAST_SEGMENT);
+    let mut parts: Vec<Vec<usize>> = Vec::new();
+    for stretch in &motion.stretches {
+        let all: Vec<usize> = (stretch.start + half..stretch.end.saturating_sub(half)).step_by(step).collect();
+        let count = ((all.len() as f64 / length).round() as usize).max(1);
+        parts.extend((0..count).map(|i| all[all.len() * i / count..all.len() * (i + 1) / count].to_vec()));
+    }
+    parts.retain(|p| p.len() >= 3 * LEAST_BLOCK);
+    let total: usize = parts.iter().map(Vec::len).sum();
+    let of = ((total as f64 / MOST).round() as usize).max(1);
+    let parts: Vec<Vec<usize>> = parts.into_iter().step_by(of).collect();
+    let mut segments = Vec::new();
+    let mut at: Vec<usize> = Vec::new();
+    for part in parts {
+        segments.push(at.len()..at.len() + part.len());
+        at.extend(part);
+    }
+    let recorded = |k: usize| filled.iter().all(|f| f.end <= k - half || f.start > k + half);
+    let columns = data.environments;
+    let block = (cycle as usize).min(at.len() / FEWEST_BLOCKS).max(LEAST_BLOCK);
+    let counts = at.iter().map(|k| recorded(*k)).collect();
+    let first = at.first().copied().unwrap_or(0);
+    let data = Data {
+        reading: at.iter().map(|k| dot(&weights, &data.reading[k - half..=k + half])).collect(),
+        input: None,
+        environment: at.iter().flat_map(|k| data.environment[k * columns..(k + 1) * columns].iter().copied()).collect(),
+        rate_hz: data.rate_hz / step as f64,
+        hull: 0..at.len(),
+        breaks: segments.iter().skip(1).map(|s| s.start).collect(),
+        train: segments.clone(),
+        validation: Vec::new(),
+        test: Vec::new(),
+        windows: None,
+        clock_s: at.iter().map(|k| (k - first) as f64 / data.rate_hz).collect(),
+        ..data.clone()
+    };
+    let noise_gain = weights.iter().map(|w| w * w).sum::<f64>().sqrt();
+    Rows { data, layout: Layout::new(segments, block, counts), at, step, of, noise_gain }
+}
+
+impl Rows {
+    /// The same rows with each two segments that follow one another as one; `None` where none do.
+    pub(super) fn joined(&self) -> Option<Self> {
+        let mut segments: Vec<Range<usize>> = Vec::new();
+        let follows = |a: &Range<usize>, b: &Range<usize>| self.at[b.start] == self.at[a.end - 1] + self.step;
+        let mut is_pair = true;
+        for segment in &self.layout.segments {
+            match segments.last_mut().filter(|last| !is_pair && follows(last, segment)) {
+                Some(last) => (last.end, is_pair) = (segment.end, true),
+                None => {
+                    segments.push(segment.clone());
+                    is_pair = false;
+                }
+            }
+        }
+        if segments.len() == self.layout.segments.len() {
+            return None;
+        }
+        let block = self.layout.blocks.iter().map(Range::len).max().unwrap_or(LEAST_BLOCK);
+        let mut joined = self.clone();
+        joined.data.breaks = segments.iter().skip(1).map(|s| s.start).collect();
+        joined.data.train.clone_from(&segments);
+        joined.layout = Layout::new(segments, block, self.layout.counts.clone());
+        Some(joined)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // Σw = 1, Σw j = Σw j² = 0: a parabola is its own value.
+    #[test]
+    fn a_parabola_keeps_its_value_in_the_middle() {
+        for m in [2, 5, 8] {
+            let weights = weights(m);
+            let moment =
+                |p: i32| -> f64 { weights.iter().enumerate().map(|(i, w)| w * (i as f64 - m as f64).powi(p)).sum() };
+            assert!((moment(0) - 1.0).abs() < 1e-12 && moment(1).abs() < 1e-12 && moment(2).abs() < 1e-10);
+            assert!(moment(4).abs() > 0.1, "a fourth power is no parabola");
+        }
+    }
+}

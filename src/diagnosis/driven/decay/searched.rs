@@ -1,0 +1,97 @@
+//! A decay with the laws that were found in it.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use crate::driven::intake::data::Data;
+use crate::driven::intake::reading_noise::{ReadingNoise, Sample, reading_noise};
+use crate::driven::simulation::filter::States;
+use crate::engine::fit::{Fitted, MOST_STEPS, fit};
+use crate::engine::kind::Point;
+use crate::engine::levels::FOLLOWED;
+use crate::engine::names::{self, Found};
+use crate::engine::search::Search;
+
+use super::base_model::base;
+use super::rows::{self, Rows};
+use super::swings::{self, Motion};
+use super::system::System;
+
+/// A decay that was searched.
+pub(crate) struct Decay {
+    pub(super) motion: Motion,
+    pub(super) system: System,
+    /// Noise of the reading, and its variance in a row that is fitted.
+    pub(super) noise: ReadingNoise,
+    pub(super) variance: f64,
+    pub(super) found: Found,
+    pub(super) numbers: Numbers,
+}
+
+/// The final model over segments as long as it follows the motion through: its numbers are those of
+/// the whole decay, and not of its loudest part.
+pub(super) struct Numbers {
+    /// The decay in those segments.
+    pub(super) system: System,
+    /// The base model with the named laws.
+    pub(super) model: Arc<Fitted>,
+    /// For each named law the laws that do as well in its place.
+    pub(super) rivals: Vec<Vec<(usize, Arc<Fitted>)>>,
+}
+
+/// Searches a recording without an input; `None` where nothing swings in it, or no oscillator
+/// follows it. `filled` were not recorded.
+pub(crate) fn decay(data: &Data, filled: &[Range<usize>]) -> Option<Decay> {
+    let noise = reading_noise(&Sample::of(data))?;
+    let motion = swings::motion(&data.reading, data.hull.clone(), noise.deviation)?;
+    let rows = rows::rows(data, &motion, filled);
+    if rows.layout.segments.is_empty() {
+        return None;
+    }
+    let (system, base) = base(rows, &motion)?;
+    // What rounding adds is not smoothed away below a thousandth of the motion.
+    let least = 1e-6 * system.scales.output;
+    let variance = (noise.deviation * system.rows.noise_gain).max(least).powi(2);
+    let (search, base) = Search::begin(&system, variance, &base.point)?;
+    let found = names::names(&search, base);
+    drop(search);
+    let numbers = numbers(&system, &found, variance);
+    Some(Decay { motion, system, noise, variance, found, numbers })
+}
+
+/// Joins segments as long as the model follows the motion through the longer ones.
+fn numbers(system: &System, found: &Found, noise: f64) -> Numbers {
+    let copy =
+        |rows: &Rows| System { rows: rows.clone(), scales: system.scales.clone(), members: system.members.clone() };
+    let mut numbers = Numbers {
+        system: copy(&system.rows),
+        model: found.model.clone(),
+        rivals: found.named.iter().map(|n| n.rivals.clone()).collect(),
+    };
+    let most = FOLLOWED * found.model.variance.max(noise);
+    while let Some(rows) = numbers.system.rows.joined() {
+        let before = &numbers.system.rows.layout.segments;
+        let is_first = |s: &Range<usize>| before.iter().position(|own| own.start == s.start);
+        let firsts: Vec<usize> = rows.layout.segments.iter().filter_map(is_first).collect();
+        let joined = copy(&rows);
+        let again = |fitted: &Fitted| {
+            let starts = firsts.iter().map(|s| fitted.point.starts[*s].clone()).collect();
+            let point = Point { starts, ..fitted.point.clone() };
+            fit(&joined, &fitted.set, &point, MOST_STEPS).map(Arc::new)
+        };
+        let Some(model) = again(&numbers.model).filter(|m| m.variance <= most) else { break };
+        let all = numbers.rivals.iter().map(|r| r.iter().map(|(law, f)| Some((*law, again(f)?))).collect());
+        let Some(rivals) = all.collect() else { break };
+        numbers = Numbers { system: joined, model, rivals };
+    }
+    numbers
+}
+
+impl Decay {
+    /// States that a model passes through, row by row.
+    pub(super) fn passed(&self, model: &Fitted) -> States {
+        let mut states = States::default();
+        self.system.traced(&model.set, &model.point, &mut states);
+        states
+    }
+}

@@ -1,0 +1,347 @@
+//! A decay as the engine sees it: sets of laws beside the oscillator, simulated over its segments.
+
+use std::ops::Range;
+
+use crate::driven::base::{GAIN, OFFSET, OMEGA, OMEGAS_PER_SAMPLE, ZETA, ZETAS};
+use crate::driven::simulation::filter::{Keep, Nothing};
+use crate::driven::simulation::run::{Run, innovations};
+use crate::driven::simulation::structure::ModelStructure;
+use crate::engine::kind::{Argument, Form, Kind, Layout, Linearised, Point};
+use crate::physics::end_stop::EndStop;
+use crate::physics::law::Role;
+use crate::physics::library::Term;
+use crate::physics::scales::{Coordinate, Scales};
+use crate::physics::state::{LANES, Lanes};
+
+use super::rows::Rows;
+use super::space::{self, Member};
+
+/// Step in coordinates for derivatives: small beside any feature, large beside rounding.
+const NUDGE: f64 = 1e-5;
+/// Coordinate of a strength at which a law joins a model: its first derivative is what counts.
+const JOINS: f64 = 1e-3;
+/// Shared coordinates of the oscillator: ω₀, ζ, offset.
+pub(super) const OWN: usize = 3;
+
+/// A decay and the laws that it is held against.
+pub(super) struct System {
+    /// Rows, segments and blocks.
+    pub rows: Rows,
+    /// Sizes that coordinates are measured by.
+    pub scales: Scales,
+    /// The space of laws.
+    pub members: Vec<Member>,
+}
+
+impl System {
+    /// Terms of a set.
+    pub(super) fn terms(&self, set: &[usize]) -> Vec<Term> {
+        set.iter().map(|law| self.members[*law].term).collect()
+    }
+
+    /// The model of a set over all segments.
+    pub(super) fn structure(&self, set: &[usize]) -> ModelStructure {
+        ModelStructure::over(&self.terms(set), self.rows.layout.segments.len() - 1)
+    }
+
+    fn base_coordinates(&self) -> [Coordinate; OWN] {
+        let s = &self.scales;
+        [
+            Coordinate::Log(OMEGAS_PER_SAMPLE[0] / s.interval_s, OMEGAS_PER_SAMPLE[1] / s.interval_s),
+            Coordinate::Bounded(s.zeta.max(1e-4), 0.0, ZETAS[1]),
+            Coordinate::Linear(0.1 * s.output),
+        ]
+    }
+
+    /// Coordinates of the shared values of a set, Held ones included.
+    pub(super) fn shared_coordinates(&self, set: &[usize]) -> Vec<Coordinate> {
+        let mut all = self.base_coordinates().to_vec();
+        for term in self.terms(set) {
+            let own = term.coordinates(&self.scales);
+            all.extend_from_slice(&own[..own.len() - term.unknown_beginnings()]);
+        }
+        all
+    }
+
+    /// Coordinates of a segment's start.
+    fn start_coordinates(&self, set: &[usize]) -> Vec<Coordinate> {
+        let (x, v) = (0.1 * self.scales.output, 0.1 * self.scales.output * self.scales.omega_rad_s);
+        let mut all = vec![Coordinate::Linear(x), Coordinate::Linear(v)];
+        for term in self.terms(set) {
+            let own = term.coordinates(&self.scales);
+            all.extend_from_slice(&own[own.len() - term.unknown_beginnings()..]);
+        }
+        all
+    }
+
+    /// Values of the shared coordinates of a point.
+    pub(super) fn shared_values(&self, set: &[usize], point: &Point) -> Vec<f64> {
+        self.shared_coordinates(set).iter().zip(&point.shared).map(|(c, z)| value(*c, *z)).collect()
+    }
+
+    /// All parameters of the model of a set, in the order of its structure.
+    pub(super) fn parameters(&self, set: &[usize], point: &Point) -> Vec<f64> {
+        let structure = self.structure(set);
+        let shared = self.shared_values(set, point);
+        let coordinates = self.start_coordinates(set);
+        let starts: Vec<Vec<f64>> =
+            point.starts.iter().map(|s| coordinates.iter().zip(s).map(|(c, z)| value(*c, *z)).collect()).collect();
+        let mut all = vec![0.0; structure.parameters];
+        all[GAIN] = 1.0;
+        (all[OMEGA], all[ZETA], all[OFFSET]) = (shared[0], shared[1], shared[2]);
+        for (segment, start) in starts.iter().enumerate() {
+            all[structure.offset(segment)] = shared[2];
+            all[structure.initial(segment)] = start[0];
+            all[structure.initial(segment) + 1] = start[1];
+        }
+        let (mut next, mut own) = (OWN, 2);
+        for (i, term) in structure.terms.iter().enumerate() {
+            let (unknown, first) = (term.unknown_beginnings(), structure.first[i]);
+            let known = term.values() - unknown;
+            all[first..first + known].copy_from_slice(&shared[next..next + known]);
+            for (segment, start) in starts.iter().enumerate() {
+                let to = first + known + segment * unknown;
+                all[to..to + unknown].copy_from_slice(&start[own..own + unknown]);
+            }
+            (next, own) = (next + known, own + unknown);
+        }
+        all
+    }
+
+    /// How the model of a set is run at these parameters.
+    fn run(&self, structure: &ModelStructure, points: &[Vec<f64>]) -> Run {
+        let steps = points.iter().map(|p| structure.free_steps(p, &self.scales)).max().unwrap_or(1);
+        Run { range: self.rows.data.hull.clone(), steps, corrected: false }
+    }
+
+    /// Residual of lane after lane, over all rows.
+    fn simulated<S: Keep>(&self, structure: &ModelStructure, points: &[Vec<f64>], keep: &mut S) -> Vec<Vec<f64>> {
+        let run = self.run(structure, points);
+        let lanes: Vec<Lanes> = innovations(&self.rows.data, structure, points, &run, keep);
+        (0..points.len()).map(|l| lanes.iter().map(|e| e[l]).collect()).collect()
+    }
+
+    /// Residuals of a point over all rows, keeping what passes.
+    pub(super) fn traced<S: Keep>(&self, set: &[usize], point: &Point, keep: &mut S) -> Vec<f64> {
+        self.simulated(&self.structure(set), &[self.parameters(set, point)], keep).remove(0)
+    }
+
+    /// Where a law may begin: as its starts say, and where it has no strength there, with a little of
+    /// each.
+    fn beginnings(&self, term: &Term) -> Vec<Vec<f64>> {
+        let starts = match term {
+            Term::FreeForm(form) => {
+                let none = vec![0.0; term.values()];
+                match form.law {
+                    crate::physics::free_form::Freed::Friction => [0.05, 0.3]
+                        .map(|smooth| vec![0.0, smooth * self.scales.velocity, 0.0, 0.3 * self.scales.velocity])
+                        .to_vec(),
+                    _ => vec![none],
+                }
+            }
+            _ => term.starts(&self.scales),
+        };
+        let coordinates = term.coordinates(&self.scales);
+        let mut all = Vec::new();
+        for start in starts {
+            let silent =
+                |j: usize| start[j] == 0.0 && matches!(coordinates[j], Coordinate::Linear(_) | Coordinate::Bounded(..));
+            let parameters = term.values() - term.unknown_beginnings();
+            let strengths: Vec<usize> =
+                if start.first() == Some(&0.0) { (0..parameters).filter(|j| silent(*j)).collect() } else { Vec::new() };
+            let strengths =
+                if matches!(term, Term::FreeForm(_)) { strengths.into_iter().take(1).collect() } else { strengths };
+            if strengths.is_empty() {
+                all.push(start);
+                continue;
+            }
+            for j in strengths {
+                let mut nudged = start.clone();
+                nudged[j] = value(coordinates[j], JOINS);
+                all.push(nudged);
+            }
+        }
+        all
+    }
+}
+
+/// How many of a law's first parameters are its strength.
+fn strengths(term: &Term) -> usize {
+    if matches!(term, Term::ReadoutNonlinearity(_) | Term::PeriodicDisturbance(_)) { 2 } else { 1 }
+}
+
+/// The value at a coordinate.
+pub(super) fn value(coordinate: Coordinate, z: f64) -> f64 {
+    match coordinate {
+        Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => z * scale,
+        Coordinate::Log(..) => z.exp(),
+        Coordinate::Held => z,
+    }
+}
+
+/// The coordinate of a value.
+pub(super) fn z(coordinate: Coordinate, value: f64) -> f64 {
+    match coordinate {
+        Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => value / scale,
+        Coordinate::Log(low, high) => value.clamp(low, high).ln(),
+        Coordinate::Held => value,
+    }
+}
+
+impl Kind for System {
+    fn layout(&self) -> &Layout {
+        &self.rows.layout
+    }
+
+    fn laws(&self) -> usize {
+        self.members.len()
+    }
+
+    fn argument(&self, law: usize) -> Argument {
+        space::argument(&self.members[law].term)
+    }
+
+    fn form(&self, law: usize) -> Form {
+        self.members[law].form
+    }
+
+    fn excludes(&self, law: usize, other: usize) -> bool {
+        space::excludes(&self.members[law].term, &self.members[other].term)
+    }
+
+    fn joined(&self, set: &[usize], point: &Point, law: usize) -> Vec<Point> {
+        let mut larger = set.to_vec();
+        larger.push(law);
+        let staged = |t: &Term| if t.role().acts_on_mass() { t.states() } else { 0 };
+        let terms = self.terms(&larger);
+        let frictions = terms.iter().filter(|t| t.role() == Role::Friction).count();
+        if terms.iter().map(staged).sum::<usize>() > crate::physics::state::MOST_STAGED || frictions > 1 {
+            return Vec::new();
+        }
+        let term = self.members[law].term;
+        let coordinates = term.coordinates(&self.scales);
+        let known = term.values() - term.unknown_beginnings();
+        let joined = |start: Vec<f64>| {
+            let own: Vec<f64> = coordinates.iter().zip(&start).map(|(c, v)| z(*c, *v)).collect();
+            let mut point = point.clone();
+            point.shared.extend_from_slice(&own[..known]);
+            point.starts.iter_mut().for_each(|s| s.extend_from_slice(&own[known..]));
+            point
+        };
+        self.beginnings(&term).into_iter().map(joined).collect()
+    }
+
+    fn strengthened(&self, set: &[usize], point: &Point, factor: f64) -> Option<Point> {
+        let place = set.len().checked_sub(1)?;
+        let coordinates = self.shared_coordinates(set);
+        let mut point = point.clone();
+        for i in self.coordinates(set, place).take(strengths(&self.members[set[place]].term)) {
+            match coordinates[i] {
+                Coordinate::Log(..) if factor > 0.0 => point.shared[i] += factor.ln(),
+                Coordinate::Bounded(_, low, _) if factor < 0.0 && low >= 0.0 => return None,
+                Coordinate::Linear(_) | Coordinate::Bounded(..) => point.shared[i] *= factor,
+                Coordinate::Log(..) | Coordinate::Held => return None,
+            }
+        }
+        self.confine(set, &mut point);
+        Some(point)
+    }
+
+    fn without(&self, set: &[usize], point: &Point, place: usize) -> Point {
+        let mut reduced = point.clone();
+        reduced.shared.drain(self.coordinates(set, place));
+        let unknown = |t: &Term| t.unknown_beginnings();
+        let terms = self.terms(set);
+        let before = 2 + terms[..place].iter().map(unknown).sum::<usize>();
+        reduced.starts.iter_mut().for_each(|s| {
+            s.drain(before..before + terms[place].unknown_beginnings());
+        });
+        reduced
+    }
+
+    fn residuals(&self, set: &[usize], points: &[Point]) -> Vec<Option<Vec<f64>>> {
+        let structure = self.structure(set);
+        let all: Vec<Vec<f64>> = points.iter().map(|p| self.parameters(set, p)).collect();
+        let columns = all.chunks(LANES).flat_map(|group| self.simulated(&structure, group, &mut Nothing));
+        columns.map(|c| c.iter().all(|v| v.is_finite()).then_some(c)).collect()
+    }
+
+    fn linearise(&self, set: &[usize], point: &Point) -> Option<Linearised> {
+        let (shared, starts) = (point.shared.len(), point.starts.first().map_or(0, Vec::len));
+        let mut points = vec![point.clone()];
+        for i in 0..shared {
+            let mut moved = point.clone();
+            moved.shared[i] += NUDGE;
+            points.push(moved);
+        }
+        for i in 0..starts {
+            let mut moved = point.clone();
+            moved.starts.iter_mut().for_each(|s| s[i] += NUDGE);
+            points.push(moved);
+        }
+        let held: Vec<bool> = self.shared_coordinates(set).iter().map(|c| *c == Coordinate::Held).collect();
+        let mut columns = self.residuals(set, &points).into_iter().collect::<Option<Vec<_>>>()?.into_iter();
+        let residual = columns.next()?;
+        let mut derivative = |held: bool| -> Option<Vec<f64>> {
+            let moved = columns.next()?;
+            Some(residual.iter().zip(&moved).map(|(e, m)| if held { 0.0 } else { (e - m) / NUDGE }).collect())
+        };
+        let shared = held.into_iter().map(&mut derivative).collect::<Option<Vec<_>>>()?;
+        let starts = (0..starts).map(|_| derivative(false)).collect::<Option<Vec<_>>>()?;
+        Some(Linearised { residual, shared, starts })
+    }
+
+    fn confine(&self, set: &[usize], point: &mut Point) {
+        let confine = |c: &Coordinate, z: &mut f64| {
+            match *c {
+                Coordinate::Log(low, high) => *z = z.clamp(low.ln(), high.ln()),
+                Coordinate::Bounded(scale, low, high) => *z = z.clamp(low / scale, high / scale),
+                Coordinate::Linear(_) | Coordinate::Held => {}
+            }
+            if !z.is_finite() {
+                *z = 0.0;
+            }
+        };
+        self.shared_coordinates(set).iter().zip(&mut point.shared).for_each(|(c, z)| confine(c, z));
+        let coordinates = self.start_coordinates(set);
+        for start in &mut point.starts {
+            coordinates.iter().zip(start).for_each(|(c, z)| confine(c, z));
+        }
+    }
+
+    fn at_bound(&self, set: &[usize], point: &Point) -> Vec<bool> {
+        let coordinates = self.shared_coordinates(set);
+        let values = self.shared_values(set, point);
+        let on_bound = |(c, v): (&Coordinate, &f64)| match *c {
+            Coordinate::Log(low, high) | Coordinate::Bounded(_, low, high) => {
+                *v <= low + 0.01 * low.abs() || *v >= high - 0.01 * high.abs()
+            }
+            Coordinate::Linear(_) | Coordinate::Held => false,
+        };
+        let mut all: Vec<bool> = coordinates.iter().zip(&values).map(on_bound).collect();
+        let terms = self.terms(set);
+        let bends =
+            |t: &Term| matches!(t, Term::CubicStiffness(_) | Term::QuadraticStiffness(_) | Term::PowerLawStiffness(_));
+        for (place, term) in terms.iter().enumerate() {
+            let own = self.coordinates(set, place);
+            let is_soft =
+                matches!(term, Term::EndStop(_)) && EndStop::may_be_a_bend(&values[own.clone()], &self.scales);
+            all[own.start] |= is_soft && terms.iter().any(bends);
+        }
+        all
+    }
+
+    fn coordinates(&self, set: &[usize], place: usize) -> Range<usize> {
+        let known = |t: &Term| t.values() - t.unknown_beginnings();
+        let terms = self.terms(set);
+        let first = OWN + terms[..place].iter().map(known).sum::<usize>();
+        first..first + known(&terms[place])
+    }
+
+    fn strengths(&self, set: &[usize], place: usize) -> Vec<usize> {
+        let coordinates = self.shared_coordinates(set);
+        let has_zero = |i: &usize| matches!(coordinates[*i], Coordinate::Linear(_) | Coordinate::Bounded(..));
+        let own = self.coordinates(set, place).take(strengths(&self.members[set[place]].term));
+        own.filter(has_zero).collect()
+    }
+}

@@ -1,0 +1,142 @@
+//! From the best set of laws to what may be named: each law with its share, its rivals and its free
+//! form; all names together; and what the rest depends on.
+
+use std::sync::Arc;
+
+use super::evidence::Gain;
+use super::fit::Fitted;
+use super::kind::{Argument, Form, Kind};
+use super::levels::{AT_NOISE, CLEAR, TOGETHER};
+use super::search::{Search, sorted};
+
+/// A law that holds.
+#[derive(Debug, Clone)]
+pub(crate) struct Named {
+    /// Place in the set.
+    pub place: usize,
+    /// Over the set without it.
+    pub gain: Gain,
+    /// Equally good sets that have another law in its place, with that law.
+    pub rivals: Vec<(usize, Arc<Fitted>)>,
+    /// The set with its form free, where that betters the stated form.
+    pub departs: Option<(Arc<Fitted>, Gain)>,
+}
+
+/// A quantity on which what a model leaves depends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Dependence {
+    /// Quantity on which it depends.
+    pub argument: Argument,
+    /// Gain of a free form of it.
+    pub gain: Gain,
+}
+
+/// What a search allows to be said.
+#[derive(Debug, Clone)]
+pub(crate) struct Found {
+    /// The base model alone.
+    pub base: Arc<Fitted>,
+    /// The base model with the named laws; the base model where none is named.
+    pub model: Arc<Fitted>,
+    /// Laws that hold, strongest first.
+    pub named: Vec<Named>,
+    /// All of them over the base model.
+    pub together: Option<Gain>,
+    /// Laws that hold one by one and remove too little together to be named.
+    pub imitations: Vec<usize>,
+    /// What the rest depends on, the largest share first.
+    pub rest: Vec<Dependence>,
+    /// Each law alone over the base model, best first.
+    pub alone: Vec<(usize, Gain)>,
+}
+
+/// Searches, and says what holds; `base` is the fitted base model.
+pub(crate) fn names<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>) -> Found {
+    let best = search.run(&base);
+    let mut named: Vec<Named> = (0..best.set.len()).filter_map(|place| named(search, &best, place)).collect();
+    named.sort_by(|a, b| b.gain.removed.total_cmp(&a.gain.removed));
+    let together = search.gain(&base, &best);
+    let whole = named.len() == best.set.len();
+    let enough = together.share >= TOGETHER || excess(search, &best) < AT_NOISE;
+    let (model, imitations) =
+        if whole && enough { (best.clone(), Vec::new()) } else { (base.clone(), best.set.clone()) };
+    if !imitations.is_empty() {
+        named.clear();
+    }
+    let rest = if excess(search, &model) < AT_NOISE { Vec::new() } else { rest(search, &model) };
+    for name in &mut named {
+        name.departs = departs(search, &model, name.place);
+    }
+    let mut alone: Vec<(usize, Gain)> = search
+        .all()
+        .into_iter()
+        .filter_map(|f| Some((*f.set.first().filter(|_| f.set.len() == 1)?, search.gain(&base, &f))))
+        .filter(|(law, _)| search.kind.form(*law) == Form::Stated)
+        .collect();
+    alone.sort_by(|a, b| b.1.removed.total_cmp(&a.1.removed));
+    let together = (!named.is_empty()).then_some(together);
+    Found { base, model, named, together, imitations, rest, alone }
+}
+
+/// Mean square of what a model leaves over the noise's variance, less one.
+pub(crate) fn excess<K: Kind>(search: &Search<'_, K>, model: &Fitted) -> f64 {
+    model.variance / search.noise.max(1e-300) - 1.0
+}
+
+/// The law at a place of the best set, where it holds, on no bound, with its interval clear of zero.
+fn named<K: Kind>(search: &Search<'_, K>, best: &Arc<Fitted>, place: usize) -> Option<Named> {
+    let without = search.without(best, place)?;
+    let gain = search.gain(&without, best);
+    let own = search.kind.coordinates(&best.set, place);
+    let on_bound = own.clone().any(|i| best.at_bound[i]);
+    let strengths = search.kind.strengths(&best.set, place);
+    let is_clear = |i: &usize| best.point.shared[*i].abs() > CLEAR * best.deviations[*i];
+    let may_be_zero = !strengths.is_empty() && !strengths.iter().any(is_clear);
+    if on_bound || may_be_zero || !search.holds(&without, best) {
+        return None;
+    }
+    let law = best.set[place];
+    search.children(&without, false);
+    let instead = |f: &Arc<Fitted>| {
+        let same = f.set.len() == best.set.len() && sorted(&f.set) != sorted(&best.set);
+        let kept = without.set.iter().all(|l| f.set.contains(l));
+        let other = f.set.iter().copied().find(|l| !without.set.contains(l))?;
+        let simple = f.point.shared.len() <= best.point.shared.len();
+        let stated = search.kind.form(other) == Form::Stated && !search.kind.excludes(other, law);
+        (same && kept && simple && stated && search.as_good(f, best)).then(|| (other, f.clone()))
+    };
+    let rivals = search.all().iter().filter_map(instead).collect();
+    Some(Named { place, gain, rivals, departs: None })
+}
+
+/// The model with the form of one of its laws free, where that holds over the stated form.
+fn departs<K: Kind>(search: &Search<'_, K>, model: &Arc<Fitted>, place: usize) -> Option<(Arc<Fitted>, Gain)> {
+    if excess(search, model) < AT_NOISE {
+        return None;
+    }
+    let without = search.without(model, place)?;
+    let fits = search.instead(&without, model.set[place], Form::Free).into_iter();
+    let best = fits.min_by(|a, b| a.error.total_cmp(&b.error))?;
+    search.holds(model, &best).then(|| (best.clone(), search.gain(model, &best)))
+}
+
+/// Arguments of which a free form betters a model, the largest share first.
+fn rest<K: Kind>(search: &Search<'_, K>, model: &Arc<Fitted>) -> Vec<Dependence> {
+    let kind = search.kind;
+    let mut all: Vec<Dependence> = Vec::new();
+    for law in (0..kind.laws()).filter(|l| kind.form(*l) == Form::Free) {
+        let place = model.set.iter().position(|l| kind.excludes(*l, law));
+        let from = place.map_or_else(|| Some(model.clone()), |place| search.without(model, place));
+        let Some(freed) = from.and_then(|from| search.with(&from, law)) else { continue };
+        if search.holds(model, &freed) {
+            let here = Dependence { argument: kind.argument(law), gain: search.gain(model, &freed) };
+            match all.iter_mut().find(|d| d.argument == here.argument) {
+                Some(known) if known.gain.removed >= here.gain.removed => {}
+                Some(known) => *known = here,
+                None => all.push(here),
+            }
+        }
+    }
+    all.sort_by(|a, b| b.gain.removed.total_cmp(&a.gain.removed));
+    all
+}

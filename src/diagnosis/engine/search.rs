@@ -1,0 +1,309 @@
+//! Search over sets of laws: best first, a few sets in parallel, pairs that only help together
+//! included; each set is fitted once.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex};
+
+use crate::numerics::order;
+use crate::parallel;
+
+use super::evidence::{Gain, gain};
+use super::fit::{Fitted, MOST_STEPS, fit};
+use super::kind::{Form, Kind, Point, Set};
+use super::levels::{AT_NOISE, INEXACT, LEAST_SHARE, NAME, TIE};
+use super::linear::Products;
+
+/// Sets that are followed in parallel.
+const BEAM: usize = 2;
+/// Laws that are fitted beside each set.
+const WIDTH: usize = 5;
+/// Pairs of laws that are fitted beside each set.
+const PAIRS: usize = 2;
+/// A pair helps together that promises this many times what its laws promise one by one.
+const TOGETHER: f64 = 1.5;
+/// Laws in a set at most.
+const MOST_LAWS: usize = 4;
+/// Beginnings from which a law is fitted.
+const BEGINNINGS: usize = 2;
+/// Log-likelihood ratio (twice) that a linear step must promise for a fit: of less no name can come.
+const PROMISE: f64 = NAME * NAME;
+/// Part of the most that is promised by any law, or by any beginning of one, that is still followed.
+const FOLLOWED: [f64; 2] = [0.1, 0.6];
+
+/// A beginning of one law beside a set, and what a linear step from there promises.
+#[derive(Debug, Clone)]
+struct Prospect {
+    law: usize,
+    beginning: Point,
+    /// Change of the prediction.
+    direction: Vec<f64>,
+    /// Fall of the sum of squares.
+    promise: f64,
+}
+
+/// Fits of sets of laws, remembered.
+pub(crate) struct Search<'a, K> {
+    /// The recording and its laws.
+    pub kind: &'a K,
+    /// Variance of the noise of a row.
+    pub noise: f64,
+    fitted: Mutex<HashMap<Set, Option<Arc<Fitted>>>>,
+}
+
+impl<'a, K: Kind> Search<'a, K> {
+    /// Begins with the base model alone; `None` where it cannot be fitted from there.
+    pub(crate) fn begin(kind: &'a K, noise: f64, base: &Point) -> Option<(Self, Arc<Fitted>)> {
+        let base = Arc::new(fit(kind, &[], base, MOST_STEPS)?);
+        let fitted = Mutex::new(HashMap::from([(Vec::new(), Some(base.clone()))]));
+        Some((Self { kind, noise, fitted }, base))
+    }
+
+    /// Gain of one fitted set over another.
+    pub(crate) fn gain(&self, without: &Fitted, with: &Fitted) -> Gain {
+        gain(self.kind.layout(), without, with, self.noise)
+    }
+
+    /// Whether what one set has more than the other earns a name.
+    pub(crate) fn holds(&self, without: &Fitted, with: &Fitted) -> bool {
+        let gain = self.gain(without, with);
+        gain.errors >= NAME && gain.share >= LEAST_SHARE
+    }
+
+    /// Whether a set is as good as the best one but for chance.
+    fn is_no_worse(&self, one: &Fitted, best: &Fitted) -> bool {
+        let gain = self.gain(one, best);
+        gain.removed <= 0.0 || (gain.is_known && gain.errors < TIE)
+    }
+
+    /// Whether a model leaves no more than the noise.
+    fn is_at_noise(&self, model: &Fitted) -> bool {
+        model.variance < (1.0 + AT_NOISE) * self.noise
+    }
+
+    /// Whether two sets are equally good.
+    pub(crate) fn as_good(&self, one: &Fitted, best: &Fitted) -> bool {
+        let gain = self.gain(one, best);
+        let left = (best.error - self.noise * self.kind.layout().rows() as f64).max(0.0);
+        self.is_no_worse(one, best) || gain.removed < INEXACT * left
+    }
+
+    /// The best set that the search finds; the base where none holds.
+    pub(crate) fn run(&self, base: &Arc<Fitted>) -> Arc<Fitted> {
+        let (mut frontier, mut held) = (vec![base.clone()], vec![base.clone()]);
+        while !frontier.is_empty() {
+            // One parent after the other: a set that two of them lead to is fitted from the better one.
+            let held_children = |parent: &Arc<Fitted>| -> Vec<Arc<Fitted>> {
+                let all = self.children(parent, true);
+                all.into_iter().filter(|child| self.holds(parent, child)).collect()
+            };
+            let mut next: Vec<Arc<Fitted>> = frontier.iter().flat_map(held_children).collect();
+            order::sort_by_key(&mut next, |f| f.error);
+            // What freedom of its exponent takes up is no further name: the best set of each argument
+            // is tried with it.
+            let argument = |f: &Fitted| f.set.last().map(|law| self.kind.argument(*law));
+            let first = |i: &usize| next[..*i].iter().all(|f| argument(f) != argument(&next[*i]));
+            let bent: Vec<usize> = (0..next.len()).filter(first).filter(|i| !self.is_at_noise(&next[*i])).collect();
+            let bent: Vec<Arc<Fitted>> = bent.into_iter().map(|i| self.with_exponents(next[i].clone())).collect();
+            next.extend(bent);
+            order::sort_by_key(&mut next, |f| f.error);
+            next.dedup_by(|a, b| sorted(&a.set) == sorted(&b.set));
+            next.truncate(BEAM);
+            held.extend(next.iter().cloned());
+            next.retain(|f| f.set.len() < MOST_LAWS);
+            frontier = next;
+        }
+        self.simplest(&held)
+    }
+
+    /// With an exponent of its own for each law that it betters.
+    fn with_exponents(&self, mut best: Arc<Fitted>) -> Arc<Fitted> {
+        for law in best.set.clone() {
+            let place = best.set.iter().position(|l| *l == law);
+            let Some(without) = place.and_then(|place| self.without(&best, place)) else { continue };
+            let fits = self.instead(&without, law, Form::Exponent).into_iter();
+            let bent = fits.min_by(|a, b| a.error.total_cmp(&b.error));
+            best = bent.filter(|bent| self.holds(&best, bent)).unwrap_or(best);
+        }
+        best
+    }
+
+    /// Sets with a law of this form, and of the same argument, in the place of a law.
+    pub(crate) fn instead(&self, without: &Fitted, law: usize, form: Form) -> Vec<Arc<Fitted>> {
+        let kind = self.kind;
+        let takes_place = |other: &usize| {
+            kind.form(*other) == form
+                && (kind.argument(*other) == kind.argument(law) || kind.excludes(*other, law))
+                && !without.set.iter().any(|l| kind.excludes(*l, *other))
+        };
+        (0..kind.laws()).filter(takes_place).filter_map(|other| self.with(without, other)).collect()
+    }
+
+    /// The best of these sets; of equally good ones that with the fewest laws, and the fewest
+    /// coordinates.
+    fn simplest(&self, held: &[Arc<Fitted>]) -> Arc<Fitted> {
+        let lowest = held.iter().min_by(|a, b| a.error.total_cmp(&b.error)).cloned();
+        let best = lowest.unwrap_or_else(|| held[0].clone());
+        let lacks = |f: &Fitted| held.iter().any(|g| f.set.iter().all(|l| g.set.contains(l)) && self.holds(f, g));
+        let good = held.iter().filter(|f| f.set.len() <= best.set.len() && self.is_no_worse(f, &best) && !lacks(f));
+        let size = |f: &Fitted| (f.set.len(), f.point.shared.len());
+        let simple = good.min_by(|a, b| size(a).cmp(&size(b)).then(a.error.total_cmp(&b.error)));
+        self.pruned(simple.cloned().unwrap_or(best))
+    }
+
+    /// Without the laws that do not hold beside the others.
+    fn pruned(&self, mut best: Arc<Fitted>) -> Arc<Fitted> {
+        loop {
+            let reduced = (0..best.set.len()).filter_map(|place| self.without(&best, place));
+            let idle = reduced.filter(|r| !self.holds(r, &best)).min_by(|a, b| a.error.total_cmp(&b.error));
+            match idle {
+                Some(reduced) => best = reduced,
+                None => return best,
+            }
+        }
+    }
+
+    /// The set without the law at a place.
+    pub(crate) fn without(&self, from: &Fitted, place: usize) -> Option<Arc<Fitted>> {
+        let mut set = from.set.clone();
+        set.remove(place);
+        self.remembered(&set, || fit(self.kind, &set, &self.kind.without(&from.set, &from.point, place), MOST_STEPS))
+    }
+
+    /// The set with one law more, wherever it fits best.
+    pub(crate) fn with(&self, from: &Fitted, law: usize) -> Option<Arc<Fitted>> {
+        self.fitted(from, &[law], &self.prospects(from, law))
+    }
+
+    /// Sets of one law more that a linear step promises most of; with `paired`, of a pair that helps
+    /// together as well.
+    pub(crate) fn children(&self, parent: &Fitted, paired: bool) -> Vec<Arc<Fitted>> {
+        let kind = self.kind;
+        let joins = |law: &usize| {
+            kind.form(*law) == Form::Stated && !parent.set.iter().any(|l| l == law || kind.excludes(*l, *law))
+        };
+        let laws: Vec<usize> = (0..kind.laws()).filter(joins).collect();
+        let mut all: Vec<Vec<Prospect>> = parallel::map_chunks(&laws, 1, |_, law| self.prospects(parent, law[0]));
+        all.retain(|p| !p.is_empty());
+        order::sort_by_key(&mut all, |p| -p[0].promise);
+        let pairs = if paired && parent.set.len() + 2 <= MOST_LAWS { self.pairs(parent, &all) } else { Vec::new() };
+        let least = (PROMISE * parent.variance).max(FOLLOWED[0] * all.first().map_or(0.0, |p| p[0].promise));
+        let singles: Vec<&Vec<Prospect>> = all.iter().filter(|p| p[0].promise > least).take(WIDTH).collect();
+        let alone = parallel::map_chunks(&singles, 1, |_, one| self.fitted(parent, &[one[0][0].law], one[0]));
+        let together = parallel::map_chunks(&pairs, 1, |_, pair| {
+            let [first, second] = &pair[0];
+            let between = self.fitted(parent, &[first.law], std::slice::from_ref(first))?;
+            let both: Vec<Prospect> = self.prospects(&between, second.law);
+            self.fitted(&between, &[second.law], &both)
+        });
+        alone.into_iter().chain(together).flatten().collect()
+    }
+
+    /// Pairs that promise more than their laws one by one, best first.
+    fn pairs(&self, parent: &Fitted, all: &[Vec<Prospect>]) -> Vec<[Prospect; 2]> {
+        let some = &all[..all.len().min(2 * WIDTH)];
+        let mut pairs = Vec::new();
+        for (i, first) in some.iter().enumerate() {
+            for second in &some[i + 1..] {
+                let (a, b) = (&first[0], &second[0]);
+                if self.kind.excludes(a.law, b.law) {
+                    continue;
+                }
+                let promise = self.promise(parent, &[&a.direction, &b.direction]);
+                if promise > TOGETHER * (a.promise + b.promise) && promise > PROMISE * parent.variance {
+                    pairs.push((promise, [a.clone(), b.clone()]));
+                }
+            }
+        }
+        order::sort_by_key(&mut pairs, |p| -p.0);
+        pairs.truncate(PAIRS);
+        pairs.into_iter().map(|p| p.1).collect()
+    }
+
+    /// Beginnings of a law beside a set, the most promising first.
+    fn prospects(&self, parent: &Fitted, law: usize) -> Vec<Prospect> {
+        let mut set = parent.set.clone();
+        set.push(law);
+        let points = self.kind.joined(&parent.set, &parent.point, law);
+        let residuals = self.kind.residuals(&set, &points);
+        let mut all: Vec<Prospect> = points
+            .into_iter()
+            .zip(residuals)
+            .filter_map(|(beginning, residual)| {
+                let counts = &self.kind.layout().counts;
+                let pairs = parent.model.residual.iter().zip(residual?).zip(counts);
+                let direction: Vec<f64> = pairs.map(|((a, b), c)| if *c { a - b } else { 0.0 }).collect();
+                let promise = self.promise(parent, &[&direction]);
+                promise.is_finite().then_some(Prospect { law, beginning, direction, promise })
+            })
+            .collect();
+        // A fit begins where the linear step ends.
+        all.retain_mut(|p| {
+            let size = self.sizes(parent, &[&p.direction]).map(|s| s[0]);
+            let beginning = size.and_then(|size| self.kind.strengthened(&set, &p.beginning, size));
+            beginning.map(|beginning| p.beginning = beginning).is_some()
+        });
+        order::sort_by_key(&mut all, |p| -p.promise);
+        all
+    }
+
+    /// A model with these directions as further coordinates.
+    fn extended(&self, parent: &Fitted, directions: &[&Vec<f64>]) -> Products {
+        let mut model = parent.model.clone();
+        model.shared.extend(directions.iter().map(|d| (*d).clone()));
+        Products::of(self.kind.layout(), &model, &parent.at_bound)
+    }
+
+    /// How far a linear step goes along each of these directions.
+    fn sizes(&self, parent: &Fitted, directions: &[&Vec<f64>]) -> Option<Vec<f64>> {
+        let step = self.extended(parent, directions).steps(&[0.0])?.remove(0);
+        Some(step.shared.iter().skip(parent.model.shared.len()).copied().collect())
+    }
+
+    /// Fall of the sum of squares that a linear step along these directions promises.
+    fn promise(&self, parent: &Fitted, directions: &[&Vec<f64>]) -> f64 {
+        let sums = self.extended(parent, directions).sums();
+        sums.map_or(0.0, |[sum, promised]| sum - promised)
+    }
+
+    fn fitted(&self, parent: &Fitted, laws: &[usize], prospects: &[Prospect]) -> Option<Arc<Fitted>> {
+        let mut set = parent.set.clone();
+        set.extend(laws);
+        self.remembered(&set, || {
+            let follows = |p: &&Prospect| p.promise >= FOLLOWED[1] * prospects[0].promise;
+            let fits = prospects
+                .iter()
+                .take(BEGINNINGS)
+                .filter(follows)
+                .filter_map(|p| fit(self.kind, &set, &p.beginning, MOST_STEPS));
+            fits.min_by(|a, b| a.error.total_cmp(&b.error))
+        })
+    }
+
+    fn remembered(&self, set: &[usize], fit: impl FnOnce() -> Option<Fitted>) -> Option<Arc<Fitted>> {
+        let key = sorted(set);
+        let known = |map: &HashMap<Set, Option<Arc<Fitted>>>| map.get(&key).cloned();
+        if let Some(found) = self.fitted.lock().ok().and_then(|map| known(&map)) {
+            return found;
+        }
+        let found = fit().map(Arc::new);
+        if let Ok(mut map) = self.fitted.lock() {
+            map.insert(key, found.clone());
+        }
+        found
+    }
+
+    /// All fits of sets so far.
+    pub(crate) fn all(&self) -> Vec<Arc<Fitted>> {
+        let mut all: Vec<Arc<Fitted>> =
+            self.fitted.lock().map(|map| map.values().flatten().cloned().collect()).unwrap_or_default();
+        all.sort_by(|a, b| a.error.total_cmp(&b.error).then_with(|| a.set.cmp(&b.set)));
+        all
+    }
+}
+
+/// A set in the order of the space.
+pub(crate) fn sorted(set: &[usize]) -> Set {
+    let mut set = set.to_vec();
+    set.sort_unstable();
+    set
+}

@@ -1,0 +1,96 @@
+//! The inertial columns of a file, and what one unit of each is: stated, counted, or judged by size.
+
+use super::rest::Rest;
+use crate::finding::Finding;
+use crate::roles::{self, Stated};
+use crate::scale::{self, Measured};
+use crate::unit::Quantity;
+use crate::units::STANDARD_GRAVITY_M_S2;
+
+/// Specific force at rest is below this in every unit but counts and mg, m/s².
+const MOST_M_S2: f64 = 25.0;
+
+/// Gyros and accelerometers among the columns.
+pub(super) struct Sensors {
+    /// Places of the columns of gyros and of accelerometers.
+    pub places: [Vec<usize>; 2],
+    stated: Vec<Option<Stated>>,
+}
+
+/// Units of both sensors, as far as they are known.
+pub(super) struct Scaled {
+    /// One unit of gyros and of accelerometers in rad/s and m/s².
+    pub si: [Option<f64>; 2],
+    pub findings: Vec<Finding>,
+}
+
+/// Kinds of sensor, with the option of `allan` that states a scale.
+const KINDS: [(Quantity, &str); 2] =
+    [(Quantity::Gyro, "--gyro-scale"), (Quantity::Accelerometer, "--accelerometer-scale")];
+
+impl Sensors {
+    /// Three columns of a sensor by their names. Without any such, the columns whose unit is one of
+    /// such a sensor, where no other column is a reading: beside a displacement, a force drives it.
+    pub(super) fn of(names: &[String], texts: &[Option<String>]) -> Self {
+        let stated: Vec<Option<Stated>> =
+            names.iter().zip(texts).map(|(name, text)| roles::stated(name, text.as_deref())).collect();
+        let found = roles::of(names);
+        let mut places = [found.gyro, found.accelerometer].map(|p| p.map_or(Vec::new(), Vec::from));
+        if places.iter().all(Vec::is_empty) {
+            let alone = |place: usize| match &stated[place] {
+                Some(Stated::Inertial(unit)) if texts[place].is_some() => Some(unit.quantity),
+                _ => roles::alone(&names[place]).map(|unit| unit.quantity),
+            };
+            let readings =
+                || (0..names.len()).filter(|place| !roles::is_environment(&names[*place], texts[*place].as_deref()));
+            if readings().all(|place| alone(place).is_some()) {
+                places = KINDS.map(|(kind, _)| readings().filter(|place| alone(*place) == Some(kind)).collect());
+            }
+        }
+        Self { places, stated }
+    }
+
+    /// Quantity that a column measures.
+    pub(super) fn quantity(&self, place: usize) -> Quantity {
+        let kind = KINDS.iter().zip(&self.places).find(|(_, places)| places.contains(&place)).map(|(kind, _)| kind.0);
+        match (&self.stated[place], kind) {
+            (Some(Stated::Inertial(unit)), _) => unit.quantity,
+            (_, Some(kind)) => kind,
+            _ => Quantity::Unknown,
+        }
+    }
+
+    /// One unit of each sensor, by what the file states, else by the size of its readings.
+    pub(super) fn scaled(&self, names: &[String], rest: &Rest, rate_hz: f64) -> Scaled {
+        let mut scaled = Scaled { si: [None; 2], findings: Vec::new() };
+        let measured = Measured { length: rest.gravity(rate_hz), walk: rest.walk(rate_hz) };
+        for (sensor, (kind, option)) in KINDS.into_iter().enumerate() {
+            let columns = || self.places[sensor].iter().map(|place| names[*place].clone()).collect::<Vec<String>>();
+            let Some(first) = self.places[sensor].first() else { continue };
+            // By gravity's length where a count, or a number without a unit, is none of a known size.
+            let by_gravity = measured.length.filter(|_| kind == Quantity::Accelerometer).filter(|l| *l > 0.0);
+            let counted = |counts: f64, scaled: &mut Scaled| {
+                scaled.si[sensor] = Some(STANDARD_GRAVITY_M_S2 / counts);
+                scaled.findings.push(Finding::CountsScaled { columns: columns(), per_g: counts });
+            };
+            match &self.stated[*first] {
+                Some(Stated::Inertial(unit)) if unit.quantity == kind => scaled.si[sensor] = Some(unit.si),
+                Some(Stated::Counts) => by_gravity.iter().for_each(|counts| counted(*counts, &mut scaled)),
+                Some(_) => {}
+                None => {
+                    let (unit, finding) = scale::assumed(columns(), kind, option, &measured);
+                    match by_gravity.filter(|length| length * unit.si > MOST_M_S2) {
+                        Some(counts) => counted(counts, &mut scaled),
+                        None => {
+                            // Degrees for radians would make rest look like motion.
+                            let is_sure = !finding.is_questionable();
+                            scaled.si[sensor] = Some(unit.si).filter(|_| is_sure);
+                            scaled.findings.push(finding);
+                        }
+                    }
+                }
+            }
+        }
+        scaled
+    }
+}
