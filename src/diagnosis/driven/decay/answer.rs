@@ -168,12 +168,14 @@ impl Decay {
     }
 
     /// What the final model leaves over the noise: real where it depends on an argument, or grows with
-    /// the motion; noise of some colour keeps its size while the motion dies away.
+    /// the motion; noise of some colour keeps its size while the motion dies away. Beside named laws
+    /// what is clearly more than the noise is real: they are near, and not exact.
     fn remainder(&self) -> Remainder {
-        let model = &self.found.model;
+        let (found, model) = (&self.found, &self.found.model);
         let excess = model.variance / self.variance - 1.0;
-        let depends = !self.found.rest.is_empty() || self.found.named.iter().any(|n| n.departs.is_some());
-        let p_value = if depends { 0.0 } else { self.grows_by_chance(model) };
+        let depends = !found.rest.is_empty() || found.named.iter().any(|n| n.departs.is_some());
+        let is_inexact = !found.named.is_empty() && excess >= FAINT;
+        let p_value = if depends || is_inexact { 0.0 } else { self.grows_by_chance(model) };
         Remainder::of([Test { p_value, size: Size::of(excess, AT_NOISE, FAINT) }])
     }
 

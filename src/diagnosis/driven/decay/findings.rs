@@ -39,7 +39,7 @@ pub(super) fn findings(decay: &Decay, data: &Data, unit: &str) -> Vec<String> {
     let step = rows.step;
     if step > 1 {
         all.push(format!(
-            "the decay has {} samples to a cycle and was fitted at every {step}. of them, each the value of a parabola through \
+            "the decay has {} samples to a cycle and was fitted at one of {step}, each the value of a parabola through \
              its neighbours; white noise is {} {unit} there",
             short(motion.cycle),
             short(decay.variance.sqrt())
