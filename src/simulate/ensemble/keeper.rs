@@ -47,7 +47,7 @@ pub struct Keeper {
 
 impl Keeper {
     /// What the files are called; `*` is the number of a part.
-    pub const FILES: &str = crate::output::names::INTERRUPTED;
+    pub const FILES: &str = proofmass_base::output::names::INTERRUPTED;
 
     /// A keeper that saves no state.
     pub fn none() -> Self {

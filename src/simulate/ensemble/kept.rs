@@ -9,7 +9,7 @@ use crate::backend::cpu::Precision;
 use crate::error::{Error, Result};
 use crate::kernel::job::Job;
 use crate::shard::file::{Contents, Header, Place, damaged};
-use crate::signal::Keeping;
+use proofmass_base::signal::Keeping;
 
 /// A shard's file, and what is packed for it.
 #[derive(Debug)]
