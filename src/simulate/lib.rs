@@ -12,7 +12,7 @@ pub mod strapdown;
 pub mod validation;
 
 // The crates below, under the names by which files here call them.
-use proofmass_base::{columns, control, document, error, number, output, parallel, shard, signal, units};
+use proofmass_base::{columns, control, document, error, number, parallel, shard, units};
 use proofmass_kernel as kernel;
 use proofmass_numerics::{numerics, rng, statistics};
 use proofmass_physics as physics;
