@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use libtest_mimic::{Failed, Trial};
 
 use super::world::{check, test};
-use imports::{GROUPS, Imports, Module, Taken, module_of};
+use imports::{Imports, Module, ROOT, Taken, module_of};
 
 /// The modules of the table in `lib.rs`, lowest layer first and each layer from left to right: a
 /// module may import those before it.
@@ -90,7 +90,7 @@ fn top(module: &Module) -> Option<&str> {
 
 /// The modules of the facade, each once.
 fn modules(imports: &Imports) -> BTreeSet<&str> {
-    imports.modules().filter_map(|m| top(m)).filter(|m| !GROUPS.contains(m)).collect()
+    imports.modules().filter_map(|m| top(m)).filter(|m| !m.ends_with(ROOT)).collect()
 }
 
 /// Names taken from a module that the table has further on.
@@ -258,11 +258,11 @@ fn chains_are_true() -> Result<(), Failed> {
 fn what_is_wrong_is_seen() -> Result<(), Failed> {
     let files = |low: &str, high: &str| {
         vec![
-            ("src/lib.rs".into(), "pub mod numerics; pub mod report;".to_owned()),
-            ("src/numerics.rs".into(), format!("//! `low` → `high`\nmod low; mod high; pub struct N; {low}")),
-            ("src/numerics/low.rs".into(), format!("pub struct L; {high}")),
-            ("src/numerics/high.rs".into(), "use super::low::L; pub struct H;".to_owned()),
-            ("src/report.rs".into(), "use crate::numerics::N; pub struct R; use plotters::prelude;".to_owned()),
+            ("src/lib.rs".into(), "pub mod physics; pub mod report;".to_owned()),
+            ("src/physics.rs".into(), format!("//! `low` → `high`\nmod low; mod high; pub struct N; {low}")),
+            ("src/physics/low.rs".into(), format!("pub struct L; {high}")),
+            ("src/physics/high.rs".into(), "use super::low::L; pub struct H;".to_owned()),
+            ("src/report.rs".into(), "use crate::physics::N; pub struct R; use plotters::prelude;".to_owned()),
         ]
     };
     let read = |low: &str, high: &str| -> Result<(Imports, BTreeSet<Taken>), Failed> {
@@ -275,9 +275,9 @@ fn what_is_wrong_is_seen() -> Result<(), Failed> {
         circles::find(&circles::among_files(taken)).or_else(among_rooms).map(|c| circles::in_words(&c, taken))
     };
     let chain = ["low", "high"].map(String::from);
-    let numerics = vec!["numerics".to_owned()];
+    let physics = vec!["physics".to_owned()];
     let wrong = |(imports, taken): &(Imports, BTreeSet<Taken>), chain: &[String]| {
-        wrong_in_chain(&numerics, chain, imports, taken)
+        wrong_in_chain(&physics, chain, imports, taken)
     };
 
     let sound = read("", "")?;
@@ -289,7 +289,7 @@ fn what_is_wrong_is_seen() -> Result<(), Failed> {
     let (_, taken) = read("fn f(_: crate::report::R) {}", "")?;
     check(upward(&table(), &taken).len() == 1, "the check of directions is blind")?;
     let against = read("", "fn f(_: super::high::H) {}")?;
-    let words = "numerics/high takes L from numerics/low; numerics/low takes H from numerics/high";
+    let words = "physics/high takes L from physics/low; physics/low takes H from physics/high";
     check(circle(&against.1).as_deref() == Some(words), format!("a circle is told as {:?}", circle(&against.1)))?;
     check(wrong(&against, &chain).is_some(), "a chain may run backwards")?;
     let (_, taken) = read("use low::L;", "use super::N;")?;
@@ -307,7 +307,7 @@ fn what_is_wrong_is_seen() -> Result<(), Failed> {
     check(circle(&rooms).is_some(), "a circle of two rooms is not seen")?;
 
     check(stray(Path::new("src/report.rs"), &sound.0) == Some("plotters"), "the check of owners is blind")?;
-    check(stray(Path::new("src/numerics.rs"), &sound.0).is_none(), "one is accused who names no crate")?;
+    check(stray(Path::new("src/physics.rs"), &sound.0).is_none(), "one is accused who names no crate")?;
     let (table, all) = (["units", "error", "error"].map(String::from), BTreeSet::from(["error", "units", "rng"]));
     check(not_once(&table, &all) == ["error", "rng"], "the check of tables is blind")
 }

@@ -16,6 +16,9 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 /// Crates that hold several modules of the facade; every other crate is one.
 pub const GROUPS: [&str; 4] = ["base", "numerics", "scenario", "simulate"];
 
+/// Ending of the name by which the root of a group is addressed.
+pub const ROOT: &str = " (crate)";
+
 /// A module's path from the facade's root, e.g. `["recording", "clock"]`; empty for `src/lib.rs`.
 pub type Module = Vec<String>;
 
@@ -205,6 +208,13 @@ pub fn module_of(path: &Path) -> Module {
     let mut module: Module = below.components().map(|c| c.as_os_str().to_string_lossy().into_owned()).collect();
     if module.last().is_some_and(|last| last == "lib" || last == "mod") {
         module.pop();
+    }
+    // The root of a group only lists its modules, one of which may have its name.
+    if let [group] = module.as_slice()
+        && path.ends_with("lib.rs")
+        && GROUPS.contains(&group.as_str())
+    {
+        return vec![format!("{group}{ROOT}")];
     }
     let is_elsewhere =
         |first: &str, second: &str| GROUPS.contains(&first) || (first, second) == ("physics", "dynamics");
