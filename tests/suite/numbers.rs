@@ -88,7 +88,8 @@ fn study() -> Result<(), Failed> {
     }
     let times: Vec<f64> = tables["percentiles"]["time_s"].iter().flatten().copied().collect();
     let column = "position_error_median_m".to_owned();
-    let request = Request { columns: vec![column.clone()], rate_hz: Some(100.0), ..Request::default() };
+    let request =
+        Request { columns: vec![column.clone()], rate_hz: Some(100.0), force_rate: true, ..Request::default() };
     let parquet = recording::read(&out.join("numbers/percentiles.parquet"), &request)?;
     let csv: Vec<f64> = tables["percentiles"][&column].iter().flatten().copied().collect();
     check(times.len() == csv.len() && parquet.columns[0].values == csv, "Parquet and CSV differ")

@@ -41,8 +41,8 @@ fn decimal_comma(value: &str) -> Option<String> {
     }
     let is_digit = |c: char| c.is_ascii_digit();
     value.match_indices(',').find_map(|(at, _)| {
-        let whole = &value[value[..at].rfind(|c| !is_digit(c)).map_or(0, |before| before + 1)..at];
-        let rest = &value[at + 1..];
+        let (before, rest) = (&value[..at], &value[at + 1..]);
+        let whole = &before[before.trim_end_matches(is_digit).len()..];
         let part = &rest[..rest.find(|c| !is_digit(c)).unwrap_or(rest.len())];
         (!whole.is_empty() && !part.is_empty()).then(|| format!("{whole}.{part}"))
     })
@@ -60,6 +60,8 @@ mod tests {
             ("t_s,gx,gy\n0,1,2\n", Some(1), "expected `=`", "this is a recording"),
             ("a = 3,5\n", Some(1), "unexpected", "3.5"),
             ("a = { mean = 0.0, sd = 3,5 }\n", Some(1), "invalid", "3.5"),
+            // A character of several bytes stands before the digits, as a damaged file has it.
+            ("a = { mean = \u{fffd}3,5 }\n", Some(1), "invalid", "3.5"),
             ("a = 1\nb = −3.0\n", Some(2), "invalid", "hyphen"),
         ] {
             let found = hint("x.toml", text, line, message);
