@@ -10,7 +10,7 @@ use proofmass_base::output::{self, Folder};
 use proofmass_base::progress;
 use proofmass_diagnosis::model::{self, Model};
 use proofmass_diagnosis::recordings::Recordings;
-use proofmass_diagnosis::{self as diagnosis, consequence, repair, repaired};
+use proofmass_diagnosis::{self as diagnosis, repair, repaired};
 use proofmass_recording::Recording;
 use proofmass_report::diagnosis::{self as page, Diagnosis};
 
@@ -75,8 +75,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let outputs = || outputs(arguments, &model);
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs())).transpose()?;
     let diagnosis = page::worded(diagnosis::diagnose_all(Recordings { train: &train, test: &test }, &model, &control)?);
-    let costs = consequence::costs(diagnosis.repair.as_ref(), &control)
-        .map_err(|s| s.during("could not state the cost in metres", "start it again"))?;
+    let costs = page::costs(&diagnosis, &control)?;
     // The answer of long work is said even where its report cannot be written.
     let written = folder.map_or(Ok(()), |folder| write(folder, &diagnosis, &costs));
     if json {
