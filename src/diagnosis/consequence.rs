@@ -55,7 +55,7 @@ pub fn costs(repair: Option<&Repair>, control: &Control) -> Result<Vec<Cost>, St
 
 /// Whether all laws of the sensor repeat with the vibration; those with states of their own do not.
 fn is_integrated(sensor: &Sensor) -> bool {
-    sensor.proof_mass.iter().flat_map(|mass| mass.laws.acting()).all(|law| repeats(law))
+    sensor.proof_mass.iter().flat_map(|mass| mass.laws.acting()).all(repeats)
 }
 
 fn row(row: Row, metres: [f64; 2], repair: &Repair) -> Cost {
