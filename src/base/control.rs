@@ -1,5 +1,4 @@
-//! How a long computation is watched and stopped: an argument that is handed down to whatever takes
-//! time.
+//! Watches and stops a long computation: an argument that is handed down to whatever takes time.
 //!
 //! The program hands down one that draws bars and listens to signals (`progress::terminal`); tests
 //! and other callers hand down [`Control::silent`], or one with a [`Watcher`] of their own. Nothing
@@ -11,8 +10,8 @@ use crate::error::{Error, Kind};
 
 /// Whoever watches a computation and may stop it.
 pub trait Watcher: Send + Sync {
-    /// What asks the computation to stop, e.g. "Ctrl-C"; `None` to go on. Asked often, from many
-    /// threads.
+    /// Returns what asks the computation to stop, e.g. "Ctrl-C"; `None` to go on. Asked often, from
+    /// many threads.
     fn stopped_by(&self) -> Option<&'static str>;
     /// A part of the work begins; `length` is its number of steps, zero where it is not known. It
     /// ends when the returned value is dropped.
@@ -46,7 +45,7 @@ pub struct Stopped {
 }
 
 impl Stopped {
-    /// As an error of the work that was stopped; `hint` says how to go on.
+    /// Turns it into an error of the work that was stopped; `hint` says how to go on.
     pub fn during(self, attempt: impl Into<String>, hint: impl Into<String>) -> Error {
         Error { kind: Kind::Interrupted, ..Error::new(attempt, self.to_string(), hint) }
     }
@@ -68,7 +67,7 @@ impl Control {
         Self { hides_stages: true, ..self.clone() }
     }
 
-    /// Whether to stop. Long loops ask at least every 100 ms.
+    /// Returns whether to stop. Long loops ask at least every 100 ms.
     pub fn cancelled(&self) -> bool {
         self.go_on().is_err()
     }
@@ -100,7 +99,7 @@ impl std::fmt::Debug for Control {
     }
 }
 
-/// How far a part of the work has come; it ends when this is dropped.
+/// Reports how far a part of the work has come; it ends when this is dropped.
 pub struct Progress(Option<Box<dyn Stage>>);
 
 impl Progress {
@@ -119,7 +118,7 @@ impl Progress {
         self.add(1);
     }
 
-    /// What is done right now.
+    /// Names what is done right now.
     pub fn rename(&self, name: &str) {
         self.0.iter().for_each(|s| s.rename(name));
     }

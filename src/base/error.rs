@@ -23,11 +23,11 @@ pub enum Kind {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{attempt}\n  cause: {cause}\n  hint:  {hint}")]
 pub struct Error {
-    /// What was tried, as a clause: "could not read model.toml".
+    /// Attempt, as a clause: "could not read model.toml".
     pub attempt: String,
-    /// What was wrong, with file, line, column and need/got where they exist.
+    /// Cause, with file, line, column and need/got where they exist.
     pub cause: String,
-    /// What the user can do.
+    /// Hint at what the user can do.
     pub hint: String,
     /// Reason why the work ended.
     pub kind: Kind,

@@ -37,7 +37,7 @@ pub struct Request {
     pub writes: Vec<String>,
     /// Replace the user's files too.
     pub force: bool,
-    /// What an earlier run of the same command has written here under other names stays: each run
+    /// Keeps what an earlier run of the same command has written here under other names: each run
     /// writes one file of the user's naming.
     pub keeps: bool,
 }
@@ -46,7 +46,7 @@ pub struct Request {
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
-    /// What runs have written, this one's states included.
+    /// Holds what runs have written, this one's states included.
     manifest: Manifest,
     identity: Identity,
     /// Full paths of the files that are read.
@@ -189,7 +189,7 @@ impl Folder {
         self.recorded.push(name.into());
     }
 
-    /// Whether the run said beforehand that it will write files of this name or pattern.
+    /// Returns whether the run said beforehand that it will write files of this name or pattern.
     pub fn announces(&self, pattern: &str) -> bool {
         self.announced.iter().any(|name| name == pattern)
     }
@@ -199,7 +199,7 @@ impl Folder {
         &self.path
     }
 
-    /// What the same run has written here before.
+    /// Returns what the same run has written here before.
     fn earlier(&self) -> Run {
         self.manifest.run(&self.identity).cloned().unwrap_or_else(|| Run::new(self.identity.clone()))
     }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 pub use rayon::join;
 
-/// How many items are worked on at a time.
+/// Returns the number of items that are worked on at a time.
 pub fn threads() -> usize {
     rayon::current_num_threads()
 }

@@ -53,8 +53,8 @@ impl Shard {
     }
 }
 
-/// What is left of a run, divided anew: stretches of its parts that nobody has done yet, which
-/// begin with a grain.
+/// Divides anew what is left of a run: stretches of its parts that nobody has done yet, which begin
+/// with a grain.
 pub fn rest(shard: Shard, parts: &[Part], gaps: &[(usize, Range<u64>)]) -> Vec<Piece> {
     let of = |(part, units): &(usize, Range<u64>)| Part { units: units.end - units.start, ..parts[*part] };
     let line: Vec<Part> = gaps.iter().map(of).collect();
@@ -90,7 +90,7 @@ pub struct Part {
     pub units: u64,
     /// Units that stay together.
     pub grain: u64,
-    /// What this many cost, in any measure that all parts share.
+    /// Cost of this many, in any measure that all parts share.
     pub effort: u64,
 }
 

@@ -30,7 +30,7 @@ impl Signal {
         }
     }
 
-    /// How a person knows it.
+    /// Returns the name that a person knows it by.
     pub fn name(self) -> &'static str {
         match self {
             Self::Interrupt => "Ctrl-C",
@@ -54,7 +54,7 @@ pub fn stopped_by() -> Option<Signal> {
     [Signal::Interrupt, Signal::Terminate, Signal::HangUp].into_iter().find(|s| s.exit_code() == code)
 }
 
-/// How many runs keep a state that is not written yet.
+/// Number of runs that keep a state which is not written yet.
 static KEEPING: AtomicUsize = AtomicUsize::new(0);
 
 /// A run that keeps a state from which it can be resumed: while it lives, a signal asks the run to

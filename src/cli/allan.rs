@@ -114,7 +114,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let Some((folder, files)) = arguments.out.as_ref().zip(written?) else { return Ok(()) };
     remark!("wrote {} in {}", files.join(", "), folder.display());
     if files.iter().any(|name| name == STUDY) {
-        remark!("simulate it beside its log: proofmass study {}", folder.join(STUDY).display());
+        remark!("simulate it next to its log: proofmass study {}", folder.join(STUDY).display());
     }
     Ok(())
 }

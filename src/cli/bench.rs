@@ -18,8 +18,8 @@ use proofmass_simulate::ensemble::Choice;
 /// Arguments of `bench`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// What to measure: `auto` is the CPU and, if present, a hardware GPU; `gpu` includes software
-    /// GPUs
+    /// Devices to measure: `auto` is the CPU and, if present, a hardware GPU; `gpu` includes
+    /// software GPUs
     #[arg(long, value_parser = backends(), default_value = "auto")]
     backend: Choice,
     /// Folder for report.html, summary.md and its figures

@@ -1,4 +1,4 @@
-//! What a command line changes in the study that it runs: seed, grade of the sensor, any key.
+//! Changes the study that a command line runs: seed, grade of the sensor, any key.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
@@ -25,7 +25,7 @@ impl Changed {
         Overrides { members, seed, preset, set }
     }
 
-    /// As words of a command line.
+    /// Returns them as words of a command line.
     pub fn as_arguments(&self, members: Option<u64>) -> Vec<String> {
         let numbers = [("--members", members), ("--seed", self.seed)];
         let numbers = numbers.into_iter().filter_map(|(name, number)| Some([name.to_owned(), number?.to_string()]));

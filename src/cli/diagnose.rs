@@ -25,8 +25,8 @@ pub struct Arguments {
     /// Recordings of the same sensor used for validation only, never fitted (kind = "driven")
     #[arg(long, value_name = "RECORDING", num_args = 1..)]
     pub test: Vec<PathBuf>,
-    /// What was recorded and the model to be tested (model.toml); absent: chosen by the recording's
-    /// headings and said first
+    /// Description of the recording and of the model to be tested (model.toml); absent: chosen by
+    /// the recording's headings and said first
     #[arg(long)]
     pub model: Option<PathBuf>,
     /// Heading of the force on a proof mass, where no model is given
@@ -50,7 +50,7 @@ pub struct Arguments {
     /// Use the model's rate_hz even against a recording's own clock; also `force_rate` in the model
     #[arg(long)]
     pub force_rate: bool,
-    /// Where to write report.html, verdict.json, repaired.toml, the figures and their numbers
+    /// Folder for report.html, verdict.json, repaired.toml, the figures and their numbers
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace files in DIR even if they are not from an earlier run of this command on the same

@@ -1,11 +1,12 @@
-//! Whether several copies of the program were started at once, by `mpirun` or the like.
+//! Recognises several copies of the program that were started at once, by `mpirun` or the like.
 
 use proofmass_base::error::{Error, Result};
 
-/// Where launchers write how many there are: Open MPI, and those that speak PMI (MPICH, Slurm).
+/// Environment variables in which launchers write how many there are: Open MPI, and those that
+/// speak PMI (MPICH, Slurm).
 const SIZES: [&str; 2] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE"];
 
-/// How many ranks a launcher has started, where it is more than one.
+/// Returns the number of ranks that a launcher has started, where it is more than one.
 pub(super) fn ranks() -> Option<u64> {
     let size = |name: &&str| std::env::var(name).ok()?.trim().parse().ok();
     SIZES.iter().find_map(size).filter(|ranks| *ranks > 1)

@@ -136,8 +136,8 @@ fn set_signals() {
     }
 }
 
-/// What is wrong with a command line, as attempt, cause and hint; `--help` and `--version` are
-/// answered and end the process.
+/// Explains what is wrong with a command line, as attempt, cause and hint; `--help` and `--version`
+/// are answered and end the process.
 pub fn not_understood(error: clap::Error) -> Error {
     if !error.use_stderr() {
         let printed = error.print().and_then(|()| std::io::stdout().flush());

@@ -53,9 +53,9 @@ const EXAMPLE: &str = "map.toml:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub struct Arguments {
-    /// What to map (map.toml)
+    /// Study of the map (map.toml)
     pub map: PathBuf,
-    /// Where to write report.html, one CSV per map, the figures and their numbers
+    /// Folder for report.html, one CSV per map, the figures and their numbers
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace files in DIR even if they are not from an earlier run of this command on the same
@@ -69,7 +69,7 @@ pub struct Arguments {
     /// Also write the data of the figures as Parquet, next to numbers/FIGURE.csv
     #[arg(long, requires = "out")]
     pub parquet: bool,
-    /// Where to integrate: auto takes a hardware GPU if present, else the CPU
+    /// Device to integrate on: auto takes a hardware GPU if present, else the CPU
     #[arg(long, value_parser = backends(), default_value = "auto")]
     pub backend: Choice,
 }

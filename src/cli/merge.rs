@@ -24,7 +24,7 @@ pub struct Arguments {
     /// Folders with the state files of the shards, together all of one run
     #[arg(required = true, value_name = "DIR")]
     pub shards: Vec<PathBuf>,
-    /// Where to write the output of the undivided run; without it, the result is only printed
+    /// Folder for the output of the undivided run; without it, the result is only printed
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace files in DIR even if they are not from an earlier merge of the same folders

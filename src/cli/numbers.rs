@@ -8,7 +8,7 @@ use proofmass_report::html::Page;
 
 const PARQUET: &str = "numbers/*.parquet";
 
-/// What is announced beside the page itself.
+/// Lists the files that are announced besides the page itself.
 pub(super) fn files(parquet: bool) -> impl Iterator<Item = String> {
     ["numbers/*.csv", PARQUET].into_iter().take(if parquet { 2 } else { 1 }).map(str::to_owned)
 }

@@ -18,7 +18,7 @@ use proofmass_trial::real;
 /// Arguments of `paper`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Where to write report.html and the data of its figures
+    /// Folder for report.html and the data of its figures
     #[arg(long, value_name = "DIR", default_value = "reports/paper")]
     pub out: PathBuf,
     /// Replace files in DIR even if they are not from an earlier run of this command on the same
@@ -31,7 +31,7 @@ pub struct Arguments {
     /// Folder of recordings that contains xsens_mti/; without it figures 5 to 12 are simulated
     #[arg(long, value_name = "DIR", env = "PROOFMASS_DATA")]
     pub data: Option<PathBuf>,
-    /// Where to integrate the maps: auto takes a hardware GPU if present, else the CPU
+    /// Device to integrate the maps on: auto takes a hardware GPU if present, else the CPU
     #[arg(long, value_parser = backends(), default_value = "auto")]
     pub backend: Choice,
 }

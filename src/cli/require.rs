@@ -44,7 +44,7 @@ parts.toml:
 pub struct Arguments {
     /// The study (study.toml)
     pub study: PathBuf,
-    /// What must hold, e.g. 'p95(position_error_m, 60) < 10'
+    /// Requirement that must hold, e.g. 'p95(position_error_m, 60) < 10'
     #[arg(long, value_name = "EXPR")]
     pub limit: Limit,
     /// Key to vary: a dotted path of study.toml, e.g. the sd of a draw; several keys are scaled by
@@ -60,10 +60,10 @@ pub struct Arguments {
     /// Maximum number of members per value or part [default: a few minutes' work]
     #[arg(long, value_name = "N")]
     pub members: Option<u64>,
-    /// What is changed in the study.
+    /// Changes to the study.
     #[command(flatten)]
     pub changed: Changed,
-    /// Where to write report.html; without it, nothing is written
+    /// Folder for report.html; without it, nothing is written
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace files in DIR even if they are not from an earlier run of this command on the same

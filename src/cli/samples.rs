@@ -11,7 +11,7 @@ use proofmass_base::progress;
 use proofmass_simulate::ensemble;
 use proofmass_study::Study;
 
-/// What is asked for.
+/// Request for samples.
 pub(super) struct Request<'a> {
     /// `N FILE`, or nothing.
     pub samples: &'a [OsString],

@@ -1,6 +1,6 @@
-//! What a command answers, on stdout. A disk that is full or a stream that is closed is an error
-//! here and not a panic, as it would be in `println!`; control characters in names are shown, not
-//! sent.
+//! Writes the answer of a command to stdout. A disk that is full or a stream that is closed is an
+//! error here and not a panic, as it would be in `println!`; control characters in names are shown,
+//! not sent.
 
 use std::fmt::Arguments;
 use std::io::{IsTerminal, Write};
@@ -53,7 +53,7 @@ fn painted(text: &str) -> String {
     lines.iter().enumerate().map(line).collect()
 }
 
-/// What is said when stdout cannot be written.
+/// Returns the error of a stdout that cannot be written.
 pub fn not_printed(cause: &std::io::Error) -> Error {
     Error::new("could not print the result", cause.to_string(), "free space where the output goes, or give --out DIR")
 }

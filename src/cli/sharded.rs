@@ -1,4 +1,4 @@
-//! What a shard of any command says when it is done.
+//! Reports a shard of any command that is done.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use super::say::sayln;
 use proofmass_base::error::Result;
 use proofmass_base::shard::file::Header;
 
-/// How many units of a kind a shard has done, with a note on them, and where they are.
+/// Reports how many units of a kind a shard has done, with a note on them, and where they are.
 ///
 /// # Errors
 /// When stdout cannot be written.

@@ -54,7 +54,7 @@ pub struct Arguments {
     /// Number of members, overriding the study's
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub members: Option<u64>,
-    /// What is changed in the study.
+    /// Changes to the study.
     #[command(flatten)]
     pub changed: Changed,
     /// Simulate at several values of a key with the same members: a curve; given twice, a map
@@ -69,7 +69,7 @@ pub struct Arguments {
     /// With --sweep: find where this requirement is just met, e.g. 'p95(position_error_m, 60) < 10'
     #[arg(long, value_name = "EXPR")]
     pub limit: Option<Limit>,
-    /// Where to write report.html and the figures [default: reports/NAME]
+    /// Folder for report.html and the figures [default: reports/NAME]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace files in DIR even if they are not from an earlier run of this command on the same
@@ -199,7 +199,7 @@ fn source(arguments: &Arguments) -> Result<StudyText> {
     }
 }
 
-/// What is not divided: a study at several values of a key is several studies.
+/// Refuses to divide a study at several values of a key, which is several studies.
 fn of_one_value(study: Study) -> Result<Study> {
     match study.sweep {
         None => Ok(study),
@@ -211,7 +211,7 @@ fn of_one_value(study: Study) -> Result<Study> {
     }
 }
 
-/// Where its results go.
+/// Returns where its results go.
 fn folder(arguments: &Arguments, study: &Study) -> PathBuf {
     arguments.out.clone().unwrap_or_else(|| Path::new("reports").join(&study.name))
 }

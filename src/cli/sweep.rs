@@ -18,7 +18,7 @@ use proofmass_simulate::strapdown::backends::run_on;
 use proofmass_study::sweep::Sweep;
 use proofmass_study::{Axis, Study, StudyText};
 
-/// What `study` was asked.
+/// Request to `study`.
 pub(super) struct Asked<'a> {
     /// The study's file; the default study without one.
     pub study: Option<&'a Path>,
@@ -36,7 +36,7 @@ pub(super) struct Asked<'a> {
     pub resume: bool,
 }
 
-/// What is swept: the keys of the command line, else those of the study; nothing where neither
+/// Plans the sweep: the keys of the command line, else those of the study; nothing where neither
 /// names any.
 ///
 /// # Errors

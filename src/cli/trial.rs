@@ -36,7 +36,7 @@ use proofmass_trial::scratch::Scratch;
 /// Arguments of `trial`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Arguments {
-    /// Where to write the sealed truth, verdicts, report.html, trial.json, summary.md and figures
+    /// Folder for the sealed truth, verdicts, report.html, trial.json, summary.md and figures
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace files in DIR even if they are not from an earlier run of this command on the same

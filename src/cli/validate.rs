@@ -12,7 +12,7 @@ use proofmass_simulate::validation::{self, Row, jobs::Place};
 /// Arguments of `validate`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// What to check: `auto` is the CPU and, if present, a GPU (including software GPUs)
+    /// Devices to check: `auto` is the CPU and, if present, a GPU (including software GPUs)
     #[arg(long, value_parser = backends(), default_value = "auto")]
     backend: Choice,
 }

@@ -71,8 +71,8 @@ const CLEARLY: f64 = 0.8;
 
 /// How many times what noise makes of an attitude an axis must turn for an arm along it to show.
 const SEEN: f64 = 10.0;
-const LEVEL: &str = "this motion does not determine lever-arm beside positions alone: one axis of the IMU hardly turns; turns \
-                     about every axis would determine it";
+const LEVER_ARM_UNDETERMINED: &str = "the lever arm cannot be estimated from positions alone, because one axis hardly \
+                                      rotates; rotate about all three";
 
 /// Diagnoses a recording of an IMU in motion.
 ///
@@ -134,7 +134,7 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     if least_turn_rad < SEEN * wander_rad {
         // Its slope would be made of the noise that it is judged by.
         library.retain(|t| t.parameters != LEVER_ARM);
-        examined.findings.push(LEVEL.into());
+        examined.findings.push(LEVER_ARM_UNDETERMINED.into());
     }
     // The Earth's rate is too small to bend anything: its slope is judged, and it is never
     // followed.

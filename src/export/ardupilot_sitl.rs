@@ -36,7 +36,7 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     }
     let uniform = "per sample at 1000 Hz: the amplitude of uniform noise, sqrt(3) sigma";
     let acceleration = format!("{uniform}; N sqrt(3 rate), less the fixed 0.01");
-    let rate = format!("{uniform}; sqrt(3 N^2 rate - 0.04^2), beside the fixed 0.04");
+    let rate = format!("{uniform}; sqrt(3 N^2 rate - 0.04^2), next to the fixed 0.04");
     let gyro_extra = (gyro * gyro - GYRO_FLOOR_DEG_S.powi(2)).max(0.0).sqrt();
     let accelerometer_extra = (accelerometer - ACCELEROMETER_FLOOR_M_S2).max(0.0);
     sheet.field(Field { key: "SIM_ACC1_RND", value: accelerometer_extra, unit: "m/s^2", means: &acceleration });

@@ -1,4 +1,4 @@
-//! What stands for a slowly moving bias in tools that know one process for it: a random walk, or a
+//! Replaces a slowly moving bias in tools that know one process for it: a random walk, or a
 //! first-order Gauss–Markov process; and how far its Allan deviation is from that of the sensor.
 
 use super::imu::Errors;
@@ -22,14 +22,14 @@ pub(crate) struct Process {
     pub drive: f64,
     /// Correlation time, s; [`WALK_S`] for a random walk.
     pub correlation_s: f64,
-    /// What it stands for and by how much it is off; empty where it is exact.
+    /// Holds what it stands for and by how much it is off; empty where it is exact.
     pub remark: String,
 }
 
 /// Correlation time that makes a Gauss–Markov process a random walk: at 1000 s its Allan deviation
 /// is 0.04 % low.
 const WALK_S: f64 = 1e6;
-/// Where a substitute for bias instability agrees with it, s.
+/// Averaging time at which a substitute for bias instability agrees with it, s.
 const AGREES_S: f64 = 100.0;
 /// Allan deviation of bias instability over B: √(2 ln 2/π).
 const FLAT: f64 = 0.664_28;

@@ -107,7 +107,7 @@ fn without_comments(text: &str) -> String {
     parts.fold(first, |kept, part| kept + part.split_once("-->").map_or("", |(_, rest)| rest))
 }
 
-/// What stands between the first start and end of an element.
+/// Returns the text between the first start and end of an element.
 fn element<'a>(text: &'a str, tag: &str) -> Option<&'a str> {
     let inside = text.split_once(&format!("<{tag}>"))?.1;
     Some(inside.split_once(&format!("</{tag}>"))?.0)

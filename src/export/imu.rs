@@ -236,7 +236,7 @@ fn errors(numbers: &Tolerances, sense: Sense) -> Errors {
     errors
 }
 
-/// What was given beside noise by its law, on any axis.
+/// Lists the terms that were given besides noise by its law, on any axis.
 fn others(axes: &[Tolerances; 3]) -> Vec<Other> {
     let noise = |law| matches!(law, ErrorLaw::White(_) | ErrorLaw::Flicker(_) | ErrorLaw::Walk(_));
     let of_a_sensor = |key: &&Key| ["sensor", "accelerometer", "gyro"].contains(&key.section());

@@ -118,7 +118,7 @@ impl Target {
         sheet.finish()
     }
 
-    /// Whether [`import`](Self::import) reads this tool's configuration.
+    /// Returns whether [`import`](Self::import) reads this tool's configuration.
     pub fn imports(&self) -> bool {
         self.read.is_some()
     }

@@ -6,7 +6,7 @@ use super::imu::{Errors, Imu, Other};
 use proofmass_base::number::short;
 use proofmass_scenario::sensor::{SensorTerm, coupling};
 
-/// How a tool writes numbers and comments.
+/// Syntax in which a tool writes numbers and comments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Syntax {
     /// `key: value`, `# comment`.
@@ -54,8 +54,8 @@ pub(super) fn number(value: f64) -> String {
     }
 }
 
-/// What differs between the axes of a sensor, and what stands for it where a tool takes one number
-/// for all of them.
+/// Lists what differs between the axes of a sensor, and what replaces it where a tool takes one
+/// number for all of them.
 fn by_axis(imu: &Imu) -> Vec<String> {
     type Of = fn(&Errors) -> f64;
     let quantities: [(&str, &str, &str, Of); 6] = [
@@ -141,7 +141,7 @@ impl Sheet {
         }
     }
 
-    /// What follows is indented by this many spaces.
+    /// Indents what follows by this many spaces.
     pub(super) fn indent(&mut self, spaces: usize) {
         self.indent = spaces;
     }
@@ -192,7 +192,7 @@ impl Sheet {
         self.line(&line);
     }
 
-    /// What is to be said of the processes that stand for the accelerometer's and the gyro's moving
+    /// Adds the remarks on the processes that stand for the accelerometer's and the gyro's moving
     /// bias.
     pub(super) fn remarks(&mut self, accelerometer: &Process, gyro: &Process) {
         for (name, process) in [("accelerometer", accelerometer), ("gyro", gyro)] {

@@ -7,8 +7,8 @@
 
 /// Errors that a fix may see: velocity and position in north-east-down.
 pub const SEEN: usize = 6;
-/// What it may correct: attitude, velocity and position in north-east-down, then what is taken off
-/// the readings of the accelerometers and of the gyros in body axes.
+/// Number of quantities that it may correct: attitude, velocity and position in north-east-down,
+/// then what is taken off the readings of the accelerometers and of the gyros in body axes.
 pub const CORRECTED: usize = 15;
 
 /// One measurement of position, velocity or both, and the gains it is applied with.

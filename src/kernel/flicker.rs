@@ -54,7 +54,7 @@ pub(crate) const SPREAD: u32 = 0x9E37_79B9;
 /// Places up to the longest time a term is held, 4¹⁵ samples.
 pub(super) const PLACE_MASK: u32 = (1 << 26) - 1;
 
-/// Where in the schedule the 64 members from `first_member` on begin, samples.
+/// Returns where in the schedule the 64 members from `first_member` on begin, samples.
 pub(crate) fn place(first_member: u64) -> u64 {
     PLACES * u64::from(((first_member / 64) as u32).wrapping_mul(SPREAD) & PLACE_MASK)
 }

@@ -22,7 +22,7 @@ pub fn axis_seed(seed: u64, axis: u64) -> u64 {
     seed ^ axis.wrapping_mul(0x9E37_79B9_7F4A_7C15)
 }
 
-/// How the vertical channel is navigated.
+/// Navigation of the vertical channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Vertical {
     /// By the inertial sensors alone: its error grows without bound, e-fold in 570 s / 2.
@@ -32,8 +32,8 @@ pub enum Vertical {
     Held,
 }
 
-/// What a reading of one instrument takes from another axis or from the other instrument, SI. Rows
-/// are the axes that read.
+/// Coupling of a reading to another axis or to the other instrument, SI. Rows are the axes that
+/// read.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Coupling {
     /// Accelerometer reading per specific force along each axis, 1: misalignment.
@@ -71,30 +71,30 @@ pub struct Misalignment {
 pub struct Flight {
     /// An accelerometer and a gyro along each body axis; clock and number of members are the same.
     pub axes: [Job; 3],
-    /// What couples them, per member; `None` where nothing does.
+    /// Coupling of each member; `None` where nothing does.
     pub coupling: Option<Arc<dyn Fn(u64) -> Coupling + Send + Sync>>,
-    /// What follows temperature and late stamps, per member; `None` where nothing does.
+    /// Errors that follow temperature and late stamps, per member; `None` where nothing does.
     pub follow: Option<Arc<dyn Fn(u64) -> Follow + Send + Sync>>,
-    /// Whether the instants of samples are drawn.
+    /// Says whether the instants of samples are drawn.
     pub jitters: bool,
     /// True motion, sampled at the sensor's rate.
     pub course: Arc<Course>,
-    /// How the vertical channel is navigated.
+    /// Navigation of the vertical channel.
     pub vertical: Vertical,
     /// Attitude errors at the start.
     pub misalignment: Misalignment,
-    /// What aids the navigation, in the order of time; empty where nothing does.
+    /// Fixes that aid the navigation, in the order of time; empty where nothing does.
     pub fixes: Arc<Vec<Fix>>,
 }
 
-/// What a member begins to navigate with.
+/// State with which a member begins to navigate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Begin {
     /// Attitude error, four times the modified Rodrigues vector, rad.
     pub attitude: [f64; 3],
-    /// What is taken off the accelerometers' readings from here on, m/s².
+    /// Correction of the accelerometers' readings from here on, m/s².
     pub accelerometer: [f64; 3],
-    /// What is taken off the gyros', rad/s.
+    /// Correction of the gyros', rad/s.
     pub gyro: [f64; 3],
 }
 

@@ -1,5 +1,5 @@
-//! What readings take from the temperature and from stamps that come late, and where a gyro's range
-//! ends: errors that follow the run, the same law for all members with numbers of their own.
+//! Adds what readings take from the temperature and from stamps that come late, and where a gyro's
+//! range ends: errors that follow the run, the same law for all members with numbers of their own.
 //!
 //! A reading that is stamped τ late was taken τ earlier: its error is −τ times the rate of change
 //! of what it reads. A clock that gains d on the true time stamps the reading at time t by d t
@@ -15,11 +15,11 @@ pub struct Follow {
     /// Change per kelvin of the accelerometers' biases (m/s²) and scale factors (1), and of the
     /// gyros' (rad/s and 1).
     pub per_kelvin: [[f64; 3]; 4],
-    /// How late the stamps are, s.
+    /// Delay of the stamps, s.
     pub late_s: f64,
     /// Standard deviation of how late a single sample is, s: drawn for each, the same for all axes.
     pub jitter_s: f64,
-    /// What the stamps gain on the true time from the end of the still start on, 1.
+    /// Gain of the stamps on the true time from the end of the still start on, 1.
     pub drift: f64,
     /// Largest magnitude that each gyro reads, rad/s; infinity for none.
     pub gyro_range_rad_s: [f64; 3],

@@ -58,8 +58,8 @@ pub fn table<T: Real>(job: &Job, first_sample: u64, count: u64) -> Vec<Force<T>>
     parallel::map_indices(substeps.div_ceil(STRETCH) as usize, stretch).concat()
 }
 
-/// What the late force has more than the force itself at the end of each of `count` samples from
-/// `first` on, m/s²; empty where no reading is late.
+/// Returns what the late force has more than the force itself at the end of each of `count` samples
+/// from `first` on, m/s²; empty where no reading is late.
 pub fn late<T: Real>(job: &Job, first: u64, count: u64) -> Vec<T> {
     let late = Late::of(job);
     if late.halves == 0.0 {

@@ -6,7 +6,7 @@
 use crate::error::{Error, Result};
 use crate::sensor::ProofMass;
 
-/// How the proof mass is stepped.
+/// Integrator of the proof mass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Integrator {
     /// No mechanics: the reading follows the force at once.
@@ -52,14 +52,14 @@ pub enum Reach {
     General,
 }
 
-/// What is known of a method, whatever its substeps.
+/// Properties of a method, whatever its substeps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Method {
     /// Name in reports.
     pub name: &'static str,
     /// Name of its function in `shaders/shared/oscillator.wgsl`, and in capitals of its code.
     pub wgsl: &'static str,
-    /// Whether there is a state to step.
+    /// Says whether there is a state to step.
     pub moves: bool,
     /// The proof masses that it can step.
     pub reach: Reach,
@@ -155,7 +155,7 @@ impl Integrator {
             return choice(
                 Self::ExactHold,
                 format!(
-                    "the proof mass is linear: the exact map, one step whatever the resonance (ω₀h = {stiffness:.3})"
+                    "the exact solution of the linear spring, one step whatever the resonance (ω₀h = {stiffness:.3})"
                 ),
             );
         }
@@ -220,7 +220,7 @@ impl Integrator {
         }
     }
 
-    /// What the noise of the force is multiplied by, given W = (ω₀h)²: Runge–Kutta wants it as it
+    /// Returns the factor of the noise of the force, given W = (ω₀h)²: Runge–Kutta wants it as it
     /// stands in the equation, W·w; the others as the reading that it is.
     pub fn force_scale(self, w: f64) -> f64 {
         match self {
@@ -229,7 +229,7 @@ impl Integrator {
         }
     }
 
-    /// What is known of it.
+    /// Returns what is known of it.
     pub fn method(self) -> &'static Method {
         let place = match self {
             Self::Ideal => 0,

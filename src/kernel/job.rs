@@ -21,9 +21,9 @@ pub struct Clock {
     /// Samples after which statistics are taken, increasing, 1-based (the last one is usually
     /// `samples`).
     pub report_samples: Vec<u64>,
-    /// How many of the first samples are a still start: the sensor stands still, and at their end
-    /// the mean errors of accelerometer and gyro are taken off and the integrals begin. Zero for an
-    /// ideal start.
+    /// Number of the first samples that are a still start: the sensor stands still, and at their
+    /// end the mean errors of accelerometer and gyro are taken off and the integrals begin. Zero
+    /// for an ideal start.
     pub still_samples: u64,
 }
 
@@ -66,7 +66,7 @@ pub struct Job {
     pub draw: Arc<dyn Fn(u64) -> Member + Send + Sync>,
     /// Shared excitation.
     pub waveform: Arc<dyn Waveform>,
-    /// How the proof mass is stepped, the same for all members.
+    /// Integrator of the proof mass, the same for all members.
     pub integrator: Integrator,
     /// Temperature of the sensor; its times count from the end of the still start.
     pub temperature: Arc<Temperature>,
@@ -81,8 +81,8 @@ impl Job {
         if self.gravity_m_s2 == 0.0 { 0.0 } else { 1.0 / self.gravity_m_s2 }
     }
 
-    /// How much warmer than its reference the sensor is in the middle of each of `count` samples from
-    /// `first` on, K; empty where it stays at its reference.
+    /// Returns the temperature of the sensor above its reference in the middle of each of `count`
+    /// samples from `first` on, K; empty where it stays at its reference.
     pub fn warmer_k<T: Real>(&self, first: u64, count: u64) -> Vec<T> {
         if self.temperature.points.is_empty() {
             return Vec::new();
@@ -91,7 +91,8 @@ impl Job {
         (first..first + count).map(|n| T::of(self.temperature.above_reference_k(time_s(n)))).collect()
     }
 
-    /// How late the readings of the proof masses are, s: the first member's, as all have the same.
+    /// Returns the delay of the readings of the proof masses, s: the first member's, as all have
+    /// the same.
     pub fn readout_delay_s(&self) -> f64 {
         (self.draw)(0).sensor.error(SensorTerm::ReadoutDelay)
     }

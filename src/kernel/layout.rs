@@ -38,7 +38,7 @@ pub mod state {
     pub const VELOCITY_TOTAL: usize = 7;
     /// Rate of turn summed up to then.
     pub const RATE_TOTAL: usize = 9;
-    /// Whether the member left the range of its model.
+    /// Says whether the member left the range of its model.
     pub const FAILED: usize = 11;
     /// Mean error of the accelerometer that a still start takes off.
     pub const MEAN: usize = 12;
@@ -48,11 +48,11 @@ pub mod state {
     pub const LOW_PASS: usize = 14;
     /// Random walks, one for each term that is one.
     pub const WALKS: usize = 15;
-    /// How many random walks there are.
+    /// Number of random walks.
     pub const WALK_COUNT: usize = alike(ErrorLaw::Walk(Stream::Host), SensorTerm::COUNT);
     /// Gauss–Markov processes, one for each term that is one.
     pub const MARKOVS: usize = WALKS + WALK_COUNT;
-    /// How many Gauss–Markov processes there are.
+    /// Number of Gauss–Markov processes.
     pub const MARKOV_COUNT: usize = alike(ErrorLaw::Markov(Stream::Host), SensorTerm::COUNT);
     /// States of the laws' own follow here, of those that act, and behind them flicker terms, a set
     /// for each sensor term that is switched on.
@@ -101,7 +101,7 @@ pub const NAVIGATE_WORKGROUP: u32 = 64;
 /// Numbers of a member's state in `navigate`: three vectors of parts, three compensated totals, and
 /// whether it failed.
 pub const NAVIGATE_STATE: usize = 28;
-/// Where the totals of the attitude begin in it.
+/// Place at which the totals of the attitude begin in it.
 pub const NAVIGATE_ATTITUDE: usize = 9;
 /// Vectors of the uniform array of passages, 16 bytes each.
 pub const PASSAGES: usize = 4096;

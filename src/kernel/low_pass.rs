@@ -19,9 +19,9 @@ use crate::sensor::ProofMass;
 /// Weights of one substep.
 pub const WEIGHTS: usize = 7;
 
-/// What each is the weight of, by the names that the shader uses: the low-pass's own error, then
-/// the error of the mass at the beginning of the substep, the rate of that error there, both at its
-/// end, the growth of the force, and the noise of the force.
+/// Names what each is the weight of, by the names that the shader uses: the low-pass's own error,
+/// then the error of the mass at the beginning of the substep, the rate of that error there, both
+/// at its end, the growth of the force, and the noise of the force.
 pub(super) const NAMED: [&str; WEIGHTS] = ["KEPT", "E_BEGIN", "V_BEGIN", "E_END", "V_END", "GROWTH", "PUSH"];
 
 /// Those of a member whose mass is read as it stands at the end of the substep: it has no low-pass,
@@ -56,7 +56,8 @@ pub(super) fn weights(mass: Option<&ProofMass>, integrator: Integrator, substep_
     }
 }
 
-/// What the low-pass takes over a substep from the linear mass's distance to rest and its rate.
+/// Returns what the low-pass takes over a substep from the linear mass's distance to rest and its
+/// rate.
 fn of_linear(mass: &ProofMass, substep_s: f64, ratio: f64) -> [f64; 2] {
     let w0 = mass.natural_frequency_rad_s * substep_s;
     let all =

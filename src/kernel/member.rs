@@ -40,7 +40,7 @@ pub mod column {
     /// Indices by the names that the shader uses.
     pub const NAMED: [(&str, usize); 4] = [("GAIN", GAIN), ("SINE", SINE), ("FORCE", FORCE), ("STEPS", STEPS)];
 
-    /// Where a term stands.
+    /// Returns the column of a term.
     pub const fn of(term: SensorTerm) -> usize {
         TERMS + term as usize
     }
@@ -149,7 +149,7 @@ impl Column {
         Self { values, laws, low_pass, turns, waves }
     }
 
-    /// Whether the member has this term.
+    /// Returns whether the member has this term.
     pub fn has(&self, term: SensorTerm) -> bool {
         self.values[column::of(term)] != absent(term)
     }
@@ -184,10 +184,10 @@ pub(crate) const fn absent(term: SensorTerm) -> f64 {
     if matches!(term.law(), ErrorLaw::FullScale) { full_scale(neutral) } else { neutral }
 }
 
-/// What a reading is multiplied by to count it in steps, 0 without steps. Divided here, once: a
-/// GPU's own division may be off by 2.5 units in the last place, and one that multiplied by a
-/// reciprocal took one member in 150 to another step within 50 samples, and with them a 99th
-/// percentile by 0.011 sd.
+/// Returns the factor that counts a reading in steps, 0 without steps. Divided here, once: a GPU's
+/// own division may be off by 2.5 units in the last place, and one that multiplied by a reciprocal
+/// took one member in 150 to another step within 50 samples, and with them a 99th percentile by
+/// 0.011 sd.
 fn steps_per_m_s2(quantisation_m_s2: f64) -> f64 {
     const SMALLEST: f64 = 1e-30;
     if quantisation_m_s2 > SMALLEST { 1.0 / quantisation_m_s2 } else { 0.0 }

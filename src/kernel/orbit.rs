@@ -45,7 +45,7 @@ impl Point {
     }
 }
 
-/// How all points of one job are integrated.
+/// Integration of all points of one job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Plan {
     /// Seed of the force noise.
@@ -62,7 +62,7 @@ pub struct Plan {
     pub strobes: u32,
 }
 
-/// What became of one point.
+/// Outcome of one point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Orbit {
     /// Largest Lyapunov exponent, 1/s; NaN where the orbit left every bound.

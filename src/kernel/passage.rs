@@ -1,5 +1,5 @@
-//! What the truth is while one sample passes, shared by all members: what the navigation errors are
-//! integrated about.
+//! True motion over one sample, shared by all members: what the navigation errors are integrated
+//! about.
 //!
 //! Tabulated in f64 from the samples of a [`Truth`] and rounded once. Attitude is that in the
 //! middle of the sample, forces and rates are means of its two ends. Not for readings: the axes'
@@ -38,17 +38,17 @@ pub struct Passage<T> {
     pub convergence: T,
     /// The Earth's rate times the sine and the cosine of latitude, rad/s.
     pub earth_rate: [T; 2],
-    /// What gravity grows by along down, 1/s², and per radian of latitude, m/s².
+    /// Growth of gravity along down, 1/s², and per radian of latitude, m/s².
     pub gravity: [T; 2],
     /// Specific force in body axes, m/s².
     pub body_force: [T; 3],
     /// Angular rate against inertial space in body axes, rad/s.
     pub body_rate: [T; 3],
-    /// How much warmer than the reference the sensor is, K.
+    /// Temperature of the sensor above its reference, K.
     pub warmer: T,
-    /// What the body force grows by, m/s³.
+    /// Growth of the body force, m/s³.
     pub force_change: [T; 3],
-    /// What the body rate grows by, rad/s².
+    /// Growth of the body rate, rad/s².
     pub rate_change: [T; 3],
 }
 
@@ -65,9 +65,9 @@ pub struct Course {
     pub earth: Earth,
     /// From the sensor's axes to the body's.
     mounting: UnitQuaternion<f64>,
-    /// Where it is at every sample.
+    /// Place at every sample.
     places: Vec<Place>,
-    /// How warm the sensor is on the way.
+    /// Temperature of the sensor on the way.
     temperature: Temperature,
 }
 
@@ -97,12 +97,12 @@ impl Course {
         Self { temperature, ..self }
     }
 
-    /// How warm it is on the way.
+    /// Returns the temperature on the way.
     pub fn temperature(&self) -> &Temperature {
         &self.temperature
     }
 
-    /// How much warmer than the reference the sensor is at the start, K.
+    /// Returns the temperature of the sensor above its reference at the start, K.
     pub fn standing_warmer_k(&self) -> f64 {
         self.temperature.above_reference_k(0.0)
     }
@@ -118,8 +118,8 @@ impl Course {
         self.truth.samples.get(at).map_or(0.0, |s| (s.attitude * self.mounting.inverse()).euler_angles().2)
     }
 
-    /// What accelerometers that stand still at the start read, without error, m/s², and what gyros
-    /// do, rad/s.
+    /// Returns what accelerometers that stand still at the start read, without error, m/s², and
+    /// what gyros do, rad/s.
     pub fn standing(&self) -> [Vector3<f64>; 2] {
         let place = self.place(0);
         let up = Vector3::new(0.0, 0.0, -self.earth.gravity_m_s2(place));
@@ -127,12 +127,12 @@ impl Course {
         [back * up, back * self.earth.rate_rad_s(place)]
     }
 
-    /// Where it is at a sample, the last one if it is beyond.
+    /// Returns the place at a sample, the last one if it is beyond.
     pub fn place(&self, sample: u64) -> Place {
         self.places[(sample as usize).min(self.places.len() - 1)]
     }
 
-    /// What gravity grows by per metre along down, 1/s², and per radian of latitude, m/s².
+    /// Returns the growth of gravity per metre along down, 1/s², and per radian of latitude, m/s².
     fn gravity_gradient(&self, at: Place) -> [f64; 2] {
         const METRES: f64 = 100.0;
         const RADIANS: f64 = 1e-4;
@@ -249,7 +249,7 @@ pub struct Along {
     pub truth: Arc<Truth>,
     /// Which axis: 0, 1, 2.
     pub axis: usize,
-    /// What it feels while it stands still before the motion, m/s².
+    /// Specific force while it stands still before the motion, m/s².
     pub standing_m_s2: f64,
     /// Added to the motion: vibration.
     pub vibration: Option<Arc<dyn Waveform>>,

@@ -56,7 +56,7 @@ pub fn simulate_traced(int64: bool, laws: &[StudyLaw]) -> Shader {
     ensemble(int64, laws, true)
 }
 
-/// What stands at the lines `#trace …`.
+/// Texts at the lines `#trace …`.
 const TRACE: [(&str, &str); 3] = [
     ("#trace declare", "@group(0) @binding(7) var<storage, read_write> trace: array<f32>;"),
     ("#trace accelerometer", "trace[2u * (n - tile.first_sample) * stride + i] = error;"),
@@ -98,8 +98,8 @@ fn advance() -> String {
     text + "    return s;\n}\n"
 }
 
-/// What the host knows by number, so that no number is written twice: columns, states, streams and
-/// bounds.
+/// Writes what the host knows by number, so that no number is written twice: columns, states,
+/// streams and bounds.
 fn constants() -> String {
     let mut text = terms::declarations();
     for (name, place) in column::NAMED {

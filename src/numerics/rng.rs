@@ -12,9 +12,9 @@ use rand_distr::{Distribution, StandardNormal};
 pub const MULTIPLIER_0: u32 = 0xD251_1F53;
 /// Second multiplier of a round.
 pub const MULTIPLIER_1: u32 = 0xCD9E_8D57;
-/// What the first key word grows by each round.
+/// Increment of the first key word in each round.
 pub const WEYL_0: u32 = 0x9E37_79B9;
-/// What the second key word grows by each round.
+/// Increment of the second key word in each round.
 pub const WEYL_1: u32 = 0xBB67_AE85;
 
 /// Philox4x32 with ten rounds: 128 random bits for one counter and key.
@@ -36,7 +36,7 @@ pub fn philox4x32_10(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
     counter
 }
 
-/// What a random number is for. Each purpose has its own stream, or bits of its own in one
+/// Purpose of a random number. Each purpose has its own stream, or bits of its own in one
 /// (`kernel::cpu::small`), so that switching one error on does not change another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[repr(u32)]

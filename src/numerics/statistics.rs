@@ -1,5 +1,5 @@
-//! What an ensemble is summed to: moments, extremes and a histogram per quantity and report time,
-//! mergeable in any number of parts.
+//! Sums up an ensemble: moments, extremes and a histogram per quantity and report time, mergeable
+//! in any number of parts.
 //!
 //! Not for time series of one sensor (`numerics` has Allan deviation and spectra).
 
@@ -65,15 +65,15 @@ pub struct Machine {
     pub driver: String,
     /// "f32" or "f64".
     pub precision: String,
-    /// Whether multiply and add were fused; "unknown" on a GPU, whose compiler decides.
+    /// Says whether multiply and add were fused; "unknown" on a GPU, whose compiler decides.
     pub fused_multiply_add: String,
     /// Integrator of the proof mass.
     pub integrator: String,
 }
 
 impl Machine {
-    /// Whether two machines give the same bits: the number of threads and the width of vectors do
-    /// not matter, fused multiply-add does, and a GPU is its own.
+    /// Returns whether two machines give the same bits: the number of threads and the width of
+    /// vectors do not matter, fused multiply-add does, and a GPU is its own.
     pub fn same_bits(&self, other: &Self) -> bool {
         let of = |m: &Self| {
             let device = if m.kind == "cpu" { String::new() } else { format!("{} {}", m.name, m.driver) };
@@ -115,7 +115,7 @@ pub struct Statistics {
     pub origins: Vec<Origin>,
 }
 
-/// What is measured of every member at every report time, in this order.
+/// Holds what is measured of every member at every report time, in this order.
 pub const QUANTITIES: [&str; 4] =
     ["position_error_m", "velocity_error_m_s", "acceleration_error_m_s2", "tilt_error_rad"];
 

@@ -10,7 +10,7 @@ use super::scales::{Coordinate, Scales};
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BiasRandomWalk;
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "bias-random-walk",
     kind: Kind::Driven,

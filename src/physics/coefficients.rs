@@ -28,7 +28,7 @@ impl StudyLaw {
         self.term.study()
     }
 
-    /// Whether it has states besides the displacement and velocity of the mass.
+    /// Returns whether it has states besides the displacement and velocity of the mass.
     pub fn has_states(&self) -> bool {
         self.term.states() > 0
     }
@@ -38,7 +38,7 @@ impl StudyLaw {
         self.first..self.first + self.given().len()
     }
 
-    /// What its first state is at rest under one unit of input, with the reading as displacement and
+    /// Returns its first state at rest under one unit of input, with the reading as displacement and
     /// these values of its parameters.
     pub fn at_rest(&self, values: &[f64]) -> f64 {
         self.term.at_rest(1.0, values)
@@ -113,7 +113,7 @@ impl Coefficients {
         self
     }
 
-    /// Whether the mass follows this law: its first parameter is the strength.
+    /// Returns whether the mass follows this law: its first parameter is the strength.
     pub fn has(&self, law: &StudyLaw) -> bool {
         self.0[law.first] != 0.0
     }
@@ -147,7 +147,7 @@ impl Coefficients {
     }
 }
 
-/// Where the coefficient of a key stands.
+/// Returns the place of the coefficient of a key.
 fn place(key: &Key) -> Option<usize> {
     keys().position(|k| k.slot == key.slot)
 }

@@ -19,7 +19,7 @@ use super::state::{BaseLanes, Instant, LANES, Lanes, MOST_STAGED, MOST_VALUES};
 use super::study::Given;
 use crate::units::key::{Key, Sign};
 
-/// Whether both directions rub alike.
+/// Says whether both directions rub alike.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Sides {
     /// By f_c in both.
@@ -33,7 +33,7 @@ pub enum Sides {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct CoulombFriction(pub Sides);
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub const CANDIDATE: Candidate = Candidate {
     id: "coulomb-friction",
     kind: Kind::Driven,
@@ -46,7 +46,7 @@ pub const CANDIDATE: Candidate = Candidate {
     reference: "Armstrong-Hélouvry, Dupont & Canudas de Wit, Automatica 30 (1994)",
 };
 
-/// What the library says of it where the sides differ: the same candidate, with one parameter more.
+/// States the candidate where the sides differ: the same one, with one parameter more.
 pub(crate) const APART: Candidate = Candidate {
     statement: "Dry friction opposes motion, more in one direction than in the other, and can hold the mass still.",
     equation: "x″ + 2ζω₀x′ + f_c sgn x′ + f_d + ω₀²x = g·u while it slides",
@@ -58,7 +58,7 @@ pub(crate) const APART: Candidate = Candidate {
     ..CANDIDATE
 };
 
-/// How a study gives it.
+/// Declares its keys in a study.
 pub const GIVEN: &[Given] =
     &[Given::new(Key::new(6, "sensor.coulomb_friction_m_s2", "Coulomb friction", "m/s²", 1.0, Sign::NotNegative))];
 
@@ -113,7 +113,7 @@ impl Law for CoulombFriction {
     }
 }
 
-/// What holds each lane back: forwards, and backwards.
+/// Returns the force that holds each lane back: forwards, and backwards.
 pub fn resistance(p: &[Lanes]) -> [Lanes; 2] {
     match p {
         [size, difference, ..] => {
@@ -169,7 +169,7 @@ pub struct Sliding<'a> {
     pub friction: &'a [Lanes; 2],
     /// The direction in which each lane slides, from `sides`.
     pub side: &'a Lanes,
-    /// What accelerated besides the base at the beginning and at the end.
+    /// Acceleration besides that of the base at the beginning and at the end.
     pub ends: [&'a Lanes; 2],
 }
 
@@ -265,7 +265,8 @@ impl Event {
         [x + way * excess * loose_s * loose_s / 6.0, 0.5 * way * excess * loose_s]
     }
 
-    /// Where in the step, from 0 to 1, the velocity (Hermite's cubic) passes zero.
+    /// Returns the place in the step, from 0 to 1, at which the velocity (Hermite's cubic) passes
+    /// zero.
     fn turn(&self) -> f64 {
         let h = self.step_s;
         let ([_, v0, a0], [_, v1, a1]) = (self.begin, self.end);

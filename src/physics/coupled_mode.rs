@@ -23,7 +23,7 @@ use crate::units::key::{Key, Sign};
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct CoupledMode;
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "coupled-mode",
     kind: Kind::Driven,
@@ -40,7 +40,7 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     reference: "Den Hartog, Mechanical Vibrations, 4th ed., 1956, § 3.2 (vibration absorber)",
 };
 
-/// How a study gives it.
+/// Declares its keys in a study.
 pub(crate) const GIVEN: &[Given] = &[
     Given::new(Key::new(
         77,

@@ -13,7 +13,7 @@ use crate::units::key::{Key, Sign};
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct CubicStiffness;
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "cubic-stiffness",
     kind: Kind::Driven,
@@ -32,8 +32,8 @@ pub fn acceleration<T: Real, const FMA: bool>(beta: T, x: T, sum: T) -> T {
     fma::<T, FMA>(-(beta * x * x), x, sum)
 }
 
-/// What a spring of linear stiffness and β pulls back with, per mass: x(k + βx²). Orbits that are
-/// followed for long take this form, which rounds once less.
+/// Returns the force per mass with which a spring of linear stiffness and β pulls back: x(k + βx²).
+/// Orbits that are followed for long take this form, which rounds once less.
 #[inline(always)]
 pub fn pull<T: Real>(stiffness: T, beta: T, x: T) -> T {
     x * (stiffness + beta * (x * x))
@@ -57,7 +57,7 @@ fn cubic_tangent_stiffness(beta: f32, x: f32) -> f32 {
 }
 ";
 
-/// How a study gives it.
+/// Declares its keys in a study.
 pub const GIVEN: &[Given] =
     &[Given::new(Key::new(2, "sensor.cubic_stiffness_per_m2_s2", "cubic stiffness β", "1/(m² s²)", 1.0, Sign::Any))];
 

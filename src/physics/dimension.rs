@@ -58,7 +58,7 @@ impl Dimension {
         d
     }
 
-    /// What a value of this dimension is multiplied by.
+    /// Returns the factor of a value of this dimension.
     pub(crate) fn factor(self, units: &Units) -> f64 {
         units.y.powi(self.y) * units.u.powi(self.u) * units.s.powi(self.s)
     }

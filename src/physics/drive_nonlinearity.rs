@@ -13,7 +13,7 @@ use crate::units::key::{Key, Sign};
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct DriveNonlinearity;
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub const CANDIDATE: Candidate = Candidate {
     id: "drive-nonlinearity",
     kind: Kind::Driven,
@@ -26,7 +26,7 @@ pub const CANDIDATE: Candidate = Candidate {
     reference: "Senturia, Microsystem Design, 2001, ch. 6 (electrostatic actuation)",
 };
 
-/// How a study gives it.
+/// Declares its keys in a study.
 pub(crate) const GIVEN: &[Given] =
     &[Given::new(Key::new(73, "sensor.drive_nonlinearity_s2_per_m", "drive nonlinearity κ", "s²/m", 1.0, Sign::Any))];
 

@@ -1,4 +1,4 @@
-//! What the paper's equation of motion does: exact linear response, Duffing orbits, Lyapunov
+//! Studies the paper's equation of motion: exact linear response, Duffing orbits, Lyapunov
 //! exponents, fractal measures.
 //!
 //! Not for ensembles of noisy sensors (`kernel`, `backend`); these are the scalar f64 references

@@ -22,7 +22,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// How far the reading gets on this side.
+    /// Returns how far the reading gets on this side.
     fn reach(self, s: &Scales) -> f64 {
         let (below, above) = (s.centre - s.output_range.0, s.output_range.1 - s.centre);
         match self {
@@ -37,7 +37,7 @@ impl Side {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct EndStop(pub Side);
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "end-stop",
     kind: Kind::Driven,
@@ -60,13 +60,13 @@ const SOFTEST: f64 = 0.003;
 const SOFTEST_BESIDE_A_BEND: f64 = 0.3;
 
 impl EndStop {
-    /// Whether it is too soft to be told from the bend of another spring in the same model.
+    /// Returns whether it is too soft to be told from the bend of another spring in the same model.
     pub fn may_be_a_bend(parameters: &[f64], s: &Scales) -> bool {
         parameters[0] < SOFTEST_BESIDE_A_BEND * s.omega_rad_s.powi(2)
     }
 }
 
-/// How a study gives it: stops on both sides.
+/// Declares its keys in a study: stops on both sides.
 pub(crate) const GIVEN: &[Given] = &[
     Given::new(Key::new(
         75,

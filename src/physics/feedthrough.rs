@@ -9,7 +9,7 @@ use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Feedthrough;
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "feedthrough",
     kind: Kind::Driven,

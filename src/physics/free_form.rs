@@ -93,11 +93,11 @@ impl Default for FreeForm {
 
 /// Values of a form.
 pub const VALUES: usize = 4;
-/// Where the slope of the form turns about, in sizes.
+/// Place about which the slope of the form turns, in sizes.
 const PIVOT: f64 = 0.7;
 
 impl Freed {
-    /// What it depends on.
+    /// Returns the argument that it depends on.
     pub fn argument(self) -> Argument {
         match self {
             Self::CubicSpring | Self::QuadraticSpring | Self::Film | Self::Stop(_) | Self::Readout => {
@@ -124,7 +124,7 @@ impl Freed {
         }
     }
 
-    /// Whether it is the stated form times a function of its argument.
+    /// Returns whether it is the stated form times a function of its argument.
     fn is_power(self) -> bool {
         !matches!(self, Self::Friction | Self::Stop(_) | Self::Readout)
     }
@@ -179,7 +179,7 @@ impl FreeForm {
         }
     }
 
-    /// What a stop of this stiffness and further exponent pushes at a depth.
+    /// Returns the force of a stop of this stiffness and further exponent at a depth.
     #[inline(always)]
     fn push<T: Real>(&self, [stiffness, exponent]: [T; 2], depth: T) -> T {
         let deep = (depth / T::of(self.size)).max(T::of(LEAST));

@@ -21,10 +21,10 @@ use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 use super::study::Given;
 use crate::units::key::{Key, Sign};
 
-/// How sharply the spring with memory yields.
+/// Sharpness with which the spring with memory yields.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Sharpness {
-    /// As an exponential: n = 1.
+    /// Yields as an exponential: n = 1.
     #[default]
     One,
     /// By an exponent n that is fitted.
@@ -35,7 +35,7 @@ pub enum Sharpness {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Hysteresis(pub Sharpness);
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "hysteresis",
     kind: Kind::Driven,
@@ -55,7 +55,7 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
 /// Exponents that a fit may take.
 const EXPONENTS: [f64; 2] = [0.4, 6.0];
 
-/// What the library says of it with an exponent: the same candidate, with one parameter more.
+/// States the candidate with an exponent: the same one, with one parameter more.
 pub(crate) const SHARP: Candidate = Candidate {
     equation: "x″ + 2ζω₀x′ + ω₀²x + k_h z = g·u, z′ = x′ − β|x′|(β|z|)ⁿ⁻¹z − γx′(β|z|)ⁿ⁻¹|z|",
     parameters: &[
@@ -67,7 +67,7 @@ pub(crate) const SHARP: Candidate = Candidate {
     ..CANDIDATE
 };
 
-/// How a study gives it. A run begins without a memory: z = 0.
+/// Declares its keys in a study. A run begins without a memory: z = 0.
 pub const GIVEN: &[Given] = &[
     Given::new(Key::new(
         83,
@@ -147,8 +147,9 @@ fn hysteresis(at: Instant, p0: f32, p1: f32, p2: f32, own: f32, sum: f32) -> f32
     return fma(-p0, own, sum);
 }"
     }
-    /// Where z is largest, 1/(β + γ), and the mass turns back, z′/x′ = 1 + (β − γ)z; from z = 0 on
-    /// it is 1. No more than ten: a z that may grow far takes a way that no mass has.
+    /// Returns the stiffening. Where z is largest, 1/(β + γ), and the mass turns back, z′/x′ = 1 +
+    /// (β − γ)z; from z = 0 on it is 1. No more than ten: a z that may grow far takes a way that no
+    /// mass has.
     fn stiffens(&self, p: &[f64]) -> f64 {
         let back = if p[1] + p[2] > 0.0 { 2.0 * p[1] / (p[1] + p[2]) } else { 1.0 };
         p[0].max(0.0) * back.clamp(1.0, 10.0)

@@ -12,7 +12,7 @@ use super::scales::{Coordinate, Scales};
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct InputLag;
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "input-lag",
     kind: Kind::Driven,

@@ -1,5 +1,5 @@
-//! What every law answers: what the library says of it, how it acts, where a fit of it begins, and
-//! the law itself.
+//! Asks every law the same: what the library states of it, how it acts, where a fit of it begins,
+//! and the law itself.
 //!
 //! Not for the list of laws (`library`), which imports each of them.
 
@@ -10,7 +10,7 @@ use super::scales::{Coordinate, Scales};
 use super::state::{Constants, Instant, LANES, Lanes, MOST_STAGED, MOST_VALUES, Stride};
 use super::study::Given;
 
-/// How a law acts in a simulation.
+/// Role of a law in a simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// A force on the mass; its states are integrated with the mass.
@@ -55,7 +55,7 @@ pub enum Place {
 }
 
 impl Place {
-    /// Whether it comes before the offset: it sees the displacement alone.
+    /// Returns whether it comes before the offset: it sees the displacement alone.
     pub fn is_before_offset(self) -> bool {
         self < Self::Input
     }
@@ -71,12 +71,13 @@ pub enum Noise {
 }
 
 impl Role {
-    /// Whether it acts on the mass, so that the equation of motion is more than the base model's.
+    /// Returns whether it acts on the mass, so that the equation of motion is more than the base
+    /// model's.
     pub fn acts_on_mass(self) -> bool {
         matches!(self, Self::Force | Self::Friction)
     }
 
-    /// Whether its states follow each step of the mass by an exact solution.
+    /// Returns whether its states follow each step of the mass by an exact solution.
     pub fn follows(self) -> bool {
         matches!(self, Self::Mode | Self::LowPass)
     }
@@ -111,21 +112,22 @@ pub enum StartGrid {
 pub trait Law {
     /// Its entry in the library of candidates.
     fn candidate(&self) -> &'static Candidate;
-    /// Where and how the law acts.
+    /// Returns where and how the law acts.
     fn role(&self) -> Role;
-    /// How an optimiser moves each parameter, and each unknown initial value after them.
+    /// Returns how an optimiser moves each parameter, and each unknown initial value after them.
     fn coordinates(&self, scales: &Scales) -> Vec<Coordinate>;
-    /// Where a fit begins; several where the misfit has several minima.
+    /// Returns the points at which a fit begins; several where the misfit has several minima.
     fn starts(&self, scales: &Scales) -> Vec<Vec<f64>>;
-    /// Where to look before a fit, many points at a time; `None` where the few starts are enough.
+    /// Returns the grid of places to look at before a fit, many points at a time; `None` where the
+    /// few starts are enough.
     fn start_grid(&self, _scales: &Scales) -> Option<StartGrid> {
         None
     }
-    /// Where else, seen from a fit, its misfit may have another minimum.
+    /// Returns other places where, seen from a fit, its misfit may have another minimum.
     fn elsewhere(&self, _p: &[f64], _scales: &Scales) -> Vec<Vec<f64>> {
         Vec::new()
     }
-    /// How a study gives its parameters; nothing where no study can run it.
+    /// Returns the keys that give its parameters in a study; nothing where no study can run it.
     fn study(&self) -> &'static [Given] {
         &[]
     }
@@ -136,7 +138,7 @@ pub trait Law {
     fn wgsl(&self) -> &'static str {
         ""
     }
-    /// What its first state is at rest under one unit of input, which displaces the mass by
+    /// Returns its first state at rest under one unit of input, which displaces the mass by
     /// `displacement`; its further states rest at zero.
     fn at_rest(&self, _displacement: f64, _p: &[f64]) -> f64 {
         0.0
@@ -163,8 +165,8 @@ pub trait Law {
     fn stiffens(&self, _p: &[f64]) -> f64 {
         0.0
     }
-    /// Whether its law has a corner, near which the misfit is far from a parabola and integration
-    /// needs short steps.
+    /// Returns whether its law has a corner, near which the misfit is far from a parabola and
+    /// integration needs short steps.
     fn has_corner(&self) -> bool {
         false
     }
@@ -173,12 +175,12 @@ pub trait Law {
     fn environment(&self) -> Option<usize> {
         None
     }
-    /// Whether it follows the temperature of a study, which stands in the place of the first environment
-    /// column, in K above its reference.
+    /// Returns whether it follows the temperature of a study, which stands in the place of the first
+    /// environment column, in K above its reference.
     fn follows_temperature(&self) -> bool {
         false
     }
-    /// Whether it needs an input column.
+    /// Returns whether it needs an input column.
     fn needs_input(&self) -> bool {
         false
     }
@@ -190,7 +192,7 @@ pub trait Law {
             *state = *value;
         }
     }
-    /// What `follow` takes for granted during a pass of steps of this length.
+    /// Returns what `follow` takes for granted during a pass of steps of this length.
     fn constants(&self, _p: &[Lanes], _step_s: f64) -> Constants {
         [[0.0; LANES]; 6]
     }
@@ -225,7 +227,7 @@ pub trait Law {
     {
         [T::default(); MOST_STAGED]
     }
-    /// What becomes of the reading `y`.
+    /// Returns what becomes of the reading `y`.
     #[inline(always)]
     fn reading(&self, _at: &Instant<'_, f64>, _p: &[f64; MOST_VALUES], _own: &[f64; MOST_STAGED], y: f64) -> f64
     where

@@ -20,7 +20,7 @@ macro_rules! library {
             $($other(super::$beside::$other)),*
         }
 
-        /// What can be named in a driven recording, in public order.
+        /// Candidates that can be named in a driven recording, in public order.
         pub const CANDIDATES: &[Candidate] = &[$(super::$file::CANDIDATE),*];
 
         impl Term {

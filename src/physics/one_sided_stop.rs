@@ -17,7 +17,7 @@ use crate::units::key::{Key, Sign};
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct OneSidedStop;
 
-/// What the library says of it; a diagnosis names it as an end stop.
+/// States the candidate for the library; a diagnosis names it as an end stop.
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "one-sided-stop",
     kind: Kind::Driven,
@@ -33,7 +33,7 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     reference: "Shaw & Holmes, A periodically forced piecewise linear oscillator, J. Sound Vib. 90 (1983)",
 };
 
-/// How a study gives it: its position changes sides with the axis.
+/// Declares its keys in a study: its position changes sides with the axis.
 pub(crate) const GIVEN: &[Given] = &[
     Given::new(Key::new(
         86,

@@ -16,7 +16,7 @@ use crate::units::key::{Key, Sign};
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ParasiticMode;
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "parasitic-mode",
     kind: Kind::Driven,
@@ -33,8 +33,8 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     reference: "Ewins, Modal Testing, 2nd ed., 2000, ch. 2",
 };
 
-/// How a study gives it; its gain is that of the proof mass' own force, which is one, and is turned
-/// round with the reading.
+/// Declares its keys in a study; its gain is that of the proof mass' own force, which is one, and
+/// is turned round with the reading.
 pub(crate) const GIVEN: &[Given] = &[
     Given::turning(Key::new(80, "sensor.parasitic_mode_gain", "gain of the parasitic mode g₂", "1", 1.0, Sign::Any)),
     Given::new(Key::new(81, "sensor.parasitic_mode_hz", "frequency of the parasitic mode", "Hz", TAU, Sign::Positive)),

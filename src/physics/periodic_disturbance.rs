@@ -11,7 +11,7 @@ use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PeriodicDisturbance;
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "periodic-disturbance",
     kind: Kind::Driven,

@@ -7,7 +7,7 @@ use crate::numerics::exponential;
 /// Least argument in sizes: below it the logarithm is held, so that a law is finite at rest.
 pub(super) const LEAST: f64 = 1e-6;
 
-/// Whether the exponent of a law is fitted.
+/// Says whether the exponent of a law is fitted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Exponent {
     /// It is a parameter like the others.

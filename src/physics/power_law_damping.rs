@@ -21,7 +21,7 @@ pub struct PowerLawDamping(pub Exponent);
 /// Exponents that a fit may take: below lies dry friction.
 const EXPONENTS: [f64; 2] = [0.2, 6.0];
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "power-law-damping",
     kind: Kind::Driven,

@@ -23,7 +23,7 @@ pub struct PowerLawStiffness(pub Exponent);
 /// Exponents that a fit may take: nearer to one it is the linear spring of the base model.
 const EXPONENTS: [f64; 2] = [1.1, 8.0];
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "power-law-stiffness",
     kind: Kind::Driven,

@@ -13,7 +13,7 @@ use crate::units::key::{Key, Sign};
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct QuadraticDamping;
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub const CANDIDATE: Candidate = Candidate {
     id: "quadratic-damping",
     kind: Kind::Driven,
@@ -26,7 +26,7 @@ pub const CANDIDATE: Candidate = Candidate {
     reference: "Bao, Analysis and Design Principles of MEMS Devices, 2005, ch. 3",
 };
 
-/// How a study gives it.
+/// Declares its keys in a study.
 pub const GIVEN: &[Given] =
     &[Given::new(Key::new(4, "sensor.quadratic_damping_per_m", "quadratic damping c₂", "1/m", 1.0, Sign::NotNegative))];
 

@@ -13,7 +13,7 @@ use crate::units::key::{Key, Sign};
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct QuadraticStiffness;
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "quadratic-stiffness",
     kind: Kind::Driven,
@@ -26,7 +26,7 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     reference: "Nayfeh & Mook, Nonlinear Oscillations, 1979, ch. 4; IEEE 1293 (vibration rectification)",
 };
 
-/// How a study gives it.
+/// Declares its keys in a study.
 pub const GIVEN: &[Given] = &[Given::turning(Key::new(
     3,
     "sensor.quadratic_stiffness_per_m_s2",

@@ -11,7 +11,7 @@ use super::scales::{Coordinate, Scales};
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ReadoutDelay;
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "readout-delay",
     kind: Kind::Driven,

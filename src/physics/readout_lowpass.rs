@@ -12,7 +12,7 @@ use super::law::{Law, Role};
 use super::scales::{Coordinate, Scales};
 use super::state::{Constants, Instant, LANES, Lanes, MOST_STAGED, MOST_VALUES, Stride};
 
-/// How many poles a low-pass has.
+/// Number of poles of a low-pass.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Poles {
     /// One: first order.
@@ -26,7 +26,7 @@ pub enum Poles {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ReadoutLowpass(pub Poles);
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "readout-lowpass",
     kind: Kind::Driven,
@@ -39,7 +39,7 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     reference: "IEEE 1293, frequency response",
 };
 
-/// What the library says of it with a second pole: the same candidate, with one parameter more.
+/// States the candidate with a second pole: the same one, with one parameter more.
 pub(crate) const TWO_POLES: Candidate = Candidate {
     statement: "The readout smooths: a low-pass with two poles stands behind the proof mass.",
     equation: "Q²τ²y″ + τy′ + y = x",
@@ -93,7 +93,8 @@ impl Law for ReadoutLowpass {
             Poles::Two => 2,
         }
     }
-    /// What it holds beyond a slow reading's lag: a recording may begin in the middle of a motion.
+    /// Returns the number of its states: a recording may begin in the middle of a motion, so what they
+    /// hold is unknown.
     fn unknown_beginnings(&self) -> usize {
         self.states()
     }
@@ -171,7 +172,8 @@ impl Law for ReadoutLowpass {
 mod tests {
     use super::*;
 
-    /// What a low-pass holds after `steps` steps of `step_s` behind x = sin t, from rest at 0.
+    /// Returns what a low-pass holds after `steps` steps of `step_s` behind x = sin t, from rest at
+    /// 0.
     fn behind_a_sine(law: ReadoutLowpass, p: &[f64], step_s: f64, steps: usize) -> f64 {
         let p: Vec<Lanes> = p.iter().map(|v| [*v; LANES]).collect();
         let constants = law.constants(&p, step_s);

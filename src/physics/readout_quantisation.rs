@@ -9,7 +9,7 @@ use super::scales::{Coordinate, Scales};
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ReadoutQuantisation;
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub const CANDIDATE: Candidate = Candidate {
     id: "readout-quantisation",
     kind: Kind::Driven,

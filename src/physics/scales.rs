@@ -45,8 +45,8 @@ pub struct Scales {
     pub environment: Vec<f64>,
     /// Mean of the output.
     pub centre: f64,
-    /// How finely the terms are integrated: steps turn their fastest rate by a quarter of a radian
-    /// over this.
+    /// Fineness with which the terms are integrated: steps turn their fastest rate by a quarter of
+    /// a radian over this.
     pub fineness: f64,
     /// Samples by which the output clearly lags the input; 0 where it does not.
     pub lag_samples: f64,

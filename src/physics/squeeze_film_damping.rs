@@ -13,7 +13,7 @@ use crate::units::key::{Key, Sign};
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SqueezeFilmDamping;
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "squeeze-film-damping",
     kind: Kind::Driven,
@@ -26,7 +26,7 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     reference: "Bao & Yang, Squeeze film air damping in MEMS, Sensors and Actuators A 136 (2007)",
 };
 
-/// How a study gives it.
+/// Declares its keys in a study.
 pub const GIVEN: &[Given] = &[Given::new(Key::new(
     5,
     "sensor.squeeze_film_per_m2_s",

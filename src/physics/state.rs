@@ -1,5 +1,5 @@
-//! What a law is given: the state of the mass at one instant, one step that it has taken, and how
-//! many are simulated at once.
+//! Gives a law what it acts on: the state of the mass at one instant, one step that it has taken,
+//! and how many are simulated at once.
 //!
 //! A law is written for one mass; [`Instants`] holds the same quantities of N masses side by side,
 //! from which `side_by_side` feeds it lane by lane. Units are the caller's (see
@@ -81,7 +81,7 @@ impl<T: Copy, const N: usize> Instants<'_, T, N> {
     }
 }
 
-/// What a law needs at every step of a pass and that does not change during it.
+/// Numbers that a law needs at every step of a pass and that does not change during it.
 pub type Constants = [Lanes; 6];
 
 /// One step of the masses: states before and after, and the input.

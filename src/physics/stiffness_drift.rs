@@ -16,7 +16,7 @@ pub struct StiffnessDrift {
     pub environment: Option<usize>,
 }
 
-/// What the library says of it.
+/// States the candidate for the library.
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "stiffness-drift",
     kind: Kind::Driven,
@@ -29,7 +29,8 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     reference: "IEEE 1293, temperature and time sensitivity of the scale factor",
 };
 
-/// How a study gives it: with time, from the beginning of the run on, its still start included.
+/// Declares its keys in a study: with time, from the beginning of the run on, its still start
+/// included.
 pub const GIVEN: &[Given] =
     &[Given::new(Key::new(74, "sensor.stiffness_drift_per_s", "stiffness drift κ", "1/s", 1.0, Sign::Any))];
 

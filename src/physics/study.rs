@@ -1,4 +1,4 @@
-//! How a study gives the parameters of a law.
+//! Declares the keys that give the parameters of a law in a study.
 
 use crate::units::key::Key;
 
@@ -8,8 +8,8 @@ use crate::units::key::Key;
 pub struct Given {
     /// Key, unit, sign and random-number slot.
     pub key: Key,
-    /// Whether it changes its sign when the axis is turned round, as that of a one-sided spring
-    /// does.
+    /// Says whether it changes its sign when the axis is turned round, as that of a one-sided
+    /// spring does.
     pub turns: bool,
 }
 

@@ -16,7 +16,7 @@ use crate::units::key::{Key, Sign};
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct WarmStiffness;
 
-/// What the library says of it; a diagnosis names it as a stiffness drift.
+/// States the candidate for the library; a diagnosis names it as a stiffness drift.
 pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "warm-stiffness",
     kind: Kind::Driven,
@@ -29,7 +29,7 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     reference: "IEEE 1293, temperature sensitivity of the scale factor",
 };
 
-/// How a study gives it.
+/// Declares its keys in a study.
 pub const GIVEN: &[Given] =
     &[Given::new(Key::new(92, "sensor.stiffness_per_k", "stiffness over temperature κ", "1/K", 1.0, Sign::Any))];
 

@@ -59,7 +59,7 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     all
 }
 
-/// What stands on a terminal.
+/// Writes the answer for a terminal.
 pub fn terminal(diagnosis: &Diagnosis, costs: &[Cost]) -> String {
     let verdict = &diagnosis.verdict;
     let mut out = format!("{}: {}\n\n", verdict.verdict.name(), verdict.sentence);

@@ -8,7 +8,7 @@ pub(crate) struct Said {
     pub of: String,
     /// Sentence about it, without the name.
     pub sentence: String,
-    /// Whether numbers that differ may become a range: those of a list of frequencies may not.
+    /// Says whether numbers that differ may become a range: those of a list of frequencies may not.
     pub ranges: bool,
 }
 

@@ -136,7 +136,7 @@ impl Page {
     }
 }
 
-/// How a content security policy names a text that it allows.
+/// Names a text as a content security policy that allows it does.
 fn digest(text: &str) -> String {
     format!("'sha256-{}'", base64::engine::general_purpose::STANDARD.encode(Sha256::digest(text.as_bytes())))
 }

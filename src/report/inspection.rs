@@ -40,7 +40,7 @@ pub fn tables(seen: &Inspection) -> Vec<Table> {
     out
 }
 
-/// What is to be said of the file, a sentence a line.
+/// Lists what is to be said of the file, a sentence a line.
 pub fn notes(seen: &Inspection) -> Vec<String> {
     let mut out = Vec::new();
     let part = seen.part.as_ref().map_or(String::new(), |name| format!(", `{name}`"));

@@ -1,4 +1,4 @@
-//! What a run shows: figures, tables and one self-contained page.
+//! Shows what a run gives: figures, tables and one self-contained page.
 //!
 //! Not for computing anything: it receives finished results. `figure` is the only place that names
 //! plotters.

@@ -136,7 +136,7 @@ pub fn attitude_table(answer: &Answer) -> Table {
     table
 }
 
-/// What each source does to the position.
+/// Tabulates what each source does to the position.
 pub fn budget_table(answer: &Answer) -> Table {
     let covariance = &answer.covariance;
     let times = answer.report_times_s();
@@ -157,7 +157,7 @@ pub fn budget_table(answer: &Answer) -> Table {
     table
 }
 
-/// Whether the ensemble is what the linear model says, and what that model leaves out.
+/// Returns whether the ensemble is what the linear model says, and what that model leaves out.
 pub fn findings(answer: &Answer) -> Vec<String> {
     let mut all = Vec::new();
     let worst = answer.apart.iter().max_by(|a, b| a.standard_errors.total_cmp(&b.standard_errors));
@@ -226,7 +226,7 @@ pub fn inflated_toml(study: &Study, answer: &Answer) -> Option<String> {
     answer.compared.as_ref().and_then(|compared| windows::inflated_toml(study, compared))
 }
 
-/// What the terminal shows.
+/// Writes the answer for a terminal.
 pub fn terminal(answer: &Answer) -> String {
     let (ensemble, machine) = (&answer.ensemble, &answer.ensemble.machine);
     let flown: String = match &answer.compared {

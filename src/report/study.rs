@@ -27,7 +27,7 @@ pub use windows::picture as windows_figure;
 
 /// Share of the position variance from which on a source stands on the first screen.
 const LEAST_SHARE: f64 = 0.02;
-/// What is simulated, and what is not.
+/// States what is simulated, and what is not.
 const SCOPE: &str = "Scope: one axis, small tilt, flat non-rotating Earth, until the study is given a trajectory.";
 
 /// Says from when on the tilt is too large for a study along one axis.
@@ -48,7 +48,10 @@ pub fn page(study: &Study, drift: &Drift) -> Page {
     if let Some(sentence) = beyond_scope(drift) {
         page.callout(&sentence);
     }
-    page.table(&largest_sources(drift));
+    let sources = largest_sources(drift);
+    if !sources.rows.is_empty() {
+        page.table(&sources);
+    }
     page.paragraph(&format!("{} {SCOPE}", start(study)));
     page.section("How far it drifts");
     let (linear, log) =
@@ -111,7 +114,7 @@ pub(super) fn note(page: &mut Page, study: &Study) {
     }
 }
 
-/// What a study gives that changes nothing; `None` where all of it does.
+/// Returns what a study gives that changes nothing; `None` where all of it does.
 pub fn without_effect(study: &Study) -> Option<&'static str> {
     study.temperature_is_idle().then_some("[temperature] has no effect: no temperature coefficient is set")
 }
@@ -301,7 +304,7 @@ fn blame(drift: &Drift) -> String {
     )
 }
 
-/// How the run begins, in a sentence.
+/// Says how the run begins, in a sentence.
 fn start(study: &Study) -> String {
     match study.alignment {
         Alignment::Ideal => "Ideal start: level, with the biases as given.".into(),
@@ -313,7 +316,7 @@ fn start(study: &Study) -> String {
     }
 }
 
-/// What it ran on, for whoever wants to repeat it.
+/// Lists what it ran on, for whoever wants to repeat it.
 pub(crate) fn provenance(study: &Study, drift: &Drift) -> Table {
     let (statistics, machine) = (&drift.statistics, &drift.statistics.machine);
     let mut table = Table::new(&["what", "value"]);
@@ -360,7 +363,7 @@ fn origins(statistics: &Statistics) -> String {
     }
 }
 
-/// What the terminal shows.
+/// Writes the answer for a terminal.
 pub fn terminal(study: &Study, drift: &Drift) -> String {
     let beyond = beyond_scope(drift).map_or(String::new(), |sentence| format!("\n\n{sentence}"));
     let machine = &drift.statistics.machine;

@@ -29,7 +29,7 @@ pub fn figures(sweep: &Sweep) -> Vec<(Figure, String)> {
     }
 }
 
-/// What is followed, with its unit.
+/// Names what is followed, with its unit.
 fn label(sweep: &Sweep) -> String {
     let followed = &sweep.followed;
     labelled(&format!("{} at {} s", followed.statistic.name(), followed.time_s), unit_of(followed.quantity))
@@ -74,7 +74,7 @@ fn curve(sweep: &Sweep) -> (Figure, String) {
     (chart.draw(), words)
 }
 
-/// How far the study drifts over the value, a line per report time: the standard deviation of
+/// Draws how far the study drifts over the value, a line per report time: the standard deviation of
 /// position, along a trajectory the circle that holds half of the members.
 fn over_times(sweep: &Sweep) -> (Figure, String) {
     let axis = &sweep.plan.axes[0];

@@ -1,4 +1,4 @@
-//! What the sensor is subjected to: specific force along the sensitive axis as a function of time.
+//! Excites the sensor: specific force along the sensitive axis as a function of time.
 //!
 //! # Adding a kind
 //! One file with the waveform and its `KIND`: the name, the keys with their forms, and how a plan

@@ -1,4 +1,4 @@
-//! What acceleration and tilt errors become in velocity and position.
+//! Carries acceleration and tilt errors to velocity and position.
 
 pub mod closed_form;
 pub mod dead_reckoning;

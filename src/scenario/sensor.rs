@@ -59,7 +59,7 @@ impl ProofMass {
         self
     }
 
-    /// Whether there is anything beyond the linear and the cubic spring.
+    /// Returns whether there is anything beyond the linear and the cubic spring.
     pub fn has_further_terms(&self) -> bool {
         self.laws.acting().any(|law| law.given()[0].key.slot != mechanics::CUBIC_STIFFNESS.slot)
     }

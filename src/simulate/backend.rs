@@ -1,4 +1,4 @@
-//! What integrates a batch of members and sums it up: the CPU's lanes and threads, or a GPU.
+//! Integrates a batch of members and sums it up: the CPU's lanes and threads, or a GPU.
 //!
 //! Not for loops over batches, pilots or resuming: that is `ensemble`.
 
@@ -73,8 +73,8 @@ pub trait Backend {
     /// A member that the integrator cannot step; a device that was lost.
     fn run(&mut self, batch: &Batch<'_>) -> Result<Ran>;
 
-    /// Whether the device itself has failed, so that another backend may do what this one could
-    /// not.
+    /// Returns whether the device itself has failed, so that another backend may do what this one
+    /// could not.
     fn has_failed(&self) -> bool {
         false
     }

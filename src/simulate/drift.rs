@@ -1,5 +1,5 @@
-//! How far the sensors of a study drift: envelopes, closed forms, powers of time and the error
-//! budget, in one answer.
+//! Computes how far the sensors of a study drift: envelopes, closed forms, powers of time and the
+//! error budget, in one answer.
 //!
 //! Not for choosing a backend or for showing anything: it is handed a way to integrate a job, and
 //! `report` shows it.
@@ -46,7 +46,7 @@ pub struct Drift {
     pub budget: Budget,
     /// Integrator of the proof mass, and the reason for it.
     pub choice: Choice,
-    /// What a static log of the sensor says to it.
+    /// Comparison with a static log of the sensor.
     pub compared: compare::Outcome,
 }
 

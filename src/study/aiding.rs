@@ -23,7 +23,7 @@ const STILL_M_S: f64 = 0.01;
 /// Measurements that aid a run, checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Aiding {
-    /// How the navigator uses a measurement.
+    /// Use of a measurement by the navigator.
     pub method: AidingMethod,
     /// The measurements, in the order of time, without gains.
     pub fixes: Vec<Fix>,
@@ -32,7 +32,7 @@ pub struct Aiding {
     pub outages: Vec<[u64; 2]>,
 }
 
-/// What stands in a file about aiding, checked; `None` without the section.
+/// Reads what a file says about aiding, checked; `None` without the section.
 ///
 /// # Errors
 /// Times and spreads that make no sense; a section without measurements; a run in which none is
@@ -120,7 +120,7 @@ fn times(name: &str, key: &str, every_s: f64, clock: &Clock) -> Result<Vec<u64>>
     Ok((1..=clock.samples / every).map(|k| k * every).collect())
 }
 
-/// What GNSS sees, and how well.
+/// Returns the spreads of what GNSS sees.
 fn spreads(name: &str, gnss: &Gnss, vertical: Vertical) -> Result<[Option<f64>; SEEN]> {
     if gnss.position_sd_m.is_none() && gnss.velocity_sd_m_s.is_none() {
         return Err(refuse(

@@ -1,4 +1,4 @@
-//! How a run begins: ideal, drawn, or with a still start.
+//! Start of a run: ideal, drawn, or with a still start.
 //!
 //! A drawn tilt is normal about level and stays. Along one axis it lets in its share of gravity, a
 //! constant acceleration error; in six axes the attitude begins wrong by it, and by a drawn
@@ -32,7 +32,7 @@ pub enum Alignment {
     Ideal,
     /// Bias and levelling from the mean of the first samples.
     Still {
-        /// How many, at the study's sampling rate.
+        /// Number of them, at the study's sampling rate.
         samples: u64,
     },
 }

@@ -1,4 +1,5 @@
-//! Whether the numbers of a study make sense, each alone and together, before anything is computed.
+//! Checks whether the numbers of a study make sense, each alone and together, before anything is
+//! computed.
 
 use super::file::File;
 use super::mass_check;
@@ -34,7 +35,7 @@ pub(super) fn tolerances(name: &str, file: &File, axis: usize) -> Result<Toleran
     Ok(all)
 }
 
-/// Whether each number makes sense for its key, and none is given twice.
+/// Checks that each number makes sense for its key, and that none is given twice.
 pub(super) fn numbers(name: &str, all: &Tolerances) -> Result<()> {
     SensorTerm::ALL.into_iter().try_for_each(|term| given_once(name, all, term))?;
     SensorTerm::ALL.into_iter().filter(|term| !term.is_shape()).try_for_each(|term| given_whole(name, all, term))?;
@@ -132,7 +133,7 @@ pub(super) fn signs(name: &str, all: &Tolerances) -> Result<()> {
 /// Largest number in any unit: beyond it the members' arithmetic in 32 bits ends. A cubic spring of
 /// nanometres needs 1e30.
 const LARGEST: f64 = 1e33;
-/// Where a smaller number is no zero but a slip, and divisions by it end the arithmetic.
+/// Size below which a number is no zero but a slip, and divisions by it end the arithmetic.
 const SMALLEST: f64 = 1e-25;
 
 /// Refuses numbers that no sensor has.
@@ -243,7 +244,7 @@ pub(super) fn clock(name: &str, file: &File) -> Result<Clock> {
     Ok(Clock { step_s, steps_per_sample: steps_per_sample as u32, samples, report_samples, still_samples: 0 })
 }
 
-/// How often `part_s` fits into `whole_s`, which must be a whole number.
+/// Returns how often `part_s` fits into `whole_s`, which must be a whole number.
 pub(super) fn whole(name: &str, whole_name: &str, part_name: &str, whole_s: f64, part_s: f64) -> Result<f64> {
     let ratio = whole_s / part_s;
     let nearest = ratio.round();

@@ -102,7 +102,7 @@ pub struct Vibration {
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Aiding {
-    /// How the navigator uses a measurement (default: filter).
+    /// Use of a measurement by the navigator (default: filter).
     pub method: Option<AidingMethod>,
     /// Position and velocity from satellites.
     pub gnss: Option<Gnss>,
@@ -136,7 +136,7 @@ pub struct Zupt {
     pub velocity_sd_m_s: Option<f64>,
 }
 
-/// How a navigator uses a measurement.
+/// Use of a measurement by a navigator.
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -170,7 +170,7 @@ pub struct Temperature {
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Navigator {
-    /// How it treats motion within a sample.
+    /// Treatment of motion within a sample.
     pub integrator: Option<motion::Integrator>,
 }
 
@@ -183,9 +183,9 @@ pub struct Earth {
     pub latitude_deg: Option<f64>,
     /// Height of the start over the ellipsoid.
     pub height_m: Option<f64>,
-    /// Whether the Earth rotates (default: true).
+    /// Says whether the Earth rotates (default: true).
     pub rotation: Option<bool>,
-    /// Whether the vertical channel runs free or is held by an aid.
+    /// Says whether the vertical channel runs free or is held by an aid.
     pub vertical: Option<VerticalKind>,
 }
 
@@ -293,7 +293,7 @@ impl Axis {
         all
     }
 
-    /// What one unit of the column measures, in SI units.
+    /// Returns what one unit of the column measures, in SI units.
     pub fn unit(&self) -> (Sense, f64) {
         match (self.scale_mg, self.scale_deg_s) {
             (Some(scale), _) => (Sense::Accelerometer, scale * MILLI_G),

@@ -40,7 +40,7 @@ pub struct Flown {
     pub sensors: Vec<(String, [Tolerances; 3])>,
 }
 
-/// What stands in a file, checked; `None` where nothing is asked for.
+/// Reads what a file says, checked; `None` where nothing is asked for.
 ///
 /// # Errors
 /// Lengths that make no sense, keys that belong to another kind of bias, sensors that cannot be

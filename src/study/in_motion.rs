@@ -53,21 +53,21 @@ pub struct InMotion {
     pub between: [Tolerances; 3],
     /// Course of the sensor over the Earth.
     pub course: Arc<Course>,
-    /// Whether the vertical channel runs free or is held by an aid.
+    /// Says whether the vertical channel runs free or is held by an aid.
     pub vertical: Vertical,
     /// Attitude errors at the start.
     pub misalignment: Misalignment,
-    /// How the navigator treats motion within a sample.
+    /// Treatment of motion within a sample by the navigator.
     pub mechanisation: Mechanisation,
     /// Measurements that aid the navigator.
     pub aiding: Option<Aiding>,
     /// The recorded flight to lay beside it.
     pub flown: Option<Flown>,
-    /// What shakes each axis beside the motion.
+    /// Vibration of each axis besides the motion.
     vibration: [Option<Arc<dyn Waveform>>; 3],
 }
 
-/// What stands in a file about motion, checked; `None` for a study of one axis.
+/// Reads what a file says about motion, checked; `None` for a study of one axis.
 ///
 /// # Errors
 /// Sections or lists that need a trajectory, sections that have no place beside one, values that
@@ -202,7 +202,7 @@ fn one_clock(name: &str, between: &[Tolerances; 3]) -> Result<()> {
     }
 }
 
-/// Where the sensor sits: lever arm, m, and the turn from its axes to the body's.
+/// Returns the mounting of the sensor: lever arm, m, and the turn from its axes to the body's.
 fn mounting(name: &str, file: &File) -> Result<(Vector3<f64>, UnitQuaternion<f64>)> {
     let mounting = file.mounting.clone().unwrap_or_default();
     let (arm, angles) = (mounting.lever_arm_m.unwrap_or_default(), mounting.rotation_deg.unwrap_or_default());
@@ -213,7 +213,7 @@ fn mounting(name: &str, file: &File) -> Result<(Vector3<f64>, UnitQuaternion<f64
     Ok((arm.into(), UnitQuaternion::from_euler_angles(roll, pitch, yaw)))
 }
 
-/// What shakes each axis.
+/// Returns the vibration of each axis.
 fn vibration(name: &str, file: &File, duration_s: f64, seed: u64) -> Result<[Option<Arc<dyn Waveform>>; 3]> {
     let section = file.vibration.clone().unwrap_or_default();
     let mut axes = [None, None, None];
@@ -258,7 +258,7 @@ impl InMotion {
         self.tolerances.iter().try_for_each(|axis| mass_check::lasting_spring(name, axis, &run))
     }
 
-    /// What one member's readings take from other axes and instruments.
+    /// Returns what one member's readings take from other axes and instruments.
     fn coupling(all: &[Tolerances; 3], seed: u64, member: u64) -> Coupling {
         // Each element is drawn apart: under a seed of its own, which no axis has.
         let draw = |key, axis: usize, element: usize| {
@@ -278,8 +278,8 @@ impl InMotion {
         }
     }
 
-    /// What one member's readings take from the temperature and from late stamps, and where its gyros
-    /// end.
+    /// Returns what one member's readings take from the temperature and from late stamps, and where
+    /// its gyros end.
     fn follow(all: &[Tolerances; 3], seed: u64, member: u64) -> Follow {
         let draw = |key, axis: usize| all[axis].draw(key, axis_seed(seed, axis as u64), member);
         let bias_then_scale = coupling::OVER_TEMPERATURE.map(|key| std::array::from_fn(|axis| draw(key, axis)));

@@ -83,7 +83,7 @@ pub struct Study {
     pub temperature: Arc<Temperature>,
     /// A static log to compare with the simulation.
     pub compare: Option<file::Compare>,
-    /// What makes it one of six axes, where a trajectory carries it.
+    /// Motion that makes it one of six axes, where a trajectory carries it.
     pub in_motion: Option<InMotion>,
     /// Folder that relative paths start from.
     pub folder: PathBuf,
@@ -252,7 +252,7 @@ impl Study {
         Ok(still)
     }
 
-    /// Whether it has a `[temperature]` that no coefficient of its sensor follows.
+    /// Returns whether it has a `[temperature]` that no coefficient of its sensor follows.
     pub fn temperature_is_idle(&self) -> bool {
         match &self.in_motion {
             Some(motion) => temperature::is_idle(motion.course.temperature(), &motion.between),
@@ -288,7 +288,7 @@ impl Study {
         masses.map(|mass| mass.at_its_stiffest(run_s, warmer_k)).reduce(|a, b| a.stiffer(&b))
     }
 
-    /// How its proof masses are stepped along one axis.
+    /// Returns the integrator of its proof masses along one axis.
     ///
     /// # Errors
     /// A proof mass that no integrator can step.
@@ -376,7 +376,7 @@ fn with_compared(tolerances: &Tolerances, compare: Option<&file::Compare>) -> Ve
 /// Longest name of a study, bytes: a folder's, with room for what a file system adds.
 const LONGEST_NAME_BYTES: usize = 100;
 
-/// What a study's name may be made of.
+/// Returns whether a study's name may hold a character.
 fn plain(c: char) -> bool {
     c.is_alphanumeric() || "-_. ".contains(c)
 }

@@ -1,4 +1,4 @@
-//! Whether the numbers of a proof mass, and of what reads it, go together.
+//! Checks whether the numbers of a proof mass, and of what reads it, go together.
 
 use super::refusal::refuse;
 use super::tolerances::Tolerances;
@@ -80,11 +80,11 @@ pub(super) fn mechanics(name: &str, all: &Tolerances) -> Result<()> {
     }
 }
 
-/// What moves proof masses, as far as the length of their steps hangs on it.
+/// Motion of proof masses, as far as the length of their steps hangs on it.
 pub(super) struct Moved<'a> {
     pub stiffest: Option<&'a ProofMass>,
     pub waveform: &'a dyn Waveform,
-    /// What the waveform is multiplied by, at most.
+    /// Largest factor of the waveform.
     pub gain: f64,
     /// Amplitude of a sine that each member draws, at most, m/s².
     pub own_sine_m_s2: f64,
@@ -176,7 +176,7 @@ pub(super) fn lasting_spring(name: &str, all: &Tolerances, run: &Lasting<'_>) ->
     Err(refuse(name, cause, hint))
 }
 
-/// How long a spring must last, and how warm it is meanwhile.
+/// Time that a spring must last, and its temperature meanwhile.
 pub(super) struct Lasting<'a> {
     /// Length of the still start, s.
     pub still_s: f64,

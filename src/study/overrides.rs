@@ -1,5 +1,5 @@
-//! What the command line changes in a study: members, seed, the sensor's grade under it
-//! (`--preset`), and any key by its dotted path (`--set KEY=VALUE`).
+//! Changes a study by the command line: members, seed, the sensor's grade under it (`--preset`),
+//! and any key by its dotted path (`--set KEY=VALUE`).
 
 use toml::{Table, Value};
 
@@ -96,7 +96,7 @@ impl std::str::FromStr for Assignment {
 }
 
 impl Overrides {
-    /// Whether the document stays as it is.
+    /// Returns whether the document stays as it is.
     pub(super) fn is_empty(&self) -> bool {
         self.preset.is_none() && self.set.is_empty()
     }

@@ -119,7 +119,7 @@ impl StudyText {
         Ok(here.and_then(|value| value.as_float().or(value.as_integer().map(|n| n as f64))))
     }
 
-    /// Whether members draw from a distribution at a dotted path.
+    /// Returns whether members draw from a distribution at a dotted path.
     ///
     /// # Errors
     /// As [`StudyText::number`].

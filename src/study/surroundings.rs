@@ -1,11 +1,11 @@
-//! Where a study is read.
+//! Surroundings in which a study is read.
 
 use std::path::PathBuf;
 
 use crate::control::Control;
 
-/// What the relative paths of a study start from, and who watches while the recording that it replays
-/// is read.
+/// Folder that the relative paths of a study start from, and who watches while the recording that it
+/// replays is read.
 #[derive(Debug, Clone, Default)]
 pub struct Surroundings {
     /// Folder of the study's file.

@@ -16,7 +16,7 @@ pub struct Axis {
     pub to: f64,
     /// Number of values, both ends included.
     pub points: usize,
-    /// Whether their ratio is the same, not their difference.
+    /// Says whether their ratio is the same, not their difference.
     pub log: bool,
 }
 

@@ -18,7 +18,8 @@ fn over_temperature() -> impl Iterator<Item = &'static Key> {
     coupling::OVER_TEMPERATURE.into_iter().chain(curved.flat_map(|term| term.row().keys)).chain(springs)
 }
 
-/// Whether a sensor whose axes have these numbers is warmed or cooled and none of them follows it.
+/// Returns whether a sensor whose axes have these numbers is warmed or cooled and none of them
+/// follows it.
 pub(super) fn is_idle(temperature: &Temperature, axes: &[Tolerances]) -> bool {
     let follows = |axis: &Tolerances| over_temperature().any(|key| axis.moments(key) != (0.0, 0.0));
     !temperature.points.is_empty() && !axes.iter().any(follows)

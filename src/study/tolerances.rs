@@ -84,7 +84,7 @@ impl Tolerances {
         value * key.factor
     }
 
-    /// How proof masses of which this is the stiffest are stepped.
+    /// Returns the integrator of proof masses of which this is the stiffest.
     ///
     /// # Errors
     /// One that no integrator can step.
@@ -103,7 +103,7 @@ impl Tolerances {
         (variance == 0.0).then_some(value)
     }
 
-    /// Whether the phases of a sine are drawn around the circle.
+    /// Returns whether the phases of a sine are drawn around the circle.
     pub fn has_any_phase(&self, term: SensorTerm) -> bool {
         shape(term, Shape::Phase).is_none_or(|phase| self.given(phase).is_none())
     }

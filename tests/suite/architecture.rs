@@ -51,6 +51,7 @@ pub fn tests() -> Vec<Trial> {
         test("architecture: chains in module docs name modules, in the order of their imports", chains_are_true),
         test("architecture: heavy crates have one owner", owners),
         test("architecture: every file opens with a module doc", module_docs),
+        test("architecture: docs begin with a verb, a noun or a sentence, not with a clause", docs_begin_well),
         test("architecture: diagnosis cannot reach the trial's generator", diagnosis_is_blind),
     ]
 }
@@ -325,5 +326,49 @@ fn diagnosis_is_blind() -> Result<(), Failed> {
     check(
         seen.is_none(),
         seen.map(|t| format!("{} takes {} from the trial", t.by.join("/"), t.name)).unwrap_or_default(),
+    )
+}
+
+/// Crates whose docs all begin as they should.
+const DOCUMENTED: [&str; 10] =
+    ["base", "cli", "export", "kernel", "numerics", "physics", "report", "scenario", "simulate", "study"];
+
+/// The doc comments of a file that begin with a clause that has no main verb; a question is a sentence.
+fn clauses(text: &str) -> Vec<String> {
+    let doc = |line: &str| {
+        let line = line.trim();
+        line.strip_prefix("///").or_else(|| line.strip_prefix("//!")).map(|words| words.trim().to_owned())
+    };
+    let lines: Vec<Option<String>> = text.lines().map(doc).collect();
+    let begins = |at: &usize| lines[*at].is_some() && at.checked_sub(1).is_none_or(|before| lines[before].is_none());
+    let opening = |at: usize| -> String {
+        let paragraph = lines[at..].iter().map_while(|line| line.as_ref().filter(|words| !words.is_empty()));
+        paragraph.cloned().collect::<Vec<String>>().join(" ")
+    };
+    let is_clause = |doc: &String| {
+        let first = doc.split(|c: char| !c.is_alphabetic()).next().unwrap_or_default();
+        ["What", "Whether", "How", "Where", "As"].contains(&first) && !doc.ends_with('?')
+    };
+    (0..lines.len()).filter(begins).map(opening).filter(is_clause).collect()
+}
+
+fn docs_begin_well() -> Result<(), Failed> {
+    let mut seen = 0;
+    for (path, text) in sources() {
+        let of_crate = |name: &&str| path.starts_with(Path::new("src").join(name));
+        if DOCUMENTED.iter().any(|name| of_crate(&name)) {
+            seen += 1;
+            let wrong = clauses(&text);
+            check(wrong.is_empty(), format!("{}: {}", path.display(), wrong.join("; ")))?;
+        }
+    }
+    check(seen > 300, format!("{seen} files"))?;
+    // Negative controls: a clause is seen in both kinds of doc, at the beginning alone, and a question
+    // or a verb is none.
+    let bad = "//! How it is done.\n\n/// What it holds,\n/// and more.\n/// Where it is, too.\nfn a() {}\n";
+    check(clauses(bad).len() == 2, format!("{:?}", clauses(bad)))?;
+    check(
+        clauses("/// How far\n/// is it?\n/// Returns what it holds.\n").is_empty(),
+        "a sentence is taken for a clause",
     )
 }

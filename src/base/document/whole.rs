@@ -8,7 +8,7 @@ use tempfile::TempPath;
 
 use crate::error::{Error, Result};
 
-/// How the names of half-written files begin; a killed run may leave some.
+/// Beginning of the names of half-written files; a killed run may leave some.
 pub const UNFINISHED: &str = ".proofmass-";
 
 /// A file that is written but does not stand in its place yet; dropped, it is gone.

@@ -73,7 +73,7 @@ impl Lock {
         Err(busy())
     }
 
-    /// Whether the file that is locked is the one that stands in the folder.
+    /// Returns whether the file that is locked is the one that stands in the folder.
     #[cfg(unix)]
     fn stands(&self) -> bool {
         use std::os::unix::fs::MetadataExt;

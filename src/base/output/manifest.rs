@@ -15,8 +15,7 @@ use crate::error::{Error, Result};
 pub const NAME: &str = ".proofmass.json";
 const SCHEMA: &str = "proofmass.outputs/1";
 
-/// What tells one run from another: the same command on the same files is the same run, whatever
-/// stands in them.
+/// Identifies a run: the same command on the same files is the same run, whatever stands in them.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Identity {
     /// Subcommand that wrote, e.g. "study".
@@ -50,7 +49,7 @@ impl Run {
         Self { identity, files: BTreeMap::new(), replaced: BTreeMap::new(), states: BTreeSet::new() }
     }
 
-    /// Whether the run has written a file of this name.
+    /// Returns whether the run has written a file of this name.
     pub fn names(&self, name: &str) -> bool {
         self.files.contains_key(name) || self.replaced.contains_key(name) || self.has_state(name)
     }

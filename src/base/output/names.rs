@@ -3,7 +3,8 @@
 
 use std::path::{Component, Path};
 
-/// What parts of a study have summed up, written in intervals and when it is stopped.
+/// Names of the files of what parts of a study have summed up, written in intervals and when it is
+/// stopped.
 pub const INTERRUPTED: &str = "interrupted-*.json";
 
 /// Files that change while a run goes on; `*` is any text. A manifest that lists another is not of

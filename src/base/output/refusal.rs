@@ -31,7 +31,7 @@ pub(super) enum Reason {
 }
 
 impl Reason {
-    /// Whether it holds for a run that is forced too.
+    /// Returns whether it holds for a run that is forced too.
     pub(super) fn stands_against_force(&self) -> bool {
         matches!(self, Self::Input | Self::Folder | Self::File | Self::Link | Self::Special)
     }

@@ -12,7 +12,7 @@ use crate::signal::{self, Signal};
 /// Stages are bars on stderr, and signals stop.
 pub(crate) struct Terminal {
     bars: MultiProgress,
-    /// What a pipe gets in their place.
+    /// Lines that a pipe gets in their place.
     lines: Option<Lines>,
 }
 

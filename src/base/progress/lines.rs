@@ -1,5 +1,5 @@
-//! What long work does, as a line on stderr every ten seconds: for a pipe or a file, where no bar can
-//! be drawn. Work that ends sooner says nothing.
+//! Reports what long work does, as a line on stderr every ten seconds: for a pipe or a file, where no
+//! bar can be drawn. Work that ends sooner says nothing.
 
 use std::io::Write as _;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

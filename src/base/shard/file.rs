@@ -19,7 +19,7 @@ use crate::output::lock::Lock;
 /// Value of `schema` in the head of the file.
 pub const SCHEMA: &str = "proofmass.shard/1";
 
-/// What a run is: files of the same one belong together.
+/// Identity of a run: files of the same one belong together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Run {
     /// Subcommand that is divided, e.g. "study".
@@ -42,11 +42,11 @@ pub struct Header {
     /// The file that the run was asked about, as far as there is one: the same command on it
     /// replaces this file.
     pub input: Option<PathBuf>,
-    /// What the command needs to know to put the shards together.
+    /// Holds what the command needs to know to put the shards together.
     pub document: serde_json::Value,
     /// Number of the shard and of all shards.
     pub shard: Shard,
-    /// What it is to do, and how far it has come.
+    /// Work that it is to do, and how far it has come.
     pub pieces: Vec<Progress>,
 }
 
@@ -63,14 +63,14 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Whether nothing is left to do.
+    /// Returns whether nothing is left to do.
     pub fn is_done(&self) -> bool {
         self.next >= self.piece.units.end
     }
 }
 
 impl Header {
-    /// Whether nothing is left to do.
+    /// Returns whether nothing is left to do.
     pub fn is_done(&self) -> bool {
         self.pieces.iter().all(Progress::is_done)
     }
@@ -134,7 +134,7 @@ impl Place {
     }
 }
 
-/// What a file is a shard of, in words.
+/// Says what a file is a shard of.
 pub fn of(header: &Header) -> String {
     let input = header.input.as_ref().map_or(String::new(), |input| format!(" of {}", input.display()));
     format!("a `{}`{input}", header.run.command)
@@ -193,7 +193,7 @@ pub struct Contents {
     /// Head of the file.
     pub header: Header,
     bytes: Vec<u8>,
-    /// Where the results begin.
+    /// Offset at which the results begin.
     from: usize,
 }
 

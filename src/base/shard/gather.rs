@@ -43,7 +43,7 @@ impl Found {
     }
 }
 
-/// How the names of the files look.
+/// Beginning and end of the names of the files.
 const PATTERN: [&str; 2] = ["shard-", ".state"];
 /// So many of a kind are named.
 const NAMED: usize = 6;
@@ -72,7 +72,7 @@ pub fn find(places: &[PathBuf]) -> Result<Vec<Found>> {
     found.collect()
 }
 
-/// What no file of a run holds: for each part, units that are still to do.
+/// Returns what no file of a run holds: for each part, units that are still to do.
 pub fn missing(found: &[Found]) -> Vec<(usize, Range<u64>)> {
     let Some(first) = found.first() else { return Vec::new() };
     let mut gaps = Vec::new();
@@ -91,7 +91,7 @@ pub fn missing(found: &[Found]) -> Vec<(usize, Range<u64>)> {
     gaps
 }
 
-/// What of a part is done, in order, and by whom.
+/// Returns what of a part is done, in order, and by whom.
 fn covered(found: &[Found], part: usize) -> Vec<(Range<u64>, &Found)> {
     let of = |file| {
         let Found { header, .. }: &Found = file;

@@ -44,7 +44,7 @@ impl Listener {
         !std::mem::replace(&mut self.ends, true)
     }
 
-    /// Whether this signal must end the process at once, keeping nothing.
+    /// Returns whether this signal must end the process at once, keeping nothing.
     fn kills(&mut self, signal: Signal, now: Instant) -> bool {
         if signal != Signal::Interrupt {
             return false;

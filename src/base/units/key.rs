@@ -32,7 +32,7 @@ pub struct Key {
     pub factor: f64,
     /// Sign that a value may have.
     pub sign: Sign,
-    /// Whether it is a one-sided noise density n, whose factor holds N = n/√2; else it is the
+    /// Says whether it is a one-sided noise density n, whose factor holds N = n/√2; else it is the
     /// coefficient itself.
     pub one_sided: bool,
 }
@@ -70,7 +70,7 @@ impl Key {
         self.path.split_once('.').map_or(self.path, |(_, key)| key)
     }
 
-    /// Whether the value is cut at zero when it is drawn.
+    /// Returns whether the value is cut at zero when it is drawn.
     pub fn is_cut_at_zero(&self) -> bool {
         self.sign != Sign::Any
     }

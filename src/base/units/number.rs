@@ -57,7 +57,7 @@ impl Number {
         }
     }
 
-    /// Whether every member is exactly zero.
+    /// Returns whether every member is exactly zero.
     pub fn is_zero(self) -> bool {
         self.fixed() == Some(0.0)
     }
@@ -96,7 +96,7 @@ impl Number {
     }
 }
 
-/// As one would write it: "60", "1200 ± 12 (sd)", "0 … 3".
+/// Writes it as one would: "60", "1200 ± 12 (sd)", "0 … 3".
 impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

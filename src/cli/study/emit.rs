@@ -34,7 +34,7 @@ impl ValueEnum for Target {
     }
 }
 
-/// What the script is to run.
+/// Describes the run that the script starts.
 pub(super) struct Request<'a> {
     /// Batch system that the script is for.
     pub target: Target,
@@ -42,9 +42,9 @@ pub(super) struct Request<'a> {
     pub shards: u64,
     /// The study's file, where it has one.
     pub input: Option<&'a Path>,
-    /// Where the shards and the report go.
+    /// Says where the shards and the report go.
     pub out: &'a Path,
-    /// Whether the script goes there too, instead of to stdout.
+    /// Says whether the script goes there too, instead of to stdout.
     pub written: bool,
     /// Backend that each shard integrates on.
     pub backend: Choice,

@@ -28,11 +28,11 @@ use proofmass_study::in_motion::InMotion;
 const REPORT: &str = "report.html";
 const INFLATED: &str = "inflated.toml";
 
-/// What the command line asks for.
+/// Request of the command line.
 pub(super) struct Asked<'a> {
     /// The run, as its outputs are listed for a study of one axis.
     pub request: output::Request,
-    /// Whether to go on with one that was stopped.
+    /// Says whether to go on with one that was stopped.
     pub resume: bool,
     /// Backend to integrate on.
     pub backend: Choice,
@@ -64,7 +64,7 @@ pub(super) fn run(asked: Asked<'_>, study: &Study, motion: &InMotion, json: bool
     kept.forget()
 }
 
-/// What is written of an answer.
+/// Lists the files of an answer.
 fn files(motion: &InMotion) -> Vec<String> {
     let inflated = motion.flown.is_some().then_some(INFLATED);
     [REPORT].into_iter().chain(inflated).map(str::to_owned).collect()

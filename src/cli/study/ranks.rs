@@ -24,7 +24,7 @@ use proofmass_simulate::ensemble::divided::run_pieces;
 use proofmass_simulate::ensemble::{Backends, Choice, Keeper, Kept, Options};
 use proofmass_study::Study;
 
-/// What is asked of the ranks.
+/// Request to the ranks.
 pub(super) struct Request<'a> {
     /// Reads the study; with it, where its results go and what will be written there.
     pub read: &'a dyn Fn() -> Result<Asked>,
@@ -44,7 +44,7 @@ pub(super) struct Asked {
     pub study: Study,
     /// The folder that all ranks share.
     pub out: PathBuf,
-    /// What rank 0 writes there.
+    /// Files that rank 0 writes there.
     pub outputs: output::Request,
 }
 

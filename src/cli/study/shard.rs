@@ -12,13 +12,13 @@ use proofmass_simulate::ensemble::divided::run_pieces;
 use proofmass_simulate::ensemble::{Backends, Choice, Keeper, Kept, Options};
 use proofmass_study::Study;
 
-/// What is asked of a shard.
+/// Request to a shard.
 pub(super) struct Request<'a> {
     /// Number of the shard and of all shards.
     pub shard: Shard,
     /// The study's file, where it has one.
     pub input: Option<&'a Path>,
-    /// Where its state goes.
+    /// Says where its state goes.
     pub out: &'a Path,
     /// Backend to integrate on.
     pub backend: Choice,

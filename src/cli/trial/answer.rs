@@ -19,7 +19,7 @@ pub(super) const FILES: [&str; 5] = ["report.html", "summary.md", "power.svg", "
 
 /// Everything that a report is made from.
 pub(super) struct Run<'a> {
-    /// How it was drawn.
+    /// Plan by which it was drawn.
     pub plan: &'a Plan,
     /// Rates, limits and coverage found.
     pub outcome: &'a Outcome,

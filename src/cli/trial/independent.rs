@@ -21,7 +21,7 @@ use proofmass_trial::scratch::Scratch;
 const STATES: [&str; 2] = ["truth.json", "verdicts.jsonl"];
 const FILES: [&str; 3] = ["report.html", "summary.md", "trial.json"];
 
-/// What `trial` was asked for, as far as it concerns the second generator.
+/// Request to `trial`, as far as it concerns the second generator.
 #[derive(Debug, Clone)]
 pub(super) struct Request {
     /// Folder of the results.
@@ -30,7 +30,7 @@ pub(super) struct Request {
     pub force: bool,
     /// Fewer and shorter recordings.
     pub quick: bool,
-    /// Whether to continue an interrupted trial.
+    /// Says whether to continue an interrupted trial.
     pub resume: bool,
     /// Cases, without those written otherwise.
     pub cases: Option<usize>,

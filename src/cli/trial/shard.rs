@@ -21,13 +21,13 @@ use proofmass_trial::divided;
 use proofmass_trial::outcome::Outcome;
 use proofmass_trial::plan::Plan;
 
-/// What is asked of a shard.
+/// Request to a shard.
 pub(crate) struct Request<'a> {
     /// Plan of the undivided trial.
     pub plan: Plan,
     /// Which shard of it.
     pub shard: Shard,
-    /// Where its state goes.
+    /// Says where its state goes.
     pub out: &'a Path,
     /// Replace a file that is not this trial's.
     pub force: bool,

@@ -21,9 +21,7 @@ pub(super) fn no_witness(columns: &[String], channels: &[Channel], selected: &[S
         let names: Vec<String> = unused.map(|(channel, _)| format!("`{}`", channel.name)).collect();
         (!names.is_empty()).then(|| {
             let names = names.join(", ");
-            format!(
-                "`{column}` tells no more of {names} than a smooth course in time would: it was not used as a cause"
-            )
+            format!("`{column}` explains {names} no better than a smooth trend does, so it was not considered a cause")
         })
     };
     columns.iter().filter_map(of).collect()

@@ -19,7 +19,7 @@ pub(super) struct Acting<T> {
     term: Term,
     /// Its parameters, and zeros in the places of unknown beginnings.
     p: Vec<[T; LANES]>,
-    /// What its first state is at rest under a unit of force.
+    /// First state at rest under a unit of force.
     rest: [T; LANES],
     /// Its states, the first less what it would be at rest.
     own: Vec<[T; LANES]>,
@@ -63,7 +63,7 @@ impl<T: Real> Acting<T> {
         self.own.iter_mut().flatten()
     }
 
-    /// Whether it has internal states.
+    /// Returns whether it has internal states.
     pub(super) fn has_states(&self) -> bool {
         !self.own.is_empty()
     }

@@ -10,7 +10,7 @@ const fn of_column(add: &'static str) -> Fragment {
     Fragment { begin: "\n    let $term_share = column(i, $TERM);\n", block: "", draw: "", add, end: "" }
 }
 
-/// What follows the specific force, in the shader.
+/// Fragment of what follows the specific force.
 pub(crate) const FORCE: Fragment = of_column(
     "
                 if HAS_$TERM {
@@ -19,7 +19,7 @@ pub(crate) const FORCE: Fragment = of_column(
 ",
 );
 
-/// What follows its square, in the shader.
+/// Fragment of what follows its square.
 pub(crate) const FORCE_SQUARED: Fragment = of_column(
     "
                 if HAS_$TERM {
@@ -28,7 +28,7 @@ pub(crate) const FORCE_SQUARED: Fragment = of_column(
 ",
 );
 
-/// What follows the specific force or its square.
+/// Adds what follows the specific force or its square.
 pub(super) struct AddForce<'a, T> {
     /// Error per force, or per its square.
     pub scale: &'a Lane<T>,
@@ -50,7 +50,7 @@ impl<T: Real> Kernel for AddForce<'_, T> {
     }
 }
 
-/// What follows the temperature, in the shader.
+/// Fragment of what follows the temperature.
 pub(crate) const WARM: Fragment = of_column(
     "
                 if HAS_$TERM {
@@ -59,7 +59,7 @@ pub(crate) const WARM: Fragment = of_column(
 ",
 );
 
-/// What follows the temperature and the specific force, in the shader.
+/// Fragment of what follows the temperature and the specific force.
 pub(crate) const WARM_FORCE: Fragment = of_column(
     "
                 if HAS_$TERM {
@@ -68,7 +68,7 @@ pub(crate) const WARM_FORCE: Fragment = of_column(
 ",
 );
 
-/// What follows the square of the temperature, in the shader.
+/// Fragment of what follows the square of the temperature.
 pub(crate) const WARM_SQUARED: Fragment = of_column(
     "
                 if HAS_$TERM {
@@ -78,7 +78,7 @@ pub(crate) const WARM_SQUARED: Fragment = of_column(
 ",
 );
 
-/// What follows its cube, in the shader.
+/// Fragment of what follows its cube.
 pub(crate) const WARM_CUBED: Fragment = of_column(
     "
                 if HAS_$TERM {
@@ -88,12 +88,12 @@ pub(crate) const WARM_CUBED: Fragment = of_column(
 ",
 );
 
-/// What follows a power of the temperature.
+/// Adds what follows a power of the temperature.
 pub(super) struct AddWarmPower<'a, T> {
     /// Error per kelvin to this power.
     pub scale: &'a Lane<T>,
     pub power: u32,
-    /// How much warmer than its reference the sensor is, K; empty where it is not.
+    /// Temperature of the sensor above its reference, K; empty where it is not.
     pub warmer: &'a [T],
     pub out: &'a mut [Lane<T>],
 }
@@ -116,12 +116,12 @@ impl<T: Real> Kernel for AddWarmPower<'_, T> {
     }
 }
 
-/// What follows the temperature, with or without the specific force.
+/// Adds what follows the temperature, with or without the specific force.
 pub(super) struct AddWarm<'a, T> {
     /// Error per kelvin, and per force where there is one.
     pub scale: &'a Lane<T>,
     pub felt: Option<&'a [Lane<T>]>,
-    /// How much warmer than its reference the sensor is, K; empty where it is not.
+    /// Temperature of the sensor above its reference, K; empty where it is not.
     pub warmer: &'a [T],
     pub out: &'a mut [Lane<T>],
 }

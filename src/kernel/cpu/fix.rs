@@ -18,7 +18,7 @@ const NOISE: usize = 8;
 /// One fix and the members that it corrects.
 pub(super) struct Correct<'a, T> {
     pub state: &'a mut State<T>,
-    /// What is taken off accelerometers and gyros.
+    /// Corrections of accelerometers and gyros.
     pub taken: &'a mut [[Lane<T>; 3]; 2],
     pub fix: &'a Fix,
     /// Which of the run's fixes it is.

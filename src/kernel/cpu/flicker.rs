@@ -111,7 +111,7 @@ struct AddFlicker<'a, T> {
     pub scale: &'a Lane<T>,
     /// Number of the first of the samples.
     pub first: u64,
-    /// Where in the schedule of renewals these members began.
+    /// Place in the schedule of renewals at which these members began.
     pub place: u64,
     /// Small steps of each four samples that share a counter.
     pub bits: &'a [Lane<u32>],

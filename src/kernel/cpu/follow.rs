@@ -1,6 +1,5 @@
-//! What 64 members take from the temperature and from late stamps, added to consecutive samples, and
-//! the end of their gyros' range.
-//! Twin of `followed` in `shaders/navigate.wgsl`.
+//! Adds what 64 members take from the temperature and from late stamps to consecutive samples, and
+//! the end of their gyros' range. Twin of `followed` in `shaders/navigate.wgsl`.
 
 use super::lanes::{Kernel, LANES, Lane};
 use crate::follow::FOLLOWED;
@@ -9,7 +8,7 @@ use crate::passage::Passage;
 
 /// The numbers, and the errors of the accelerometers' readings and of the gyros'.
 pub(super) struct Followed<'a, T> {
-    /// As `Follow::numbers` has them.
+    /// Numbers as `Follow::numbers` has them.
     pub numbers: &'a [Lane<T>; FOLLOWED],
     pub passages: &'a [Passage<T>],
     /// Of each sample a normal number; empty without jitter.

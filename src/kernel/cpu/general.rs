@@ -19,7 +19,7 @@ pub(super) struct General<'a, T> {
     pub laws: &'a mut [Acting<T>],
     /// Number of the first substep.
     pub first: u64,
-    /// How much warmer than its reference the sensor is in each sample, K; empty where it is not.
+    /// Temperature of the sensor above its reference in each sample, K; empty where it is not.
     pub warmer: &'a [T],
     /// The members and their force.
     pub motion: ProofMasses<'a, T>,
@@ -87,8 +87,8 @@ fn felt_by_each<T: Real, const FMA: bool>(gain: &Lane<T>, f: &Force<T>, sine: &[
 /// 64 members in a step.
 struct Mass<'a, T> {
     laws: &'a mut [Acting<T>],
-    /// Whether any law has internal states. Tested once per tile: testing each law at every stage made
-    /// runs without such laws 7 % slower.
+    /// Says whether any law has internal states. Tested once per tile: testing each law at every stage
+    /// made runs without such laws 7 % slower.
     staged: bool,
     base: &'a Base<T, LANES>,
     e: [T; LANES],
@@ -99,7 +99,7 @@ struct Mass<'a, T> {
 struct During<T> {
     /// When it begins, in substeps.
     begin: T,
-    /// How much warmer than its reference the sensor is meanwhile, K.
+    /// Temperature of the sensor above its reference meanwhile, K.
     warmer_k: f64,
 }
 

@@ -25,25 +25,25 @@ pub struct Imu<T: Real> {
     coupling: Option<Box<[Lane<T>; COUPLINGS]>>,
     follow: Option<Box<[Lane<T>; FOLLOWED]>>,
     state: Box<State<T>>,
-    /// What a still start has found of accelerometers and gyros, and fixes since; none without
-    /// either.
+    /// Corrections that a still start has found for accelerometers and gyros, and fixes since; none
+    /// without either.
     found: Option<Box<[[Lane<T>; 3]; 2]>>,
     first_member: u64,
 }
 
-/// What all members share over some samples, which lie all before or all after the end of a still
-/// start.
+/// Numbers that all members share over some samples, which lie all before or all after the end of a
+/// still start.
 pub struct Tile<'a, T: Real> {
     /// Ensemble whose readings are simulated.
     pub flight: &'a Flight,
-    /// What the members of each axis share.
+    /// Numbers that the members of each axis share.
     pub shared: &'a [Shared<T>; 3],
     /// The specific force along each axis.
     pub force: &'a [Vec<Force<T>>; 3],
-    /// What the late force has more than the force itself along each axis; empty where no reading is
+    /// Difference of the late force from the force itself along each axis; empty where no reading is
     /// late.
     pub late: &'a [Vec<T>; 3],
-    /// How much warmer than its reference the sensor is at each sample, K; empty where it is not.
+    /// Temperature of the sensor above its reference at each sample, K; empty where it is not.
     pub warmer: &'a [T],
     /// The truth; empty during a still start.
     pub passages: &'a [Passage<T>],

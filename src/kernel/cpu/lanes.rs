@@ -52,7 +52,8 @@ pub trait Kernel {
 /// Instruction sets that a kernel is compiled for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
-    /// What every machine of this architecture has (on aarch64: NEON, with fused multiply-add).
+    /// Instructions that every machine of this architecture has (on aarch64: NEON, with fused
+    /// multiply-add).
     Baseline,
     /// AVX2 with fused multiply-add.
     #[cfg(target_arch = "x86_64")]
@@ -92,7 +93,7 @@ impl Level {
         levels
     }
 
-    /// Whether multiply and add are fused.
+    /// Returns whether multiply and add are fused.
     pub fn fused(self) -> bool {
         self != Self::Baseline || cfg!(target_arch = "aarch64")
     }

@@ -10,11 +10,11 @@ use crate::numerics::elementary::{Real, fma};
 pub(super) struct LowPass<T> {
     /// Of each member, in the order of `kernel::low_pass`.
     pub weights: [Lane<T>; WEIGHTS],
-    /// What the low-pass shows less the force, m/s².
+    /// Output of the low-pass less the force, m/s².
     pub p: Lane<T>,
 }
 
-/// What a mass does in a substep, beside its state at the end.
+/// Motion of a mass in a substep, besides its state at the end.
 pub(super) struct Moved<'a, T> {
     /// Its error and the rate of its reading at the beginning.
     pub from: [&'a Lane<T>; 2],

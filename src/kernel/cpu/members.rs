@@ -21,12 +21,12 @@ use crate::physics::coefficients;
 use crate::sensor::error_law::ErrorLaw;
 use crate::sensor::{Sense, SensorTerm};
 
-/// What all members share.
+/// Numbers that all members share.
 #[derive(Debug, Clone)]
 pub struct Shared<T> {
     /// Substeps per sample.
     pub substeps: u32,
-    /// How the proof mass is stepped.
+    /// Integrator of the proof mass.
     pub integrator: Integrator,
     /// Tilt to horizontal acceleration, per unit of rate summed over samples: gravity × sample
     /// period.
@@ -42,7 +42,7 @@ pub struct Shared<T> {
 }
 
 impl<T: Real> Shared<T> {
-    /// What the members of a job share.
+    /// Returns what the members of a job share.
     pub fn of(job: &Job) -> Self {
         Self {
             // `ensemble` refuses a job with more.
@@ -72,7 +72,7 @@ const _: () = assert!(SensorTerm::COUNT <= u64::BITS as usize, "there are more t
 impl Active {
     const NONE: Self = Self { force: false, sine: false, gain: false, terms: 0 };
 
-    /// What some column says is there.
+    /// Returns the terms that some column has.
     fn of<T: Real>(columns: &[Lane<T>; COLUMNS]) -> Self {
         // All lanes, not until the first: that is vector code.
         let differs = |c: usize, none: f64| columns[c].0.iter().fold(false, |any, v| any | (*v != T::of(none)));
@@ -87,7 +87,7 @@ impl Active {
         }
     }
 
-    /// Whether some of these members have the term.
+    /// Returns whether some of these members have the term.
     pub(super) fn has(&self, term: SensorTerm) -> bool {
         self.terms >> term as u32 & 1 == 1
     }
@@ -102,7 +102,7 @@ impl Active {
         })
     }
 
-    /// Whether some of them have a term of this sense that `wanted` picks by its law.
+    /// Returns whether some of them have a term of this sense that `wanted` picks by its law.
     pub(super) fn any(&self, sense: Sense, wanted: impl Fn(ErrorLaw) -> bool) -> bool {
         self.terms().any(|t| t.sense() == sense && wanted(t.law()))
     }
@@ -283,7 +283,7 @@ impl<T: Real> Members<T> {
         (mean(&sums.velocity_total, &sums.velocity), mean(&sums.rate_total, &sums.rate))
     }
 
-    /// Whether a member's reading has left the range of its model.
+    /// Returns whether a member's reading has left the range of its model.
     pub(super) fn has_failed(&self, lane: usize) -> bool {
         self.sums.failed[lane] || self.e[lane].beyond(BOUND_M_S2)
     }

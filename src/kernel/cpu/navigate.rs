@@ -93,7 +93,7 @@ impl<T: Real> State<T> {
         }
     }
 
-    /// Whether a member has left the range of numbers.
+    /// Returns whether a member has left the range of numbers.
     pub fn failed(&self, lane: usize) -> bool {
         let all = |q: usize, i: usize| self.totals[q][i][lane] + self.parts[q][i][lane].f64();
         let out = |q: usize, i: usize| !all(q, i).is_finite();
@@ -120,7 +120,7 @@ impl<T: Real> State<T> {
     }
 }
 
-/// What one instrument takes from other axes, added to consecutive samples.
+/// Adds what one instrument takes from other axes to consecutive samples.
 pub(super) struct Couple<'a, T> {
     /// Numbers of a coupling, as `Coupling::numbers` has them.
     pub numbers: &'a [Lane<T>; COUPLINGS],
@@ -282,7 +282,7 @@ fn tilted<T: Real, const FMA: bool>(sigma: [T; 3], v: [T; 3]) -> [T; 3] {
     plus::<T, FMA>(even, twice, [odd * once[0], odd * once[1], odd * once[2]])
 }
 
-/// What σ grows by over a time h, for the rates u = R δω − δω_in and ω_in + δω_in.
+/// Returns the growth of σ over a time h, for the rates u = R δω − δω_in and ω_in + δω_in.
 #[inline(always)]
 fn turning<T: Real, const FMA: bool>(sigma: [T; 3], u: [T; 3], level: [T; 3], h: T) -> [T; 3] {
     let square = T::of(1.0 / 16.0) * dot::<T, FMA>(sigma, sigma);

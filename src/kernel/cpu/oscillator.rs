@@ -18,7 +18,7 @@ pub(crate) type Coefficients<T> = [T; COEFFICIENTS];
 
 /// A way of stepping; implemented by types without values, so that a kernel is compiled for each.
 pub trait Oscillator<T: Real>: Send + Sync + 'static {
-    /// Whether there is a state at all.
+    /// Says whether there is a state at all.
     const MOVES: bool = true;
     /// (e, q) after one substep under force `f` and noise `w`, which Runge–Kutta takes times W.
     fn step<const FMA: bool>(k: &Coefficients<T>, e: T, q: T, f: &Force<T>, w: T) -> (T, T);
@@ -140,13 +140,13 @@ pub(super) struct ProofMasses<'a, T> {
     pub substeps: usize,
     /// Normal numbers of the force noise, one a sample, if there is any.
     pub push: Option<&'a [Lane<T>]>,
-    /// Whether some member feels the shared force by a gain of its own.
+    /// Says whether some member feels the shared force by a gain of its own.
     pub gain: bool,
     /// Phases of the members' own sines and the first half substep's number, if there are any.
     pub sine: Option<(&'a [Lane<u32>; 2], u64)>,
     /// The low-pass behind them, if some member has one.
     pub low_pass: Option<&'a mut LowPass<T>>,
-    /// Whether some member has a scale error or a second-order one.
+    /// Says whether some member has a scale error or a second-order one.
     pub scaled: bool,
     /// Receives the error of each reading: the proof mass's, the bias and the scale's.
     pub error: &'a mut [Lane<T>],

@@ -1,4 +1,4 @@
-//! What an instrument adds to a reading, law by law: white noise, a random walk, the end of its
+//! Adds an instrument's errors to a reading, law by law: white noise, a random walk, the end of its
 //! range and the size of its steps. Beside each law that the shader takes from here stands its
 //! WGSL.
 //!
@@ -23,10 +23,10 @@ use crate::sensor::{Sense, SensorTerm};
 /// Terms that are bias instability.
 const FLICKERS: usize = alike(ErrorLaw::Flicker(Stream::Host), SensorTerm::COUNT);
 
-/// What the terms carry from sample to sample.
+/// State that the terms carry from sample to sample.
 #[derive(Debug, Clone)]
 pub(super) struct State<T> {
-    /// Where each random walk has got to.
+    /// Value of each random walk.
     pub walks: [Lane<T>; state::WALK_COUNT],
     /// Each Gauss–Markov process.
     pub markovs: [Lane<T>; state::MARKOV_COUNT],
@@ -77,11 +77,12 @@ pub(crate) fn fragment(law: ErrorLaw) -> Option<&'static Fragment> {
     }
 }
 
-/// What the terms are added to: the errors of consecutive samples, and what was felt at each.
+/// Samples that the terms are added to: the errors of consecutive samples, and what was felt at
+/// each.
 pub(super) struct Samples<'a, T> {
     /// Specific force along the axis.
     pub felt: &'a [Lane<T>],
-    /// How much warmer than its reference the sensor is, K; empty where it is not.
+    /// Temperature of the sensor above its reference, K; empty where it is not.
     pub warmer: &'a [T],
     pub out: &'a mut [Lane<T>],
 }
@@ -228,7 +229,7 @@ struct AddWalk<'a, T> {
     pub bits: &'a [Lane<u32>],
     /// Number of the first of the samples.
     pub first: u64,
-    /// Where it has got to.
+    /// Value of the walk.
     pub walk: &'a mut Lane<T>,
     pub out: &'a mut [Lane<T>],
 }
@@ -269,7 +270,7 @@ pub(crate) const RAMP: Fragment = Fragment {
 
 /// A straight line in time: what it is in the middle of each sample, so that its integral is exact.
 struct AddRamp<'a, T> {
-    /// What it grows by in one sample.
+    /// Growth in one sample.
     scale: &'a Lane<T>,
     /// Number of the first of the samples.
     first: u64,
@@ -323,7 +324,7 @@ impl<T: Real> Kernel for AddOffset<'_, T> {
 
 /// A delay of the reading: until here the force was the one that it is late of.
 pub(super) struct Late<'a, T> {
-    /// What the late force has more than the force itself, at unit gain.
+    /// Difference of the late force from the force itself, at unit gain.
     pub late: &'a [T],
     /// Factor of each member on the shared force.
     pub gain: &'a Lane<T>,

@@ -27,9 +27,9 @@ use crate::sensor::{Sense, SensorTerm};
 pub struct Seen<'a, T> {
     /// Specific force along the axis, m/s².
     pub felt: &'a Lane<T>,
-    /// What the accelerometer's reading has more than that, m/s².
+    /// Error of the accelerometer's reading beyond that, m/s².
     pub accelerometer: &'a Lane<T>,
-    /// What the gyro's reading has more than the rate, rad/s.
+    /// Error of the gyro's reading, rad/s.
     pub gyro: &'a Lane<T>,
 }
 
@@ -38,15 +38,15 @@ type Observer<'a, T> = dyn FnMut(&Seen<'_, T>) + 'a;
 /// Samples `first` to `first + count` of 64 members, which lie all before or all after the end of a
 /// still start; `force` holds their substeps.
 pub struct Simulate<'a, T: Real> {
-    /// What all members share.
+    /// Numbers that all members share.
     pub shared: &'a Shared<T>,
     /// Parameters and state of the members.
     pub members: &'a mut Members<T>,
     /// The excitation of these samples.
     pub force: &'a [Force<T>],
-    /// How much warmer than its reference the sensor is at each, K; empty where it is not.
+    /// Temperature of the sensor above its reference at each, K; empty where it is not.
     pub warmer: &'a [T],
-    /// What the late force has more than the force itself at each, m/s²; empty where no reading is
+    /// Difference of the late force from the force itself at each, m/s²; empty where no reading is
     /// late.
     pub late: &'a [T],
     /// First sample.
@@ -57,8 +57,7 @@ pub struct Simulate<'a, T: Real> {
     pub observer: Option<&'a mut Observer<'a, T>>,
 }
 
-/// What the samples of a stretch are, phase by phase; those of sample n are at n modulo
-/// [`STRETCH`].
+/// Samples of a stretch, phase by phase; those of sample n are at n modulo [`STRETCH`].
 pub(super) struct Stretch<T> {
     room: Room<T>,
     felt: [Lane<T>; STRETCH],

@@ -91,7 +91,7 @@ impl<T: Real> Kernel for AddMarkov<'_, T> {
     }
 }
 
-/// What dies out, in the shader.
+/// Fragment of what dies out.
 pub(crate) const SETTLING: Fragment = Fragment {
     begin: "
     let $term_start = column(i, $TERM);
@@ -107,7 +107,7 @@ pub(crate) const SETTLING: Fragment = Fragment {
     end: "",
 };
 
-/// What dies out exponentially: its value in the middle of each sample.
+/// Adds what dies out exponentially: its value in the middle of each sample.
 pub(super) struct AddSettling<'a, T> {
     /// Value at the beginning of the run.
     pub start: &'a Lane<T>,
@@ -154,7 +154,7 @@ pub(super) struct AddSine<'a, T> {
     pub amplitude: &'a Lane<T>,
     /// Phase at the beginning of the run, 2⁻³² turns.
     pub phase: &'a Lane<u32>,
-    /// What it grows by in half a sample.
+    /// Growth in half a sample.
     pub step: &'a Lane<u32>,
     /// Number of the first of the samples.
     pub first: u64,

@@ -50,7 +50,7 @@ impl<T: Real> Numbers<'_, T> {
         (first as u32, (last - first + 1) as usize)
     }
 
-    /// Where the samples are among those of their counters.
+    /// Returns the place of the samples among those of their counters.
     fn samples(&self) -> Range<usize> {
         let skipped = (self.from & 3) as usize;
         skipped..skipped + (self.until - self.from) as usize
@@ -96,7 +96,7 @@ impl<T: Real> Numbers<'_, T> {
         &self.room.pair
     }
 
-    /// What was drawn last: two numbers of one counter, and bits.
+    /// Returns what was drawn last: two numbers of one counter, and bits.
     pub(crate) fn drawn(&self) -> (&[Lane<T>; 2], &[Lane<u32>]) {
         (&self.room.pair, &self.room.bits)
     }

@@ -15,7 +15,7 @@ pub(crate) const CHUNK: u64 = 64;
 /// model.
 pub(crate) const BOUND_M_S2: f32 = 1e7;
 
-/// Where the integrals have got to.
+/// Values of the integrals.
 #[derive(Debug, Clone)]
 pub(super) struct Sums<T> {
     /// Since the last multiple of [`CHUNK`] samples.

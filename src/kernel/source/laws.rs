@@ -21,7 +21,7 @@ pub(super) fn coefficients(law: &StudyLaw) -> Vec<String> {
 pub enum Number<'a> {
     /// A coefficient, by its place.
     Coefficient(usize),
-    /// What a law's first state is at rest under a unit of force.
+    /// First state of a law at rest under a unit of force.
     AtRest(&'a StudyLaw),
 }
 
@@ -41,8 +41,8 @@ pub fn columns(laws: &[StudyLaw]) -> Vec<Number<'_>> {
     coefficients.chain(laws.iter().filter(|law| law.has_states()).map(Number::AtRest)).collect()
 }
 
-/// What the general integrator needs: `Laws`, `laws_of` a member, and `act`. The coefficients stand
-/// in the columns after the last, in the order of the laws given.
+/// Writes what the general integrator needs: `Laws`, `laws_of` a member, and `act`. The
+/// coefficients stand in the columns after the last, in the order of the laws given.
 pub(super) fn text(laws: &[StudyLaw]) -> String {
     let mut fields: Vec<String> = laws.iter().flat_map(coefficients).collect();
     fields.extend(laws.iter().filter(|law| law.has_states()).map(|law| format!("{}_rest", function(law))));

@@ -42,7 +42,7 @@ fn shaders_parse_and_validate() {
     all().iter().for_each(|s| drop(parsed(s)));
 }
 
-/// Whether a line that begins a loop steps its variable by a constant towards a bound.
+/// Returns whether a line that begins a loop steps its variable by a constant towards a bound.
 fn counts(line: &str) -> bool {
     let Some((name, rest)) = line.strip_prefix("for (var ").and_then(|l| l.split_once(" = ")) else { return false };
     let mut parts = rest.trim_end_matches(") {").split("; ").skip(1);
@@ -63,7 +63,7 @@ fn every_loop_counts_to_a_bound() {
     assert!(!counts("for (var i = 0u; i < n; i += step) {") && !counts("loop {"));
 }
 
-/// What a struct of a shader must look like: bytes, members and their offsets.
+/// Layout of a struct of a shader: bytes, members and their offsets.
 #[derive(Debug, PartialEq)]
 struct Mirror {
     size: u32,
@@ -174,7 +174,7 @@ fn bindings_and_workgroups_are_what_the_host_dispatches() {
     }
 }
 
-/// Whether the entry point divides.
+/// Returns whether the entry point divides.
 fn divides(shader: &Shader) -> bool {
     let module = parsed(shader);
     let mut expressions = module.entry_points[0].function.expressions.iter();
@@ -208,7 +208,7 @@ fn columns_and_bounds_agree() {
     has(&reduce, "EACH", &format!("{}u", layout::BLOCK / layout::REDUCE_WORKGROUP));
 }
 
-/// Whether the shader's text uses a name beyond declaring it.
+/// Returns whether the shader's text uses a name beyond declaring it.
 fn uses(shader: &Shader, name: &str) -> bool {
     let word = |c: char| c.is_alphanumeric() || c == '_';
     shader.text.split(|c| !word(c)).filter(|w| *w == name).count() > 1

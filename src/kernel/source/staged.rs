@@ -9,7 +9,7 @@ use crate::layout::state;
 use crate::physics::coefficients::StudyLaw;
 use crate::physics::law::Role;
 
-/// What stands at the lines `#own …`.
+/// Texts at the lines `#own …`.
 const LINES: [(&str, &str); 7] = [
     ("#own load", "    load_own(i);"),
     ("#own stage 1", "    sums = Own();\n    begin_own(laws, 0.0, 0.0, f.begin);"),
@@ -44,7 +44,7 @@ impl Staged<'_> {
         if self.law.term.states() == 1 { "f32" } else { "vec2<f32>" }
     }
 
-    /// Where a state of this member stands.
+    /// Returns the place of a state of this member.
     fn place(&self, s: usize) -> String {
         format!("state[{}u * tile.stride + i]", self.first + s)
     }

@@ -104,8 +104,8 @@ fn named(text: &str, term: SensorTerm) -> String {
         .replace("$sense", term.sense().name())
 }
 
-/// Where the flicker terms of a sensor term begin: behind those of earlier sensor terms that are
-/// switched on.
+/// Returns where the flicker terms of a sensor term begin: behind those of earlier sensor terms
+/// that are switched on.
 fn base(term: SensorTerm) -> String {
     let earlier = SensorTerm::ALL.into_iter().take(term as usize).filter(|t| matches!(t.law(), ErrorLaw::Flicker(_)));
     let sets = earlier.map(|t| format!(" + select(0u, tile.flicker_terms, {})", switch(t)));

@@ -49,7 +49,7 @@ pub struct Point {
 }
 
 impl Point {
-    /// Whether it stands on the octave grid that fits use: neighbours there are only weakly
+    /// Returns whether it stands on the octave grid that fits use: neighbours there are only weakly
     /// correlated.
     pub fn on_octave(&self) -> bool {
         self.factor.is_power_of_two()

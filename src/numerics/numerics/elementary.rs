@@ -47,8 +47,8 @@ pub trait Real:
     fn of_i32(value: i32) -> Self;
     /// A whole number below 2³¹ in magnitude.
     fn to_i32(self) -> i32;
-    /// Whether the magnitude is above `bound` or is no number at all. Decided on bits, as the
-    /// shader must.
+    /// Returns whether the magnitude is above `bound` or is no number at all. Decided on bits, as
+    /// the shader must.
     fn beyond(self, bound: f32) -> bool;
     /// With the sign changed if bit 31 of `word` is set.
     fn flip(self, word: u32) -> Self;

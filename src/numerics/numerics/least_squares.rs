@@ -91,8 +91,8 @@ pub struct Minimum {
     pub sum: f64,
     /// Residual and derivatives there.
     pub linear: Linear,
-    /// Whether a further step promises less than the tolerance, or none that lowers the sum and has
-    /// derivatives can be had.
+    /// Says whether a further step promises less than the tolerance, or none that lowers the sum
+    /// and has derivatives can be had.
     pub converged: bool,
 }
 

@@ -78,7 +78,7 @@ impl Welch {
         self.segment.clear();
     }
 
-    /// What was averaged so far; empty before the first whole segment.
+    /// Returns the density averaged so far; empty before the first whole segment.
     pub fn density(&self, rate_hz: f64) -> Density {
         if self.count == 0 {
             return Density::empty();

@@ -12,8 +12,8 @@ const HALF_RANGE_SD: f64 = 8.0;
 /// Width of a bin in standard deviations of the pilot.
 pub const BIN_SD: f64 = 2.0 * HALF_RANGE_SD / BINS as f64;
 
-/// Where the bins of one histogram lie: `BINS` equal ones between two values, rounded to f32 so
-/// that every backend sorts into the same ones.
+/// Range of one histogram: `BINS` equal ones between two values, rounded to f32 so that every
+/// backend sorts into the same ones.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bins {
     /// Lower end of the first.
@@ -38,7 +38,7 @@ impl Bins {
 /// Counts per bin, below and above.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Histogram {
-    /// Where the bins lie.
+    /// Range of the bins.
     pub bins: Bins,
     /// Counts: below the first bin, `BINS` bins, above the last.
     pub counts: Vec<u64>,

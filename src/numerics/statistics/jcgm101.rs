@@ -1,5 +1,5 @@
-//! How many trials a Monte Carlo result takes to be stable to this many digits, and the result:
-//! estimate, standard uncertainty, coverage intervals. JCGM 101:2008, §7.
+//! Finds how many trials a Monte Carlo result takes to be stable to this many digits, and the
+//! result: estimate, standard uncertainty, coverage intervals. JCGM 101:2008, §7.
 //!
 //! The adaptive procedure of §7.9.4 stops when twice the standard error of a few block results is
 //! small enough, and because it asks again after each block, it stops too early too often. Here the
@@ -110,7 +110,7 @@ pub struct Linear {
     pub d_low: f64,
     /// Distance between the upper ends of both intervals.
     pub d_high: f64,
-    /// Whether both are within the tolerance; absent where the trials leave that open.
+    /// Says whether both are within the tolerance; absent where the trials leave that open.
     pub validated: Option<bool>,
 }
 

@@ -65,8 +65,8 @@ impl Oscillator {
         }
     }
 
-    /// Where a constant force holds the mass: the one real root of kx + εx³ = F for k, ε ≥ 0, by
-    /// Newton's method.
+    /// Returns the place at which a constant force holds the mass: the one real root of kx + εx³ =
+    /// F for k, ε ≥ 0, by Newton's method.
     pub fn equilibrium_m(&self, force_n: f64) -> f64 {
         let (k, e) = (self.stiffness_n_m, self.cubic_n_m3);
         // Starting beyond the root, where the curve is convex, Newton descends to it monotonically.
@@ -107,8 +107,8 @@ impl Drive {
         self.amplitude_n * (self.omega_rad_s * time_s).cos()
     }
 
-    /// What an ideal sensor of unit mass that starts at rest would report: reading, speed and
-    /// distance.
+    /// Returns what an ideal sensor of unit mass that starts at rest would report: reading, speed
+    /// and distance.
     pub fn ideal(&self, time_s: f64) -> (f64, f64, f64) {
         let (a, w) = (self.amplitude_n, self.omega_rad_s);
         (self.at_n(time_s), a / w * (w * time_s).sin(), a / (w * w) * (1.0 - (w * time_s).cos()))

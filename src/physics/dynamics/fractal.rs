@@ -1,5 +1,5 @@
-//! How much of the plane a cloud of points fills: box-counting dimension and correlation dimension,
-//! with intervals.
+//! Measures how much of the plane a cloud of points fills: box-counting dimension and correlation
+//! dimension, with intervals.
 //!
 //! Both are slopes over a stated range of scales. Their error joins the scatter between independent
 //! groups of points with the scatter of the local slopes along the scales, because a real

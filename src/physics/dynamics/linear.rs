@@ -39,7 +39,7 @@ impl Rectangle {
         if inside { self.force_n } else { 0.0 }
     }
 
-    /// What an ideal sensor of unit mass would report: reading, speed and distance.
+    /// Returns what an ideal sensor of unit mass would report: reading, speed and distance.
     pub fn ideal(&self, time_s: f64) -> (f64, f64, f64) {
         let inside = (time_s - self.start_s).clamp(0.0, self.length_s);
         let after = (time_s - self.start_s - self.length_s).max(0.0);
@@ -84,8 +84,8 @@ fn step_response(oscillator: &Oscillator, roots: [Complex<f64>; 2], force_n: f64
     }
 }
 
-/// What is left when equation 5 with these exponents is put into equation 4: m x″ + D₀x′ + kx − F₀,
-/// N.
+/// Returns what is left when equation 5 with these exponents is put into equation 4: m x″ + D₀x′ +
+/// kx − F₀, N.
 pub fn residual_n(oscillator: &Oscillator, roots: [Complex<f64>; 2], force_n: f64, time_s: f64) -> f64 {
     let Oscillator { mass_kg: m, damping_kg_s: d, stiffness_n_m: k, .. } = *oscillator;
     let [r1, r2] = roots;

@@ -34,7 +34,7 @@ impl Window {
         Self { x_m: part(self.x_m, centre[0]), v_m_s: part(self.v_m_s, centre[1]) }
     }
 
-    /// Whether a point lies inside.
+    /// Returns whether a point lies inside.
     pub fn holds(&self, point: &[f32; 2]) -> bool {
         let within = |v: f32, limits: (f64, f64)| f64::from(v) >= limits.0 && f64::from(v) < limits.1;
         within(point[0], self.x_m) && within(point[1], self.v_m_s)

@@ -40,7 +40,7 @@ pub fn study(path: &Path, noise: &Noise) -> Option<String> {
     let path = path.canonicalize().unwrap_or_else(|_| path.into());
     let samples = (LASTS_S * rate_hz).round().max(LEAST_SAMPLES);
     let mut toml = format!(
-        "# The sensor of a log at rest, and the log beside its simulation: run it with `proofmass study`.\n# Each coefficient \
+        "# The sensor of a log at rest, and the log next to its simulation: run it with `proofmass study`.\n# Each coefficient \
          is drawn from the intervals of all axes that support it (95 %). Bias is absent: a log at rest cannot tell it\n# from \
          gravity and the Earth's rate; add bias_mg and bias_deg_h from the datasheet. bias_instability is B of IEEE 952:\n# the \
          minimum of the Allan deviation is 0.664 B.\nname = {}\nseed = 1\nmembers = 4096\n\

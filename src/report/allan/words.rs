@@ -1,5 +1,5 @@
-//! What an Allan curve says, in sentences: what each coefficient is, what the data do not support,
-//! and when a fit is bad.
+//! Says what an Allan curve means, in sentences: what each coefficient is, what the data do not
+//! support, and when a fit is bad.
 
 use crate::grouped::{Said, grouped};
 use crate::table::Table;
@@ -89,7 +89,7 @@ pub fn tables(noise: &Noise) -> [Table; 2] {
     [first, second]
 }
 
-/// What a person at a terminal should know beside the table.
+/// Lists what a person at a terminal should know next to the table.
 pub fn notes(noise: &Noise) -> Vec<String> {
     let source = &noise.source;
     let mut out = vec![format!(
@@ -180,7 +180,7 @@ pub(super) fn lede(noise: &Noise) -> String {
     format!("{} {judged}", answer(noise))
 }
 
-/// Whether the laws hold for a channel.
+/// Says whether the laws hold for a channel.
 pub(super) fn verdict(channel: &Channel) -> String {
     let Some(fit) = &channel.fit else {
         return "Too short for coefficients: a fit needs averaging times over four octaves (24 samples).".into();

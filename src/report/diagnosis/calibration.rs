@@ -3,7 +3,7 @@
 use proofmass_diagnosis::verdict::{SensorCalibration, Triads};
 use proofmass_physics::candidate::Kind;
 
-/// What the text says, for a heading.
+/// States what the text says, for a heading.
 pub(super) fn meaning(kind: Kind) -> &'static str {
     match kind {
         Kind::Trajectory => {

@@ -1,5 +1,5 @@
-//! What the omission costs: how far a navigator errs with the original model, and with the named
-//! physics, in one sentence and as a table.
+//! States what the omission costs: how far a navigator errs with the original model, and with the
+//! named physics, in one sentence and as a table.
 //!
 //! A flight is flown again, uncorrected and repaired, by the two studies that are written next to the
 //! page; for the other kinds see `consequence` of the diagnosis.

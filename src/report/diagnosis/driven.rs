@@ -71,7 +71,7 @@ fn zoom(detail: &Detail) -> Exhibit {
     }
 }
 
-/// What the base model does and, where something is named, the repaired one.
+/// Draws what the base model does and, where something is named, the repaired one.
 fn both(chart: &mut Chart, detail: &Detail, names: [&str; 2], points: [Vec<(f64, f64)>; 2]) {
     let [base, repaired] = points;
     chart.add(names[0], Ink::Soft, Mark::Line, base);
@@ -80,7 +80,7 @@ fn both(chart: &mut Chart, detail: &Detail, names: [&str; 2], points: [Vec<(f64,
     }
 }
 
-/// What either model gets wrong on the samples of the zoom.
+/// Returns what either model gets wrong on the samples of the zoom.
 fn zoomed_errors(detail: &Detail) -> Exhibit {
     let s = &detail.shown;
     let errors = |model: &[f64]| -> Vec<(f64, f64)> {

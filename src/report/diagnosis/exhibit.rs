@@ -11,7 +11,7 @@ pub enum Part {
     Improvement,
     /// Location of the mismatch.
     Isolation,
-    /// How the parameters were found and how sure they are.
+    /// Says how the parameters were found and how sure they are.
     Identification,
 }
 

@@ -1,5 +1,5 @@
-//! How well it fits, in words and as tables: errors before and after, the noise beside them, the
-//! base model's own numbers.
+//! Says how well it fits, in words and as tables: errors before and after, the noise beside them,
+//! the base model's own numbers.
 
 use crate::table::Table;
 use proofmass_base::number::significant;
@@ -7,7 +7,7 @@ use proofmass_diagnosis::verdict::{Estimate, Role, Verdict};
 
 use super::numbers::{chance, estimate, formula};
 
-/// What held-out data say; noise that no simulation predicts shows in the likelihood alone.
+/// States what held-out data say; noise that no simulation predicts shows in the likelihood alone.
 pub(crate) fn sure(verdict: &Verdict) -> String {
     let (test, unit) = (&verdict.fit.test, &verdict.fit.unit);
     let (before, floor) = (significant(test.rmse_before, 3), noise(verdict));

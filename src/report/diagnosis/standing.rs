@@ -7,7 +7,7 @@ use proofmass_diagnosis::driven::verdict::findings::dropped;
 use proofmass_diagnosis::standing::{Gain, Note};
 use proofmass_diagnosis::tumble::account::{Fate, SeenFrom};
 
-/// What became of a candidate, in a few words.
+/// Says what became of a candidate, in a few words.
 pub(crate) fn note(note: &Note) -> String {
     match note {
         Note::Screened => "screened out by the linear step".into(),
@@ -53,7 +53,7 @@ fn fated(fate: &Fate) -> String {
     }
 }
 
-/// What the column of gains means for a kind of recording.
+/// Explains what the column of gains means for a kind of recording.
 pub(crate) fn meaning_of_gains(kind: Kind) -> &'static str {
     match kind {
         Kind::Driven => {

@@ -24,17 +24,17 @@ pub struct Diagnosis {
     pub ranking: Vec<Ranked>,
     /// The sensor with and without the named physics, for a study and for the cost in metres.
     pub repair: Option<Repair>,
-    /// What only this kind of recording has: numbers behind its figures.
+    /// Holds what only this kind of recording has: numbers behind its figures.
     pub detail: Detail,
 }
 
-/// What is said of an answer.
+/// Holds the sentences of an answer.
 struct Said {
     /// The verdict in one or two sentences.
     sentence: String,
-    /// Where the mismatch lives.
+    /// Says where the mismatch lives.
     place: String,
-    /// What would decide or confirm.
+    /// Says what would decide or confirm.
     next_experiment: String,
 }
 

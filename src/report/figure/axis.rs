@@ -24,7 +24,7 @@ pub struct Axis {
     pub scale: Scale,
     /// Limits; from the data where absent.
     pub range: Option<(f64, f64)>,
-    /// Where it is a list: the place of each entry and what it is called, instead of numbers.
+    /// Entries in place of numbers, each with its position and its name.
     pub names: Vec<(f64, String)>,
 }
 

@@ -1,5 +1,5 @@
-//! Where plotters draws the data: elements become SVG in hundredths of a px. Its own SVG is in
-//! whole ones, on which curves are stairs.
+//! Draws the data with plotters: elements become SVG in hundredths of a px. Its own SVG is in whole
+//! ones, on which curves are stairs.
 //!
 //! Colours and widths of lines belong to the page, which knows the theme: each series has a class
 //! instead.
@@ -17,7 +17,7 @@ pub(super) const UNITS: f64 = 100.0;
 /// No point of a curve is moved by more than this, px.
 const UNSEEN_PX: f64 = 0.04;
 
-/// What comes of drawing: never a failure, as it goes into memory.
+/// Result of drawing: never a failure, as it goes into memory.
 type Drawn = Result<(), DrawingErrorKind<Infallible>>;
 
 /// The shapes of one series.
@@ -28,9 +28,9 @@ pub(super) struct Canvas<'a> {
     pub(super) classes: [String; 2],
     /// Curves one by one.
     pub(super) curves: &'a mut String,
-    /// What makes one path: bars, whiskers or dots.
+    /// Collects one path: bars, whiskers or dots.
     pub(super) path: &'a mut String,
-    /// Whether curves are part of that.
+    /// Says whether curves are part of that.
     pub(super) joined: bool,
 }
 

@@ -29,7 +29,7 @@ pub struct Series {
     pub name: String,
     /// Colour, by role.
     pub ink: Ink,
-    /// How the points are drawn: line, dots, band, bars.
+    /// Says how the points are drawn: line, dots, band, bars.
     pub mark: Mark,
     /// (x, y) in axis units. Points that are not finite, or not positive on a log axis, break the
     /// line.
@@ -43,9 +43,9 @@ pub struct Note {
     pub at: (f64, f64),
     /// Text of the note.
     pub text: String,
-    /// Whether the point is the text's middle; otherwise the text stands beside it.
+    /// Says whether the point is the text's middle; otherwise the text stands beside it.
     pub middle: bool,
-    /// Whether there is room for it on a phone.
+    /// Says whether there is room for it on a phone.
     pub narrow: bool,
 }
 
@@ -66,7 +66,7 @@ pub struct Chart {
     pub raster: Option<Raster>,
     /// Width and height in px, with title and labels.
     pub size: (u32, u32),
-    /// Whether a unit is as long on both axes (linear ones).
+    /// Says whether a unit is as long on both axes (linear ones).
     pub equal: bool,
 }
 

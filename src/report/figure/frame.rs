@@ -1,4 +1,5 @@
-//! Where values lie in a plot: both axes with their limits, and the plot's own coordinates.
+//! Describes where values lie in a plot: both axes with their limits, and the plot's own
+//! coordinates.
 
 use super::axis::{Scale, Span};
 use super::chart::{Chart, Mark};
@@ -11,7 +12,7 @@ pub(super) struct Frame {
     pub(super) height: f64,
 }
 
-/// What a chart's size includes beside the plot: labels of the axes, title and legend, px.
+/// Size that a chart needs besides the plot: labels of the axes, title and legend, px.
 const BESIDE: (u32, u32) = (80, 110);
 
 impl Frame {
@@ -45,12 +46,12 @@ impl Frame {
         (self.x_percent(x) * 0.01 * self.width, self.y_percent(y) * 0.01 * self.height)
     }
 
-    /// Whether a point lies on both axes at all (a logarithmic one has no zero).
+    /// Returns whether a point lies on both axes at all (a logarithmic one has no zero).
     pub(super) fn holds(&self, p: &(f64, f64)) -> bool {
         self.x.holds(p.0) && self.y.holds(p.1)
     }
 
-    /// Whether a point lies within the frame.
+    /// Returns whether a point lies within the frame.
     pub(super) fn shows(&self, p: &(f64, f64)) -> bool {
         (self.x.low..=self.x.high).contains(&p.0) && (self.y.low..=self.y.high).contains(&p.1)
     }

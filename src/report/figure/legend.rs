@@ -51,7 +51,7 @@ impl<'a> Legend<'a> {
     }
 }
 
-/// Whether a band lies wholly within another one.
+/// Returns whether a band lies wholly within another one.
 fn encloses(outer: &Series, inner: &Series) -> bool {
     let (Mark::Band(outer_top), Mark::Band(inner_top)) = (&outer.mark, &inner.mark) else { return false };
     let inside = |n: usize| outer.points[n].1 <= inner.points[n].1 && inner_top[n] <= outer_top[n];

@@ -8,7 +8,7 @@ use super::canvas::{Canvas, UNITS};
 use super::chart::{Mark, Series};
 use super::frame::Frame;
 
-/// What a reader's script needs to know of a mark, and the class of its legend entry.
+/// Returns what a reader's script needs to know of a mark, and the class of its legend entry.
 pub(super) fn kind(mark: &Mark) -> &'static str {
     match mark {
         Mark::Line => "line",

@@ -18,7 +18,7 @@ pub(crate) fn column(label: &str, more: &[&str]) -> String {
     slug(&words.collect::<Vec<_>>().join(" "), '_')
 }
 
-/// Whether words carry a unit of their own.
+/// Returns whether words carry a unit of their own.
 pub(crate) fn has_unit(label: &str) -> bool {
     parts(label).1.is_some()
 }
@@ -52,7 +52,7 @@ fn slug(text: &str, separator: char) -> String {
     out
 }
 
-/// How a character is spelt in ASCII, and whether it is a word of its own.
+/// Spells a character in ASCII, and says whether it is a word of its own.
 fn spelt(c: char) -> (String, bool) {
     let word = match c {
         _ if c.is_ascii_alphanumeric() => return (c.to_ascii_lowercase().to_string(), false),

@@ -34,7 +34,7 @@ pub(crate) fn behind(chart: &Chart) -> Vec<Numbers> {
 
 /// One series as columns beside an abscissa.
 struct Part<'a> {
-    /// What tells it from the others.
+    /// Name that tells it from the others.
     called: &'a str,
     series: &'a Series,
     x: Vec<f64>,
@@ -42,8 +42,8 @@ struct Part<'a> {
     columns: Vec<(String, Vec<f64>)>,
 }
 
-/// What a series is called: by its legend, or by that of the next one of its colour, which it
-/// belongs to.
+/// Returns what a series is called: by its legend, or by that of the next one of its colour, which
+/// it belongs to.
 fn called(chart: &Chart, place: usize) -> &str {
     let all = &chart.series;
     let same = |s: &&Series| s.ink == all[place].ink && !s.name.is_empty();

@@ -1,4 +1,4 @@
-//! How well an ensemble knows a spread: what digits of it are worth printing.
+//! Says how well an ensemble knows a spread, and so which of its digits are printed.
 
 use proofmass_numerics::statistics::Summary;
 

@@ -1,5 +1,5 @@
-//! What the page and the terminal say of aiding: the errors at the end of each outage, and how they
-//! get there.
+//! Reports aiding on page and terminal: the errors at the end of each outage, and how they get
+//! there.
 
 use super::doubt::doubt;
 use crate::figure::{Axis, Chart, Ink, Mark};
@@ -32,7 +32,7 @@ pub(crate) fn section(page: &mut Page, study: &Study, answer: &Answer) {
     page.table(&table(answer));
 }
 
-/// What measures, and what the navigator makes of it.
+/// States what measures, and how the navigator uses it.
 pub(crate) fn model(study: &Study, answer: &Answer) -> String {
     let fixes = answer.flight.fixes.len();
     let aiding = study.in_motion.as_ref().and_then(|motion| motion.aiding.as_ref());

@@ -14,7 +14,7 @@ use proofmass_simulate::strapdown::windows::score::{self, BANDS};
 use proofmass_simulate::strapdown::windows::{Compared, Sensor};
 use proofmass_study::Study;
 
-/// How the nine errors are called and shown: name, unit, and its size in SI units.
+/// Names the nine errors as they are shown: name, unit, and its size in SI units.
 const SHOWN: [(&str, &str, f64); 9] = [
     ("north", "m", 1.0),
     ("east", "m", 1.0),
@@ -32,7 +32,7 @@ const _: () = assert!(SHOWN.len() == AXES.len());
 pub(crate) fn section(page: &mut Page, compared: &Compared) {
     page.section("Predicted and recorded flight");
     page.paragraph(&format!(
-        "The recorded IMU ({} s beside the reference, SHA-256 {}…) is dead-reckoned in windows that do not overlap. Each \
+        "The recorded IMU ({} s with the reference, SHA-256 {}…) is dead-reckoned in windows that do not overlap. Each \
          begins with the reference's position, velocity and attitude; biases estimated from other readings are subtracted. \
          The band is that of the study's sensor in the same window, by the linear error model, and includes the uncertainty \
          of the subtracted biases. Nothing in it was fitted to these windows.",
@@ -46,7 +46,7 @@ pub(crate) fn section(page: &mut Page, compared: &Compared) {
                 let figure = chart(compared, place).draw().named(&format!("windows-{}", name.replace(' ', "-")));
                 let caption = match place % 3 {
                     0 => format!(
-                        "Error of {} at the end of each window (dots) beside the 50 and 90 % bands that the study's sensor \
+                        "Error of {} at the end of each window (dots) next to the 50 and 90 % bands that the study's sensor \
                          predicts.",
                         ["position", "velocity", "attitude"][group]
                     ),
@@ -164,7 +164,7 @@ fn inflated(compared: &Compared, inflation: &Inflation) -> Table {
     table
 }
 
-/// What the causes are called, the unit that they are shown in, and its size in SI units.
+/// Names the causes, with the unit that they are shown in and its size in SI units.
 const CAUSES: [(&str, &str, f64); 5] = [
     ("attitude of the reference", "°", DEGREE),
     ("gyro, white noise", "°/√h", DEGREE_PER_ROOT_HOUR),
@@ -205,7 +205,7 @@ pub(super) fn inflated_toml(study: &Study, compared: &Compared) -> Option<String
     ))
 }
 
-/// What a sensor is called.
+/// Names a sensor.
 fn words(sensor: &Sensor) -> String {
     match sensor {
         Sensor::Stated => "stated sensor".into(),

@@ -38,7 +38,7 @@ pub(crate) fn section(page: &mut Page, outcome: &Outcome) {
     }
 }
 
-/// What the comparison says, one sentence per axis; empty where nothing was compared.
+/// Reports the comparison, one sentence per axis; empty where nothing was compared.
 pub(crate) fn sentences(outcome: &Outcome) -> Vec<String> {
     match outcome {
         Outcome::Compared(comparison) => comparison.axes.iter().map(sentence).collect(),
@@ -80,7 +80,7 @@ fn sentence(axis: &Likeness) -> String {
     )
 }
 
-/// How long an integration the model is good for.
+/// Says for how long an integration the model is good.
 fn judgement(axis: &Likeness) -> String {
     let trusted: Vec<String> =
         axis.trusted().iter().map(|[from, to]| format!("{} to {}", duration(*from), duration(*to))).collect();

@@ -1,5 +1,5 @@
-//! How errors are distributed over the members at the report times, with percentiles and the normal
-//! of the same mean and sd.
+//! Draws how errors are distributed over the members at the report times, with percentiles and the
+//! normal of the same mean and sd.
 
 use super::moment::moment;
 use crate::figure::{Axis, Chart, Ink, Mark, labelled};

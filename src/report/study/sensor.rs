@@ -30,7 +30,7 @@ pub(super) fn lowest_frequency(study: &Study) -> Option<String> {
     })
 }
 
-/// What the study says of the sensor, in datasheet units.
+/// Tabulates the sensor of the study, in datasheet units.
 pub(super) fn table(study: &Study) -> Table {
     let mut table = Table::new(&["parameter", "value", "unit", "also"]);
     table.row(["sampling rate", &format!("{}", rounded(1.0 / study.sample_s(), 4)), "Hz", ""]);

@@ -15,7 +15,7 @@ use proofmass_simulate::drift::compare::{Comparison, Outcome};
 use proofmass_simulate::drift::windows::{BANDS, Drifted, Windows};
 use proofmass_study::Study;
 
-/// What the windows show, if the study asks for them and the log is there.
+/// Returns what the windows show, if the study asks for them and the log is there.
 fn drifted(outcome: &Outcome) -> Option<(&Comparison, &[Drifted])> {
     match outcome {
         Outcome::Compared(comparison) if !comparison.windows.is_empty() => Some((comparison, &comparison.windows)),

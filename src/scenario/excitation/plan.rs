@@ -14,7 +14,7 @@ use crate::units::number::Number;
 pub struct Plan {
     /// Shared by all members, up to their gain.
     pub waveform: Arc<dyn Waveform>,
-    /// How the excitation differs between members.
+    /// Variation of the excitation between members.
     pub variation: Variation,
     /// Numbers that are drawn per member.
     pub drawn: Vec<(&'static Key, Number)>,
@@ -26,7 +26,7 @@ pub struct Plan {
     pub replayed_sha256: Option<String>,
 }
 
-/// How the excitation differs between members.
+/// Variation of the excitation between members.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Variation {
     /// Every member gets the shared waveform unchanged.

@@ -62,7 +62,7 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// Whether it has two points or more, increasing and positive.
+    /// Returns whether it has two points or more, increasing and positive.
     pub fn is_sound(&self) -> bool {
         let increasing = self.points.windows(2).all(|w| w[0].0 < w[1].0);
         let positive = self.points.iter().all(|(f, p)| *f > 0.0 && *p > 0.0 && f.is_finite() && p.is_finite());

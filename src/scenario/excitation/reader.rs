@@ -1,5 +1,4 @@
-//! What the kinds of excitation read their keys with, and the errors that name the key and the
-//! kind.
+//! Reads the keys of the kinds of excitation, and the errors that name the key and the kind.
 
 use std::path::{Path, PathBuf};
 

@@ -5,8 +5,8 @@ pub trait Waveform: Send + Sync {
     /// f(t), m/s².
     fn specific_force_m_s2(&self, time_s: f64) -> f64;
 
-    /// What the axis feels while it stands still before the motion begins, m/s²: none, where it is
-    /// level.
+    /// Returns what the axis feels while it stands still before the motion begins, m/s²: none,
+    /// where it is level.
     fn standing_m_s2(&self) -> f64 {
         0.0
     }

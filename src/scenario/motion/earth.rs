@@ -32,7 +32,7 @@ pub struct Earth {
     pub latitude_rad: Option<f64>,
     /// Height of the start over the ellipsoid, m.
     pub height_m: f64,
-    /// Whether it turns; if not, gravity and transport rate stay as they are.
+    /// Says whether it turns; if not, gravity and transport rate stay as they are.
     pub rotation: bool,
 }
 

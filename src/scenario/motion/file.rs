@@ -44,7 +44,7 @@ pub struct Request<'a> {
     pub up: Option<Up>,
     /// The order of quaternions, which is then not questioned.
     pub quaternion: Option<Order>,
-    /// What of each pose is read.
+    /// Part of each pose that is read.
     pub wanted: Wanted,
     /// The stretch that is used.
     pub span: Span,
@@ -55,11 +55,12 @@ pub struct Request<'a> {
 pub struct Poses {
     /// The poses, in order of time.
     pub poses: Vec<Pose>,
-    /// Whether the file says where the body is; every position is zero where it does not.
+    /// Says whether the file says where the body is; every position is zero where it does not.
     pub has_position: bool,
-    /// Whether the file says how the body is turned; every attitude is level where it does not.
+    /// Says whether the file says how the body is turned; every attitude is level where it does
+    /// not.
     pub has_attitude: bool,
-    /// Where the scalar of its quaternions stands, as they were read; none: it has none.
+    /// Place of the scalar in its quaternions, as they were read; none: it has none.
     pub quaternion: Option<Order>,
     /// From the file's own axes to north, east and down.
     pub turn: UnitQuaternion<f64>,

@@ -1,4 +1,4 @@
-//! Where a body is and how it stands, at one instant.
+//! Holds where a body is and how it is turned, at one instant.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -14,7 +14,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// How far another pose is from this one: a distance, m, and an angle, rad.
+    /// Returns the distance of another pose from this one: a distance, m, and an angle, rad.
     pub fn distance(&self, other: &Self) -> [f64; 2] {
         [(self.position_m - other.position_m).norm(), self.attitude.angle_to(&other.attitude)]
     }

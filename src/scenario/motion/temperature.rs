@@ -14,7 +14,7 @@ pub struct Temperature {
     pub reference_deg_c: f64,
     /// Time constant of the lag with which the sensor follows, s; 0 where it follows at once.
     lag_s: f64,
-    /// How warm the sensor is at the points, °C.
+    /// Temperature of the sensor at the points, °C.
     reached: Vec<f64>,
 }
 
@@ -41,7 +41,8 @@ impl Temperature {
         self.lag_s
     }
 
-    /// How warm the sensor is at a time after a point and not after the next one, °C.
+    /// Returns the temperature of the sensor at a time after a point and not after the next one,
+    /// °C.
     fn within(&self, point: usize, time_s: f64) -> f64 {
         let [from_s, from] = self.points[point];
         let since_s = time_s - from_s;
@@ -58,14 +59,14 @@ impl Temperature {
         along - per_s * self.lag_s * gone + (self.reached[point] - from) * (1.0 - gone)
     }
 
-    /// How much warmer than the reference it is at least and at most, K; zeros without points. With a
-    /// lag it stays within the points.
+    /// Returns the least and the greatest temperature above the reference, K; zeros without points.
+    /// With a lag it stays within the points.
     pub fn range_above_reference_k(&self) -> [f64; 2] {
         let all = || self.points.iter().map(|[_, deg_c]| deg_c - self.reference_deg_c);
         if self.points.is_empty() { [0.0; 2] } else { [all().fold(f64::MAX, f64::min), all().fold(f64::MIN, f64::max)] }
     }
 
-    /// How much warmer than the reference it is, K; zero without points.
+    /// Returns the temperature of the sensor above its reference, K; zero without points.
     pub fn above_reference_k(&self, time_s: f64) -> f64 {
         let after = self.points.partition_point(|point| point[0] <= time_s);
         let at = match (after.checked_sub(1), self.points.first()) {

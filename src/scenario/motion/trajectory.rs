@@ -22,7 +22,7 @@ pub struct Trajectory {
     pub departure: Departure,
     /// Length of the motion, s.
     pub duration_s: f64,
-    /// What was found about the file that it comes from.
+    /// Findings on the file that it comes from.
     pub findings: Vec<Finding>,
 }
 
@@ -118,7 +118,7 @@ impl Trajectory {
     }
 }
 
-/// What sensors that move like this over the Earth read.
+/// Returns what sensors that move like this over the Earth read.
 fn reading(earth: &Earth, place: Place, motion: &Motion) -> Sample {
     let velocity = motion.velocity_m_s;
     let (earth_rate, transport) = (earth.rate_rad_s(place), earth.transport_rate_rad_s(place, velocity));

@@ -1,4 +1,4 @@
-//! What the body does at every sample: the f64 truth that errors are integrated about.
+//! Holds the motion of the body at every sample: the f64 truth that errors are integrated about.
 
 use nalgebra::{UnitQuaternion, Vector3};
 

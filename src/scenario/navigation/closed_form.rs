@@ -1,4 +1,4 @@
-//! How fast an error grows, exactly: the standard deviation of an error process after n
+//! Computes how fast an error grows, exactly: the standard deviation of an error process after n
 //! integrations over time.
 //!
 //! Acceleration reaches position after two integrations; a gyro's rate error reaches tilt after one

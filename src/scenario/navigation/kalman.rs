@@ -21,7 +21,7 @@ pub struct Model {
     pub force_noise_m_s2: f64,
     /// Gravity g, m/s².
     pub gravity_m_s2: f64,
-    /// What is believed at the start: deviation of tilt, rad, and of bias, rad/s.
+    /// Belief at the start: deviation of tilt, rad, and of bias, rad/s.
     pub start_deviation: [f64; 2],
 }
 

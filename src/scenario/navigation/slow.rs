@@ -1,5 +1,5 @@
-//! What slow errors that have a time of their own become after n integrations: a Gauss–Markov
-//! process, what dies out exponentially, and a sine.
+//! Integrates slow errors that have a time of their own n times: a Gauss–Markov process, what dies
+//! out exponentially, and a sine.
 //!
 //! With T = t/τ and p counted back from the end, n integrations weigh an error by pⁿ⁻¹/(n−1)!, and
 //! what they make of e^(−t/τ) is τⁿ Aₙ(T), Aₙ(T) = Σ_{k≥n} (−1)^(k−n) Tᵏ/k!: A₀ = e^(−T),
@@ -9,7 +9,7 @@
 
 use std::f64::consts::LN_2;
 
-/// Where the series take over from the closed forms, which cancel below.
+/// Argument below which the closed forms cancel and the series take over.
 const SERIES_BELOW: f64 = 2.0 * LN_2;
 /// Terms of a series: the last is below 1e-19 of the first.
 const TERMS: u32 = 24;
@@ -31,7 +31,7 @@ fn decayed(n: u32, t: f64) -> f64 {
     (0..n).fold((-t).exp(), |a, k| t.powi(k as i32) / factorial(k) - a)
 }
 
-/// What `integrations` until `time_s` make of e^(−t/τ).
+/// Returns what `integrations` until `time_s` make of e^(−t/τ).
 pub fn settled(tau_s: f64, integrations: u32, time_s: f64) -> f64 {
     tau_s.powi(integrations as i32) * decayed(integrations, time_s / tau_s)
 }
@@ -65,8 +65,8 @@ pub fn markov_after_still_start(tau_s: f64, still_s: f64, integrations: u32, tim
     markov(tau_s, integrations, time_s) - 2.0 * taken * with_mean + taken * taken * of_mean
 }
 
-/// What `integrations` until `time_s` make of e^(−t/τ) that began with a still start of `still_s`,
-/// whose mean is taken off.
+/// Returns what `integrations` until `time_s` make of e^(−t/τ) that began with a still start of
+/// `still_s`, whose mean is taken off.
 pub fn settled_after_still_start(tau_s: f64, still_s: f64, integrations: u32, time_s: f64) -> f64 {
     let taken = time_s.powi(integrations as i32) / factorial(integrations);
     let mean = if still_s > 0.0 { mean_settling(tau_s, still_s) } else { 0.0 };

@@ -34,8 +34,8 @@ pub fn turn(up: Vector, rate_rad_s: Vector, step_s: f64) -> Vector {
     std::array::from_fn(|i| up[i] * c + cross[i] * s + axis[i] * along * (1.0 - c))
 }
 
-/// How fast the pitch of eq. 3 changes when the sensor, with this direction of "up", turns at a
-/// rate; rad/s.
+/// Returns how fast the pitch of eq. 3 changes when the sensor, with this direction of "up", turns
+/// at a rate; rad/s.
 pub fn pitch_rate_rad_s(up: Vector, rate_rad_s: Vector) -> f64 {
     (rate_rad_s[2] * up[1] - rate_rad_s[1] * up[2]) / up[1].hypot(up[2])
 }

@@ -41,22 +41,22 @@ pub const GYRO_BIAS_PER_K: Key =
 /// Change of its scale factor per kelvin.
 pub const GYRO_SCALE_PER_K: Key =
     Key::new(50, "gyro.scale_temperature_ppm_k", "gyro scale factor over temperature", "ppm/K", PPM, Any);
-/// How late the stamps of all readings are: the same for the six of a member.
+/// Delay of the stamps of all readings: the same for the six of a member.
 pub const TIME_OFFSET: Key = Key::new(51, "sensor.time_offset_us", "time offset", "µs", MICRO, Any);
 
 /// Standard deviation of the instant at which each sample of all readings is taken, about the one
 /// that it is stamped with.
 pub const TIME_JITTER: Key = Key::new(52, "sensor.time_jitter_us", "time jitter", "µs", MICRO, NotNegative);
 
-/// What the clock of all readings gains on the true time: stamps come later and later.
+/// Gain of the clock of all readings on the true time: stamps come later and later.
 pub const CLOCK_DRIFT: Key = Key::new(53, "sensor.clock_drift_ppm", "clock drift", "ppm", PPM, Any);
 
 /// Full scale of a gyro: the largest magnitude of a rate that it reads.
 pub const GYRO_RANGE: Key = Key::new(70, "gyro.range_deg_s", "gyro range", "°/s", DEGREE, Positive);
 
-/// What one axis takes from another one or from the other instrument.
+/// Couplings of one axis to another one or to the other instrument.
 pub const COUPLINGS: [&Key; 4] = [&ACCELEROMETER_MISALIGNMENT, &GYRO_SCALE_FACTOR, &GYRO_MISALIGNMENT, &G_SENSITIVITY];
-/// What follows the temperature, accelerometer before gyro and bias before scale factor.
+/// Keys that follow the temperature, accelerometer before gyro and bias before scale factor.
 pub const OVER_TEMPERATURE: [&Key; 4] =
     [&ACCELEROMETER_BIAS_PER_K, &ACCELEROMETER_SCALE_PER_K, &GYRO_BIAS_PER_K, &GYRO_SCALE_PER_K];
 
@@ -76,7 +76,7 @@ pub const KEYS: [&Key; 12] = [
     &CLOCK_DRIFT,
     &GYRO_RANGE,
 ];
-/// What is wrong with the one clock of all axes.
+/// Errors of the one clock of all axes.
 pub const OF_THE_CLOCK: [&Key; 3] = [&TIME_OFFSET, &TIME_JITTER, &CLOCK_DRIFT];
 
 /// Those that mean something only along a trajectory.

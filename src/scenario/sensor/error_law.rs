@@ -36,8 +36,8 @@ pub enum ErrorLaw {
     /// A first-order Gauss–Markov process of this standard deviation from its stationary law, unit;
     /// its correlation time is the next row.
     Markov(Stream),
-    /// What dies out exponentially from the beginning of the run on: its first value, unit; its time
-    /// constant is the next row.
+    /// An error that dies out exponentially from the beginning of the run on: its first value, unit;
+    /// its time constant is the next row.
     Settling,
     /// A sine of this amplitude, unit; frequency and phase are the next rows.
     Sine,
@@ -68,7 +68,7 @@ pub enum Shape {
     Phase,
 }
 
-/// How an error follows from the simplest ones, by integrals over time.
+/// Growth of an error from the simplest ones, by integrals over time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Growth {
     /// A constant, integrated so often.
@@ -120,7 +120,7 @@ impl ErrorLaw {
         }
     }
 
-    /// What it is an integral of, where theory has a closed form for it.
+    /// Returns what it is an integral of, where theory has a closed form for it.
     pub fn growth(self) -> Growth {
         match self {
             Self::Constant | Self::Offset => Growth::OfAConstant(0),
@@ -153,15 +153,15 @@ impl ErrorLaw {
         }
     }
 
-    /// Whether it acts on the reading as a whole, so that "alone" means nothing: rounding is a
-    /// constant without noise and white with it, saturation needs the full reading. Such a term is
-    /// judged by switching it off.
+    /// Returns whether it acts on the reading as a whole, so that "alone" means nothing: rounding
+    /// is a constant without noise and white with it, saturation needs the full reading. Such a
+    /// term is judged by switching it off.
     pub fn acts_on_the_reading(self) -> bool {
         matches!(self, Self::Rounding | Self::FullScale)
     }
 
-    /// What a kernel multiplies its unit noise by at each sample: N/√T, K√T, RT, times of a shape in
-    /// samples, the others as they are.
+    /// Returns the factor of a kernel's unit noise at each sample: N/√T, K√T, RT, times of a shape
+    /// in samples, the others as they are.
     pub fn per_sample(self, coefficient: f64, sample_s: f64) -> f64 {
         match self {
             Self::White(_) => coefficient / sample_s.sqrt(),

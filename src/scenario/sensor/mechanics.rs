@@ -38,7 +38,7 @@ pub const CUBIC_SPRING: Key = Key::new(11, "sensor.cubic_stiffness_n_m3", "cubic
 pub const MODAL: &[Key] = &[RESONANCE, DAMPING_RATIO, CUBIC_STIFFNESS];
 /// The keys that state a sensor by the paper's mass, damping and springs.
 pub const PHYSICAL: &[Key] = &[MASS, DAMPING, STIFFNESS, CUBIC_SPRING];
-/// What stands beside either: the further laws, and the noise of the force.
+/// Returns the keys next to either: the further laws, and the noise of the force.
 pub fn further() -> &'static [Key] {
     static FURTHER: LazyLock<Vec<Key>> = LazyLock::new(|| {
         let laws = coefficients::keys().filter(|key| key.slot != CUBIC_STIFFNESS.slot);

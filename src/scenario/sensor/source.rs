@@ -46,12 +46,12 @@ impl ErrorSource {
         }
     }
 
-    /// Whether it is a gyro's, whose error reaches position through tilt.
+    /// Returns whether it is a gyro's, whose error reaches position through tilt.
     pub fn is_gyro(self) -> bool {
         matches!(self, Self::Term(term) if term.sense() == Sense::Gyro)
     }
 
-    /// Whether "alone" means nothing for it; such a source is judged by switching it off.
+    /// Returns whether "alone" means nothing for it; such a source is judged by switching it off.
     pub fn needs_the_others(self) -> bool {
         matches!(self, Self::Term(term) if term.law().acts_on_the_reading())
     }
@@ -65,7 +65,7 @@ impl ErrorSource {
         }
     }
 
-    /// Whether this sensor has it.
+    /// Returns whether this sensor has it.
     pub fn is_on(self, sensor: &Sensor) -> bool {
         match self {
             Self::Mechanics => sensor.proof_mass.is_some(),

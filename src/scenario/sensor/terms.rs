@@ -25,7 +25,7 @@ use crate::units::{
     MILLI_G, PPM, STANDARD_GRAVITY_M_S2,
 };
 
-/// What a row of the table says.
+/// Row of the table.
 #[derive(Debug, Clone, Copy)]
 pub struct Row {
     /// Name in tables and figures.
@@ -98,7 +98,7 @@ macro_rules! sensor_terms {
 }
 
 impl SensorTerm {
-    /// How many there are.
+    /// Number of them.
     pub const COUNT: usize = ROWS.len();
 
     /// Its row of the table.
@@ -111,7 +111,7 @@ impl SensorTerm {
         self.row().law
     }
 
-    /// Whether it is no error but a number of the term before it.
+    /// Returns whether it is no error but a number of the term before it.
     pub const fn is_shape(self) -> bool {
         matches!(self.law(), ErrorLaw::Shape(_))
     }
@@ -121,7 +121,8 @@ impl SensorTerm {
         Self::ALL.into_iter().skip(self as usize + 1).take_while(|term| term.is_shape())
     }
 
-    /// How many earlier terms follow a law of the same kind: its place among their states.
+    /// Returns the number of earlier terms that follow a law of the same kind: its place among
+    /// their states.
     pub const fn rank(self) -> usize {
         RANKS[self as usize]
     }
@@ -144,7 +145,7 @@ const RANKS: [usize; SensorTerm::COUNT] = {
     all
 };
 
-/// How many terms follow a law of this kind, among the first `rows` of the table.
+/// Returns the number of terms that follow a law of this kind, among the first `rows` of the table.
 pub const fn alike(law: ErrorLaw, rows: usize) -> usize {
     let (mut count, mut row) = (0, 0);
     while row < rows {
@@ -301,7 +302,7 @@ sensor_terms! {
             law: ErrorLaw::LowPass,
             keys: &[Key::new(68, "sensor.readout_lowpass_s", "time constant of the readout's low-pass", "s", 1.0, NotNegative)],
         };
-        /// How late the reading of the proof mass is, s.
+        /// Delay of the reading of the proof mass, s.
         readout_delay_s: ReadoutDelay = Row {
             name: "readout delay",
             law: ErrorLaw::Delay,

@@ -1,4 +1,4 @@
-//! What is known of a GPU adapter before it is opened.
+//! Describes a GPU adapter before it is opened.
 
 /// An adapter of this machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -9,7 +9,7 @@ pub struct Adapter {
     pub kind: &'static str,
     /// Driver, its version, and the interface it is reached by.
     pub driver: String,
-    /// Whether it is a GPU rather than a software renderer.
+    /// Says whether it is a GPU rather than a software renderer.
     pub hardware: bool,
     /// 64-bit integers in shaders.
     pub int64: bool,

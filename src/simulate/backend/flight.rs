@@ -21,7 +21,7 @@ use crate::numerics::elementary::Real;
 use crate::parallel;
 use crate::statistics::{Bins, Histogram, Machine, Moments};
 
-/// What is summed of every member at every report time.
+/// Quantities that are summed of every member at every report time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// Position error along an axis of north-east-down, m.
@@ -55,7 +55,7 @@ impl Quantity {
     }
 }
 
-/// What is summed, of one member.
+/// Quantities of one member that are summed.
 type Outcome = [f64; QUANTITIES];
 
 /// The errors of these members themselves at the flight's only report time, in f32, in their order;
@@ -188,7 +188,7 @@ pub trait FlightBackend {
     /// A member that the integrator cannot step; a device that was lost.
     fn run(&mut self, batch: &FlightBatch<'_>) -> Result<Option<Vec<Sums>>>;
 
-    /// Whether the device itself has failed.
+    /// Returns whether the device itself has failed.
     fn has_failed(&self) -> bool {
         false
     }

@@ -168,8 +168,8 @@ impl Gpu {
         Ok(Self { adapter: described, device, queue, lost, failed: AtomicBool::new(false), kernels: Mutex::default() })
     }
 
-    /// Whether anything has failed on this device since it was opened. It must not be used any
-    /// more.
+    /// Returns whether anything has failed on this device since it was opened. It must not be used
+    /// any more.
     pub fn has_failed(&self) -> bool {
         self.failed.load(Ordering::Relaxed)
     }
@@ -382,8 +382,8 @@ impl Gpu {
         Ok(view.to_vec())
     }
 
-    /// What a plain and a compensated f32 sum keep of 1 when 2²⁵ is added and taken away again: 0
-    /// and 1 where compensation is alive.
+    /// Returns what a plain and a compensated f32 sum keep of 1 when 2²⁵ is added and taken away
+    /// again: 0 and 1 where compensation is alive.
     ///
     /// # Errors
     /// As a dispatch.

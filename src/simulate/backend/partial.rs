@@ -1,4 +1,4 @@
-//! What a batch is summed to, and what has to be kept of one between two tiles so that it goes on
+//! Holds the sums of a batch, and what has to be kept of one between two tiles so that it goes on
 //! with the same bits.
 
 use std::ops::Range;
@@ -29,7 +29,7 @@ pub struct Unfinished {
     pub samples: u64,
     /// Sums, one per report time that was passed.
     pub partials: Vec<Partial>,
-    /// What its backend knows of the members between two tiles, as that backend writes it.
+    /// State of the members that its backend has between two tiles, as that backend writes it.
     #[serde(serialize_with = "to_text", deserialize_with = "from_text")]
     pub state: Vec<u8>,
 }

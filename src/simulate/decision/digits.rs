@@ -14,7 +14,7 @@ use crate::statistics::quantity;
 use crate::strapdown::answer::Answer;
 use crate::study::{Study, StudyText};
 
-/// How many members it takes.
+/// Returns the number of members that it takes.
 ///
 /// # Errors
 /// A study that cannot be simulated; stopped.

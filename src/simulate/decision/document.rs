@@ -15,7 +15,7 @@ pub struct Document {
     version: &'static str,
     seed: u64,
     limit: String,
-    /// Whether a value, or a part, meets the requirement.
+    /// Says whether a value, or a part, meets the requirement.
     meets: bool,
     vary: Vec<Varied>,
     /// Which side of the value meets the requirement: "below", "above" or "all"; absent where none
@@ -25,7 +25,7 @@ pub struct Document {
     /// The statistic at the value, or at the best one tried.
     #[serde(skip_serializing_if = "Option::is_none")]
     statistic: Option<Estimate>,
-    /// Whether the interval is as narrow as was asked.
+    /// Says whether the interval is as narrow as was asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     settled: Option<bool>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -46,7 +46,7 @@ struct Part {
     name: String,
     price: Option<f64>,
     meets: bool,
-    /// Whether the interval of the statistic lies on one side of the limit.
+    /// Says whether the interval of the statistic lies on one side of the limit.
     sure: bool,
     #[serde(flatten)]
     statistic: Estimate,

@@ -24,7 +24,7 @@ pub struct Crossing {
     pub ci95: [Option<f64>; 2],
 }
 
-/// How far beyond the pair a crossing is looked for, in distances of the two.
+/// Distance beyond the pair up to which a crossing is looked for, in distances of the two.
 const REACH: f64 = 2.0;
 /// Steps of the search for a root: the pair's distance over 2²⁰ is far below any interval.
 const STEPS: usize = 20;
@@ -56,7 +56,7 @@ impl Panel {
         Estimate { value: at(0.0), ci95: [at(-Z95), at(Z95)] }
     }
 
-    /// Where the statistic crosses the limit; `None` where it does not do so near the pair.
+    /// Returns where the statistic crosses the limit; `None` where it does not do so near the pair.
     pub fn crossing(&self, statistic: Statistic, limit: f64) -> Option<Crossing> {
         let mut buffer = Vec::with_capacity(self.pairs.len());
         let mut root = |shift: f64| self.root(limit, |value| self.statistic(statistic, value, shift, &mut buffer));

@@ -46,9 +46,9 @@ pub struct Judged {
     pub name: String,
     /// Price, in the catalogue's currency.
     pub price: Option<f64>,
-    /// Whether a study with it meets the requirement.
+    /// Says whether a study with it meets the requirement.
     pub meets: bool,
-    /// Whether the interval of the statistic says so too.
+    /// Says whether the interval of the statistic says so too.
     pub sure: bool,
     /// Value of the limited statistic with its standard error.
     pub statistic: Estimate,

@@ -19,7 +19,7 @@ use crate::study::{Assignment, Study, StudyText};
 /// direction.
 const RATIO: f64 = 4.0;
 const RUNGS: i32 = 12;
-/// Where the second search ends: the ratio of two values.
+/// End of the second search: the ratio of two values.
 const NEAR: f64 = 1.1;
 /// Steps of the second search: from a factor of four to NEAR are five.
 const BISECTIONS: usize = 30;
@@ -49,18 +49,18 @@ pub struct Question {
 pub struct Value {
     /// Dotted path of the key in study.toml.
     pub key: String,
-    /// Where the requirement is just met; `None` where no value meets it.
+    /// Value at which the requirement is just met; `None` where no value meets it.
     pub value: Option<f64>,
     /// 95 % interval of the value.
     pub ci95: [Option<f64>; 2],
 }
 
-/// How the statistic stands to the limit over the values tried.
+/// Relation of the statistic to the limit over the values tried.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome {
     /// The statistic crosses the limit.
     Crosses {
-        /// Whether values below the crossing meet the requirement, as for an error; else those
+        /// Says whether values below the crossing meet the requirement, as for an error; else those
         /// above it.
         below: bool,
     },
@@ -70,14 +70,14 @@ pub enum Outcome {
     Never,
 }
 
-/// What the search found: the value of each key at which the requirement is just met.
+/// Result of the search: the value of each key at which the requirement is just met.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
-    /// Whether and how the limit is crossed.
+    /// Says whether and how the limit is crossed.
     pub outcome: Outcome,
     /// Values found, one per key.
     pub vary: Vec<Value>,
-    /// Whether the interval is as narrow as was asked.
+    /// Says whether the interval is as narrow as was asked.
     pub settled: bool,
     /// The value over the study's own, over one where it gives none.
     pub at: Option<f64>,
@@ -175,7 +175,7 @@ pub fn answer(source: &StudyText, question: &Question, control: &Control) -> Res
 /// Two neighbouring values of a key between which a requirement is just met.
 pub(super) struct Between<'a> {
     pub source: &'a StudyText,
-    /// What else is set in it.
+    /// Other keys that are set in it.
     pub fixed: Vec<Assignment>,
     pub key: &'a str,
     pub limit: &'a Limit,
@@ -189,7 +189,7 @@ pub struct Crossed {
     pub value: f64,
     /// 95 % interval of the crossing.
     pub ci95: [Option<f64>; 2],
-    /// Whether the values below it meet the requirement.
+    /// Says whether the values below it meet the requirement.
     pub below: bool,
 }
 
@@ -223,10 +223,10 @@ impl Between<'_> {
     }
 }
 
-/// What the last search has found.
+/// Result of the last search.
 struct Settled {
     crossing: Option<Crossing>,
-    /// Whether its interval is as narrow as was asked.
+    /// Says whether its interval is as narrow as was asked.
     narrow: bool,
     statistic: Estimate,
 }
@@ -234,7 +234,7 @@ struct Settled {
 /// A factor and the statistic there.
 type Point = (f64, f64);
 
-/// What the first search finds.
+/// Result of the first search.
 enum Found {
     /// Two neighbouring factors, increasing, with the limit between them.
     Between(Point, Point),
@@ -281,7 +281,8 @@ impl Search<'_> {
         point.1 < self.question.limit.below
     }
 
-    /// Whether a factor that seems to miss the limit may still meet it, judged by `members`.
+    /// Returns whether a factor that seems to miss the limit may still meet it, judged by
+    /// `members`.
     fn is_open(&mut self, factor: f64, members: u64) -> Result<bool> {
         Ok(self.estimate(factor, members)?.ci95[0] < self.question.limit.below)
     }

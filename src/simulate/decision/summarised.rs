@@ -25,7 +25,7 @@ impl Statistic {
     }
 }
 
-/// Where each slot of the histogram lies, and its count.
+/// Returns each slot of the histogram with its count.
 fn slots(summary: &Summary) -> impl Iterator<Item = (f64, f64, u64)> + '_ {
     let bins = &summary.histogram.bins;
     summary.histogram.counts.iter().enumerate().filter(|(_, count)| **count > 0).map(move |(slot, count)| {
@@ -65,7 +65,7 @@ mod tests {
     use crate::rng::{Philox, Stream};
     use crate::statistics::{Bins, Histogram, Moments};
 
-    /// What the sums say is what the values themselves say, to two bins.
+    /// Sums say what the values themselves say, to two bins.
     #[test]
     fn a_summary_gives_the_statistics_of_its_values() {
         let mut rng = Philox::new(5, 0, Stream::Host);

@@ -1,4 +1,4 @@
-//! How the drift of a study moves along one key, or over two: every value with the same members and
+//! Follows the drift of a study along one key, or over two: every value with the same members and
 //! random numbers, and where a requirement is just met.
 
 use super::require::{self, Crossed};
@@ -35,7 +35,7 @@ pub struct Point {
     pub failed: u64,
 }
 
-/// Where the requirement is just met along the first key.
+/// Crossing along the first key at which the requirement is just met.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Crossing {
     /// Value of the second key, on a map.
@@ -51,7 +51,7 @@ pub struct Sweep {
     pub plan: Plan,
     /// Report times from the end of the still start, s.
     pub time_s: Vec<f64>,
-    /// What is followed: the limit's statistic, else how far the study has drifted at the last
+    /// Statistic that is followed: the limit's, else how far the study has drifted at the last
     /// report time.
     pub followed: Followed,
     /// The errors of each point.
@@ -76,8 +76,8 @@ pub struct Followed {
 }
 
 impl Followed {
-    /// Where no limit is given: the standard deviation of position, along a trajectory the circle
-    /// that holds half of the members.
+    /// Returns what is followed where no limit is given: the standard deviation of position, along
+    /// a trajectory the circle that holds half of the members.
     fn usual(study: &Study, time_s: f64) -> Self {
         let statistic = if study.in_motion.is_some() { Statistic::Circular(0.50) } else { Statistic::Sd };
         Self { statistic, quantity: Watched::drift(study), time_s }

@@ -23,13 +23,13 @@ pub struct Document {
     sweep: Vec<Axis>,
     #[serde(skip_serializing_if = "Option::is_none")]
     limit: Option<String>,
-    /// What each point's `statistic` is.
+    /// Meaning of each point's `statistic`.
     statistic: String,
     /// Report times, along which the lists of the points run.
     time_s: Vec<f64>,
     /// The values of the first key run fastest.
     points: Vec<Here>,
-    /// Where the limit is just met along the first key, for each value of the second.
+    /// Crossings of the limit along the first key, for each value of the second.
     crossings: Vec<Crossing>,
 }
 

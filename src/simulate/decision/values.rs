@@ -23,7 +23,7 @@ const MOST_MEMBERS: [u64; 2] = [1 << 18, 1 << 24];
 /// Members that are integrated together.
 const BATCH: u64 = 8192;
 
-/// What is looked at: a quantity after this many samples from the end of the still start.
+/// Quantity that is looked at, after this many samples from the end of the still start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
     /// The error that is evaluated.
@@ -33,7 +33,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// Where a requirement looks in a study.
+    /// Returns where a requirement looks in a study.
     ///
     /// # Errors
     /// An error that the study does not have, a time outside the run.
@@ -117,7 +117,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// What `integrate` gives for one batch after the other.
+    /// Returns what `integrate` gives for one batch after the other.
     fn batches(
         &mut self,
         members: Range<u64>,

@@ -105,7 +105,7 @@ impl Watched {
         }
     }
 
-    /// What moves the sensor of a study that has this error.
+    /// Returns what moves the sensor of a study that has this error.
     ///
     /// # Errors
     /// The study has no trajectory.

@@ -25,12 +25,12 @@ pub const COMMAND: &str = "study";
 /// The study, in a file.
 #[derive(Serialize, Deserialize)]
 struct Carried {
-    /// What it was read from, for messages.
+    /// Source that it was read from, for messages.
     source: String,
     text: String,
     members: u64,
     seed: u64,
-    /// What its relative paths start from.
+    /// Folder from which its relative paths start.
     folder: PathBuf,
 }
 

@@ -29,7 +29,7 @@ use crate::units::{DEGREE, MILLI_G};
 pub struct Likeness {
     /// Heading in the log.
     pub column: String,
-    /// Whether the column is an accelerometer or a gyro.
+    /// Says whether the column is an accelerometer or a gyro.
     pub sense: Sense,
     /// Averaging times of the deviations below, s.
     pub tau_s: Vec<f64>,
@@ -76,7 +76,7 @@ pub struct Comparison {
     pub axes: Vec<Likeness>,
     /// Drift in windows, axis by axis; empty where the study asks for none.
     pub windows: Vec<Drifted>,
-    /// What reading the log found, and which windows are disturbed.
+    /// Findings of reading the log, and the windows that are disturbed.
     pub findings: Vec<String>,
 }
 
@@ -104,8 +104,9 @@ impl Likeness {
         found
     }
 
-    /// Where simulation and recording leave each other: stretches of two or more neighbouring
-    /// averaging times outside the band, since one in ten single points lies outside by chance.
+    /// Returns where simulation and recording leave each other: stretches of two or more
+    /// neighbouring averaging times outside the band, since one in ten single points lies outside
+    /// by chance.
     pub fn departures(&self) -> Vec<Departure> {
         let outside = |k: usize| self.recorded[k] < self.simulated[0][k] || self.recorded[k] > self.simulated[2][k];
         let mut found: Vec<Departure> = Vec::new();

@@ -1,5 +1,5 @@
-//! What an error is multiplied by over time: the motion and the temperature that all members share,
-//! and laws of time that are the same in every study.
+//! Factors of an error over time: the motion and the temperature that all members share, and laws
+//! of time that are the same in every study.
 
 use crate::excitation::Waveform;
 use crate::navigation::closed_form::Process;
@@ -7,14 +7,14 @@ use crate::navigation::slow;
 use crate::study::Study;
 use crate::units::STANDARD_GRAVITY_M_S2;
 
-/// What all members share over time.
+/// Factor over time that all members share.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Course {
     /// The specific force.
     Force,
     /// Its square.
     Square,
-    /// How much warmer than its reference the sensor is, less what a still start takes off.
+    /// Says how much warmer than its reference the sensor is, less what a still start takes off.
     Warmer,
     /// That times the specific force.
     WarmerForce,
@@ -36,7 +36,7 @@ impl Course {
     }
 }
 
-/// How many courses there are.
+/// Number of them.
 const COURSES: usize = 6;
 
 /// A course at a time, and its integrals up to there.
@@ -66,7 +66,7 @@ impl Integrals {
 pub(super) struct CourseIntegrals {
     /// Per course, per time.
     pub integrals: [Vec<Integrals>; COURSES],
-    /// How much warmer the sensor is during a still start, K; 0 without one.
+    /// Says how much warmer the sensor is during a still start, K; 0 without one.
     pub taken_k: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What disturbs a log at rest: knocks, jumps of the level, and gaps that were filled.
+//! Finds what disturbs a log at rest: knocks, jumps of the level, and gaps that were filled.
 //!
 //! Noise of any colour sets its own scale here: each test compares one value with the robust spread
 //! of all its like in the log, so that a log of Gaussian noise, flicker and random walk has none
@@ -13,7 +13,7 @@ use crate::numerics::order;
 
 /// A reading this many robust deviations off the mean of its second is a knock.
 const KNOCK: f64 = 8.0;
-/// Where readings are coarse, this many steps are needed as well.
+/// Steps that are needed as well where readings are coarse.
 const STEPS: f64 = 10.0;
 /// Neighbouring means this many robust deviations of such differences apart are a jump.
 const JUMP: f64 = 6.0;

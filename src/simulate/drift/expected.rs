@@ -1,5 +1,5 @@
-//! What theory says of a study: mean and variance of every error quantity at every time, source by
-//! source, in closed form.
+//! Computes what theory predicts of a study: mean and variance of every error quantity at every
+//! time, source by source, in closed form.
 //!
 //! Independent sources add in variance. What has no closed form (mechanics, saturation, rounding
 //! without noise, a scale error on a sine drawn per member) is left out and said. See
@@ -122,9 +122,9 @@ fn now_or_later(process: Process, still_s: f64, integrations: u32, time_s: f64, 
     }
 }
 
-/// How often a source is integrated on its way to position, velocity, acceleration and tilt, and by
-/// g where it is a gyro's. `levelled` is the mean of an accelerometer's source over a still start:
-/// the tilt of that much gravity hides it.
+/// Returns how often a source is integrated on its way to position, velocity, acceleration and
+/// tilt, and by g where it is a gyro's. `levelled` is the mean of an accelerometer's source over a
+/// still start: the tilt of that much gravity hides it.
 fn chain(
     source: ErrorSource,
     time_s: &[f64],
@@ -148,7 +148,7 @@ fn chain(
     time_s.iter().map(row).collect()
 }
 
-/// What kind of error a source is in this study.
+/// Kind of error that a source is in this study.
 enum Law {
     Absent,
     /// There, without a closed form.
@@ -195,7 +195,7 @@ fn level(study: &Study, key: &Key) -> f64 {
     (mean * mean + variance).sqrt()
 }
 
-/// What follows the temperature.
+/// Returns the law of what follows the temperature.
 fn warmed(study: &Study, key: &Key, course: Course) -> Law {
     let (mean, variance) = study.tolerances.moments(key);
     Law::Motion { course, mean, variance }

@@ -31,7 +31,7 @@ const QUANTILES: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 /// Central bands, as fractions of the simulated members that they hold.
 pub const BANDS: [f64; 3] = [0.5, 0.9, 0.99];
 
-/// How the log is cut for windows of one length.
+/// Cut of the log for windows of one length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cut {
     /// Length of a window after its still start, as the study gives it, s.
@@ -40,7 +40,7 @@ pub struct Cut {
     still: usize,
     /// Samples after the still start.
     length: usize,
-    /// How many windows fit.
+    /// Number of windows that fit.
     count: usize,
 }
 
@@ -56,7 +56,7 @@ impl Cut {
 pub struct Drifted {
     /// Heading in the log.
     pub column: String,
-    /// What it measures; its errors below are positions in m or tilts in rad.
+    /// Quantity that it measures; its errors below are positions in m or tilts in rad.
     pub sense: Sense,
     /// Per length of window.
     pub windows: Vec<Windows>,
@@ -106,7 +106,7 @@ impl Windows {
         Moments::of(self.errors(undisturbed).into_iter()).sd()
     }
 
-    /// How many recorded errors lie inside each of the `BANDS`.
+    /// Returns how many recorded errors lie inside each of the `BANDS`.
     pub fn inside(&self, undisturbed: bool) -> [usize; 3] {
         let errors = self.errors(undisturbed);
         self.bands.map(|[low, high]| errors.iter().filter(|e| (low..=high).contains(e)).count())
@@ -138,7 +138,7 @@ impl Drifted {
     }
 }
 
-/// How a log is cut, for each length that the study asks for; none where it asks for no windows.
+/// Cuts a log, for each length that the study asks for; none where it asks for no windows.
 ///
 /// # Errors
 /// A log that is shorter than a still start or than two windows with theirs; windows below one

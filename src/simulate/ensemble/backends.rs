@@ -26,7 +26,7 @@ const START_S: f64 = 0.2;
 /// wait for each other, at four to six cycles each and 1.5 GHz. Computed, not measured.
 const STEP_S: f64 = 2e-7;
 
-/// Whether the CPU would take longer than a GPU must at the least.
+/// Returns whether the CPU would take longer than a GPU must at the least.
 fn worth_a_gpu(job: &Job, threads: usize) -> bool {
     let steps = job.steps_per_member() as f64;
     let cpu_s = job.members as f64 * steps / (CPU_PER_THREAD_PER_S * threads as f64);
@@ -36,7 +36,7 @@ fn worth_a_gpu(job: &Job, threads: usize) -> bool {
 /// Backends for one job after the other.
 #[derive(Default)]
 pub struct Backends {
-    /// What looking for a GPU has found, once it was looked for.
+    /// Result of looking for a GPU, once it was looked for.
     gpu: Option<Option<Arc<Gpu>>>,
     /// Why a GPU that is there is not used.
     refused: Option<String>,
@@ -100,8 +100,7 @@ impl Backends {
     }
 }
 
-/// What looking for a GPU in hardware finds. One that is there and cannot be opened is said, and
-/// left.
+/// Looks for a GPU in hardware. One that is there and cannot be opened is reported, and left.
 fn hardware(nth: usize, control: &Control) -> (Option<Option<Arc<Gpu>>>, Option<String>) {
     match Gpu::hardware_nth(nth) {
         Ok(gpu) => (Some(gpu.map(Arc::new)), None),

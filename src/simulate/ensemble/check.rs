@@ -1,5 +1,5 @@
-//! What a job must be before it is integrated: counts that fit their counters, report times in
-//! order, histograms that fit the memory.
+//! Checks a job before it is integrated: counts that fit their counters, report times in order,
+//! histograms that fit the memory.
 
 use crate::error::{Error, Result};
 use crate::kernel::job::Job;

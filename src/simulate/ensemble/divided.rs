@@ -20,7 +20,7 @@ use crate::shard::gather::Found;
 use crate::shard::{Part, Piece};
 use crate::statistics::{Origin, Statistics};
 
-/// How the ensembles of a study are cut: between blocks, by the work of each.
+/// Cuts the ensembles of a study: between blocks, by the work of each.
 pub fn parts(jobs: &[Job]) -> Vec<Part> {
     jobs.iter().map(|job| Part { units: job.members, grain: BLOCK, effort: job.steps_per_member() }).collect()
 }

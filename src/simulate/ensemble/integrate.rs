@@ -34,7 +34,7 @@ pub fn run_kept(job: &Job, backend: &mut dyn Backend, options: &Options, keeper:
     run_part(job, backend, None, options, keeper)
 }
 
-/// As [`run_kept`]; `reason` says why on this backend, where another was tried first.
+/// Runs as [`run_kept`] does; `reason` says why on this backend, where another was tried first.
 pub(super) fn run_part(
     job: &Job,
     backend: &mut dyn Backend,
@@ -52,8 +52,8 @@ pub(super) fn run_part(
     Ok(summed(job, keeper.part(), begun.elapsed().as_secs_f64()))
 }
 
-/// As [`run_kept`]; what `device` does not get done because it fails, the CPU does from there on.
-/// The report then says who did what, and why.
+/// Runs as [`run_kept`] does; what `device` leaves undone because it fails, the CPU does from there
+/// on. The report then says who did what, and why.
 ///
 /// # Errors
 /// As [`run_kept`], but for failures of the device.
@@ -170,7 +170,7 @@ fn bins(partial: &Partial) -> [Bins; 4] {
     })
 }
 
-/// What all members of a job are summed to.
+/// Sums up all members of a job.
 pub(super) fn summed(job: &Job, state: &State, seconds: f64) -> Statistics {
     let summaries = |report: &Report| {
         let moments = report.moments.total();

@@ -1,5 +1,5 @@
-//! Where a run of several parts keeps what it has summed up, so that it goes on after a stop, a
-//! kill or a fault.
+//! Keeps what a run of several parts has summed up, so that it goes on after a stop, a kill or a
+//! fault.
 //!
 //! One file per part, written when [`INTERVAL_S`] seconds of work are not kept yet and when the run
 //! is stopped, and removed by [`Keeper::forget`], after the caller has written everything that the
@@ -25,15 +25,15 @@ const MOST_PARTS: usize = 4096;
 /// The states of a run.
 #[derive(Debug)]
 pub struct Keeper {
-    /// Where the files are; none are written without.
+    /// Folder of the files; none are written without.
     folder: Option<PathBuf>,
     /// The one file of a shard.
     shard: Option<Kept>,
-    /// What the run is, so that sums of another are not mixed in.
+    /// Identity of the run, so that sums of another are not mixed in.
     identity: String,
     interval: Duration,
     last: Instant,
-    /// Whether parts are read from their files.
+    /// Says whether parts are read from their files.
     resume: bool,
     /// Parts that are done: their sums, megabytes each, where they are not written yet.
     done: Vec<Option<State>>,
@@ -41,12 +41,12 @@ pub struct Keeper {
     part: State,
     begun: bool,
     changed: bool,
-    /// Whether the user was told that nothing can be written.
+    /// Says whether the user was told that nothing can be written.
     warned: bool,
 }
 
 impl Keeper {
-    /// What the files are called; `*` is the number of a part.
+    /// Names of the files; `*` is the number of a part.
     pub const FILES: &str = proofmass_base::output::names::INTERRUPTED;
 
     /// A keeper that saves no state.
@@ -130,13 +130,13 @@ impl Keeper {
         &mut self.part
     }
 
-    /// Whether a batch that has `begun` then should stop to be kept. One that has hardly begun is
-    /// let finish.
+    /// Returns whether a batch that has `begun` then should stop to be kept. One that has hardly
+    /// begun is let finish.
     pub(super) fn is_due_within(&self, begun: Instant) -> bool {
         self.keeps() && self.last.elapsed() >= self.interval && begun.elapsed() >= self.interval / 6
     }
 
-    /// Whether anything is written.
+    /// Returns whether anything is written.
     fn keeps(&self) -> bool {
         self.folder.is_some() || self.shard.is_some()
     }

@@ -22,7 +22,7 @@ pub struct Kept {
     first: usize,
     /// The piece begun last.
     at: Option<usize>,
-    /// What was done of it is written before a signal ends the process.
+    /// Keeps a signal from ending the process before what was done is written.
     _keeping: Keeping,
 }
 
@@ -61,12 +61,12 @@ impl Kept {
         Self { results, first, ..Self::new(place, header) }
     }
 
-    /// What the run is.
+    /// Returns the identity of the run.
     pub(super) fn identity(&self) -> &str {
         &self.header.run.identity
     }
 
-    /// Where the file is.
+    /// Returns the path of the file.
     pub(super) fn path(&self) -> &Path {
         self.place.path()
     }

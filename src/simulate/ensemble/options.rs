@@ -1,4 +1,4 @@
-//! How an ensemble is run, as the caller wants it.
+//! Options of an ensemble, as the caller wants it run.
 
 use crate::backend::cpu::Precision;
 use crate::control::Control;

@@ -1,5 +1,5 @@
-//! Whether the sums of a state can be what it says they are: as many members counted as were
-//! summed, numbers that are some.
+//! Checks the integrity of a saved state: as many members counted as were summed, numbers that are
+//! some.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use crate::kernel::job::Job;
 use crate::statistics::histogram::BINS;
 use crate::statistics::{Fold, Histogram, Moments};
 
-/// What is wrong with a state of this job.
+/// Says what is wrong with a state of this job.
 pub(super) fn check(state: &State, job: &Job) -> Result<(), String> {
     let reports = job.clock.report_samples.len();
     let (members, next) = (&state.members, state.next_member);
@@ -39,7 +39,7 @@ pub(super) fn check(state: &State, job: &Job) -> Result<(), String> {
     state.under_way.as_ref().map_or(Ok(()), |(_, batch)| under_way(batch, state, job))
 }
 
-/// Whether a fold holds just these blocks.
+/// Returns whether a fold holds just these blocks.
 fn holds(fold: &Fold, blocks: Range<u64>) -> bool {
     let end = fold.nodes().try_fold(blocks.start, |at, (first, node)| {
         let size = 1u64.checked_shl(node.level)?;

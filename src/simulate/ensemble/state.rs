@@ -1,4 +1,4 @@
-//! What a part of a run has summed up so far, and which run it is a part of.
+//! Holds what a part of a run has summed up so far, and which run it is a part of.
 
 use std::ops::Range;
 
@@ -37,7 +37,7 @@ pub(super) struct State {
     pub next_member: u64,
     /// Wall time that it took so far, s.
     pub seconds: f64,
-    /// Where the members summed were integrated.
+    /// Machines on which the members summed were integrated.
     pub origins: Vec<Origin>,
     /// Bins per report time and quantity; none before the pilot is done.
     pub bins: Vec<[Bins; 4]>,
@@ -105,7 +105,7 @@ impl State {
         self.bins = bins;
     }
 
-    /// Whether all of its members are summed.
+    /// Returns whether all of its members are summed.
     pub(super) fn is_done(&self) -> bool {
         self.next_member >= self.members.end
     }

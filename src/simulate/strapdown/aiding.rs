@@ -1,5 +1,5 @@
-//! What a navigator makes of fixes: the gains by which they correct its errors, the same for every
-//! member.
+//! Computes what a navigator makes of fixes: the gains by which they correct its errors, the same
+//! for every member.
 //!
 //! A reset takes what is measured for the truth. A filter is the loosely coupled Kalman filter of
 //! fifteen errors (Groves, *Principles of GNSS, Inertial, and Multisensor Integrated Navigation
@@ -44,7 +44,7 @@ fn fixes(motion: &InMotion, flight: &Flight, aiding: &Aiding) -> Vec<Fix> {
     }
 }
 
-/// What is seen is taken off in full.
+/// Takes what is seen off in full.
 fn reset(fix: &Fix) -> Fix {
     let mut fix = fix.clone();
     for (k, sd) in fix.sd.iter().enumerate() {

@@ -26,13 +26,13 @@ pub struct Answer {
     pub ensemble: Ensemble,
     /// Places of the user's report times in it.
     pub report: Vec<usize>,
-    /// What the linear model says, at the same times as the ensemble.
+    /// Prediction of the linear model, at the same times as the ensemble.
     pub covariance: Covariance,
-    /// What the navigator errs by on perfect readings, at the same times.
+    /// Error of the navigator on perfect readings, at the same times.
     pub own: Part,
     /// Outages of GNSS, where the study has them.
     pub outages: Vec<Outage>,
-    /// Where the two differ by more than chance.
+    /// Places where the two differ by more than chance.
     pub apart: Vec<Apart>,
     /// The recorded flight beside it, where the study asks for one.
     pub compared: Option<Compared>,
@@ -164,7 +164,7 @@ pub(super) fn of_ensemble(
     Ok(Answer { flight, ensemble, report, covariance, own, outages, apart, compared })
 }
 
-/// Where ensemble and linear model differ at a report.
+/// Returns where ensemble and linear model differ at a report.
 fn apart(ensemble: &Ensemble, covariance: &Covariance, report: usize) -> Vec<Apart> {
     let model = |place: usize| covariance.variance(report, place).sqrt();
     let largest = |place: usize| (place / 3 * 3..place / 3 * 3 + 3).map(model).fold(0.0, f64::max);

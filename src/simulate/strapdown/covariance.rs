@@ -20,12 +20,12 @@ use found::Found;
 use given::Given;
 use steps::Errors;
 
-/// Where an error comes from.
+/// Source of an error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cause {
     /// A sensor on each axis.
     Sensor(ErrorSource),
-    /// What a reading takes from other axes or instruments.
+    /// Part that a reading takes from other axes or instruments.
     Coupling(&'static Key),
     /// The heading at the start, and without a still start the tilt.
     Alignment,
@@ -48,7 +48,7 @@ impl Cause {
     }
 }
 
-/// What one cause does.
+/// Effect of one cause.
 #[derive(Debug, Clone)]
 pub struct Part {
     /// Error source.

@@ -42,7 +42,7 @@ pub struct Document {
     findings: Vec<String>,
     member_steps: u64,
     seconds: f64,
-    /// What is stated of the last horizontal error, where digits were asked for.
+    /// Statement of the last horizontal error, where digits were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     jcgm101: Option<Stated>,
     /// Files that the answer was put together from.
@@ -63,7 +63,7 @@ struct Linear {
     position_error_ned_m: Axes,
     velocity_error_ned_m_s: Axes,
     attitude_error_rad: Turns,
-    /// Whether every spread of the ensemble lies within four standard errors of its own.
+    /// Says whether every spread of the ensemble lies within four standard errors of its own.
     agrees: bool,
     /// Sources that a linear model has no place for.
     left_out: Vec<&'static str>,
@@ -89,7 +89,7 @@ impl Linear {
     }
 }
 
-/// What one source does to the position, by the linear model: root mean square of the horizontal
+/// Effect of one source on the position, by the linear model: root mean square of the horizontal
 /// and the vertical error that it makes alone, and its fraction of the horizontal mean square.
 #[derive(Debug, Clone, Serialize)]
 struct Share {

@@ -17,7 +17,7 @@ type Inputs = SMatrix<f64, 6, 6>;
 pub struct Column {
     /// Errors per unit of the constant.
     pub state: SMatrix<f64, 9, 1>,
-    /// What a still start takes off the inputs, per unit.
+    /// Part that a still start takes off the inputs, per unit.
     pub taken: SMatrix<f64, 6, 1>,
     /// The input that it acts on, and how.
     pub gain: Gain,
@@ -27,7 +27,7 @@ pub struct Column {
     pub variance: f64,
 }
 
-/// What a constant is multiplied by to be an input.
+/// Factor that makes a constant an input.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Gain {
     /// It is no input; it acts by what was taken off or by where the state began.
@@ -40,7 +40,7 @@ pub enum Gain {
     Rate(usize, usize),
     /// Time from the beginning of the run, on this input; the still start lasted so long, s.
     Time(usize, f64),
-    /// What dies out from the beginning of the run on, on this input.
+    /// An error that dies out from the beginning of the run on, on this input.
     Settling {
         /// The input.
         input: usize,
@@ -64,7 +64,7 @@ pub enum Gain {
     Warmer(usize, i32),
     /// The same times what an axis of the input's own instrument feels.
     WarmerFelt(usize),
-    /// What each input changes by, taken off all of them: per second that the stamps are late.
+    /// Change of each input, taken off all of them: per second that the stamps are late.
     Late,
     /// The same times the time from the end of the still start: per second that they gain each
     /// second.
@@ -128,7 +128,7 @@ impl Column {
     }
 }
 
-/// How the inputs of a family go on.
+/// Dynamics of the inputs of a family.
 #[derive(Debug, Clone)]
 pub enum Process {
     /// White noise of these densities, unit²·s.
@@ -212,7 +212,7 @@ impl Family {
         self.process_process = Inputs::from_diagonal(&(*variance).into());
     }
 
-    /// What happens to the process at the beginning of step `k`.
+    /// Renews the process at the beginning of step `k`.
     pub fn renew(&mut self, k: u64) {
         if let Process::Held { every, first, variance } = &self.process
             && k > 0
@@ -263,7 +263,7 @@ impl Family {
         }
     }
 
-    /// What a process that is not held becomes over a time.
+    /// Carries a process that is not held over a time.
     fn go_on(&mut self, seconds: f64) {
         match &self.process {
             Process::Walk(k) => (0..6).for_each(|i| self.process_process[(i, i)] += k[i] * seconds),

@@ -7,7 +7,7 @@ use crate::kernel::fix::{Fix, SEEN};
 
 type Inputs = SMatrix<f64, 6, 6>;
 
-/// What a fix does to errors x (attitude, velocity, position) and to what is taken off the inputs,
+/// Effect of a fix on errors x (attitude, velocity, position) and to what is taken off the inputs,
 /// c.
 #[derive(Debug, Clone)]
 pub struct Gains {

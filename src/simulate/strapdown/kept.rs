@@ -1,5 +1,5 @@
-//! What a study in motion has summed so far, in a file: a run that was stopped goes on after the
-//! last whole batch, and ends with the bits of one that was not.
+//! Keeps what a study in motion has summed so far, in a file: a run that was stopped goes on after
+//! the last whole batch, and ends with the bits of one that was not.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -38,7 +38,7 @@ struct State {
     totals: Totals,
 }
 
-/// Where a run keeps its sums, if anywhere.
+/// Place where a run keeps its sums, if anywhere.
 #[derive(Debug)]
 pub struct Kept {
     folder: Option<PathBuf>,
@@ -51,7 +51,7 @@ pub struct Kept {
     warned: bool,
 }
 
-/// How far a run has come.
+/// Progress of a run.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Progress {
     /// First member that is not summed yet.
@@ -190,7 +190,7 @@ impl Kept {
         }
     }
 
-    /// Where the sums are kept, for messages.
+    /// Returns the place of the sums, for messages.
     fn place(&self) -> Option<&Path> {
         self.share.as_ref().map(Share::path).or(self.folder.as_deref())
     }

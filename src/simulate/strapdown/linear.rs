@@ -13,7 +13,7 @@ use crate::kernel::passage::{Course, Passage};
 
 /// Attitude, velocity, position.
 pub(super) type Square = SMatrix<f64, 9, 9>;
-/// What accelerometers (first three) and gyros do to them.
+/// Effect of accelerometers (first three) and gyros on them.
 pub(super) type Drive = SMatrix<f64, 9, 6>;
 
 /// The model over some time: x′ = F x + B u.
@@ -23,22 +23,22 @@ pub struct Model {
     pub dynamics: Square,
     /// B: derivative of the errors by the inputs.
     pub drive: Drive,
-    /// What the sensor feels.
+    /// Motion that the sensor feels.
     pub felt: Felt,
 }
 
-/// What a sensor feels in body axes.
+/// Motion that a sensor feels, in body axes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Felt {
     /// Specific force that is felt, m/s².
     pub force: Vector3<f64>,
     /// Angular rate, rad/s.
     pub rate: Vector3<f64>,
-    /// What the force grows by, m/s³.
+    /// Growth of the force, m/s³.
     pub force_change: Vector3<f64>,
-    /// What the rate grows by, rad/s².
+    /// Growth of the rate, rad/s².
     pub rate_change: Vector3<f64>,
-    /// How much warmer than the reference it is, K.
+    /// Temperature of the sensor above its reference, K.
     pub warmer_k: f64,
 }
 
@@ -186,7 +186,8 @@ impl Step {
         self.accumulated(driven * driven.transpose() * (density * self.seconds))
     }
 
-    /// What white inputs of this first term add up to over the step, carried on by the dynamics.
+    /// Returns what white inputs of this first term add up to over the step, carried on by the
+    /// dynamics.
     fn accumulated(&self, mut power: Square) -> Square {
         let mut sum = power;
         for k in 2..=TERMS {
@@ -197,7 +198,7 @@ impl Step {
         sum
     }
 
-    /// What the sensor feels.
+    /// Motion that the sensor feels.
     pub fn felt(&self) -> &Felt {
         &self.model.felt
     }

@@ -1,4 +1,4 @@
-//! What the navigator itself errs by along a flight, on perfect readings: no spread, the same for
+//! Computes the navigator's own error along a flight, on perfect readings: no spread, the same for
 //! every member, and corrected by the fixes as theirs are. The ensemble, which integrates errors
 //! about the truth, does not have it.
 
@@ -38,7 +38,7 @@ pub fn of_increments(motion: &InMotion, flight: &Flight, increments: &[Increment
     Part { cause: Cause::Mechanisation, variance: vec![[0.0; 9]; mean.len()], mean }
 }
 
-/// What a fix without noise takes off an error.
+/// Returns what a fix without noise takes off an error.
 fn correction(fix: &Fix, error: &Difference) -> Correction {
     let seen = [error.velocity_m_s, error.position_m];
     let rows = |first: usize| {

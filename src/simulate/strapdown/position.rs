@@ -1,5 +1,5 @@
-//! How far a navigator in motion errs in position at the report times: one run, without budget,
-//! covariance or windows. Not for a study's own answer (`answer`).
+//! Computes how far a navigator in motion errs in position at the report times: one run, without
+//! budget, covariance or windows. Not for a study's own answer (`answer`).
 
 use super::kept::Kept;
 use super::run;

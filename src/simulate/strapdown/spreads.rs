@@ -81,7 +81,7 @@ impl At<'_> {
         Spherical { sep50: self.percentile(Quantity::Spherical, 2), sep95: self.percentile(Quantity::Spherical, 3) }
     }
 
-    /// What the linear model says of one of its nine.
+    /// Returns what the linear model says of one of its nine.
     pub(super) fn linear(&self, place: usize) -> Spread {
         let covariance = &self.answer.covariance;
         Spread {
@@ -90,7 +90,7 @@ impl At<'_> {
         }
     }
 
-    /// What it says of three.
+    /// Returns what it says of three.
     pub(super) fn linear_axes(&self, first: usize) -> Axes {
         Axes { north: self.linear(first), east: self.linear(first + 1), down: self.linear(first + 2) }
     }

@@ -36,12 +36,12 @@ impl Totals {
         Self { reports: pilot.iter().map(report).collect() }
     }
 
-    /// Whether no pilot has run.
+    /// Returns whether no pilot has run.
     pub(super) fn is_empty(&self) -> bool {
         self.reports.is_empty()
     }
 
-    /// Whether they can be those of a flight.
+    /// Returns whether they can be those of a flight.
     pub(super) fn fit(&self, flight: &Flight) -> bool {
         self.reports.len() == flight.clock().report_samples.len()
             && self.reports.iter().all(|report| report.histograms.len() == QUANTITIES)

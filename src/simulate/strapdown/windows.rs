@@ -73,11 +73,11 @@ pub struct Compared {
     pub sensors: Vec<Sensor>,
     /// Per length of window.
     pub lengths: Vec<Length>,
-    /// What would make the windows consistent; the last of the sensors.
+    /// Inflation that would make the windows consistent; the last of the sensors.
     pub inflation: Option<Inflation>,
     /// The coefficients that the study states for the same causes, SI.
     pub stated: [f64; CAUSES.len()],
-    /// What was found and survived.
+    /// Findings that were survived.
     pub findings: Vec<String>,
 }
 
@@ -88,7 +88,7 @@ struct Laid {
     in_bases: Vec<Vec<Part>>,
 }
 
-/// What every window is laid beside.
+/// Prediction that every window is compared with.
 struct Beside {
     biased: Biased,
     laid: Vec<Laid>,
@@ -130,7 +130,7 @@ impl Laid {
     }
 }
 
-/// Where all windows of a flight take their biases from.
+/// Source from which all windows of a flight take their biases.
 enum Biased {
     Others(Vec<Base>),
     Still(Still),
@@ -300,8 +300,8 @@ fn length(
     Ok(length)
 }
 
-/// What makes windows of the shortest length consistent: those of the flights that the study names
-/// for it, else its own.
+/// Finds what makes windows of the shortest length consistent: those of the flights that the study
+/// names for it, else its own.
 fn inflate(flown: &Flown, motion: &InMotion, own: &Length) -> Result<Option<Inflation>> {
     let pairs = |length: &Length| -> Vec<(Nine, Split)> { length.seen().into_iter().map(|seen| seen.end).collect() };
     if flown.fit.is_empty() {

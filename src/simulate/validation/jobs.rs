@@ -21,7 +21,7 @@ use crate::units::STANDARD_GRAVITY_M_S2;
 pub struct Place {
     /// Name of the backend in the rows.
     pub name: String,
-    /// Whether it is a GPU.
+    /// Says whether it is a GPU.
     pub is_gpu: bool,
     backend: Box<dyn Backend>,
     options: Options,

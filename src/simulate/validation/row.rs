@@ -3,7 +3,7 @@
 /// One check: expected number, found number, tolerance.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Row {
-    /// What was checked, where, and the source of the expected number.
+    /// Description of the check: its place and the source of the expected number.
     pub what: String,
     /// Expected number.
     pub expected: f64,
@@ -11,7 +11,8 @@ pub struct Row {
     pub got: f64,
     /// Largest difference that is let pass.
     pub tolerance: f64,
-    /// Whether it holds. A control holds when the check it repeats on purpose on wrong input fails.
+    /// Says whether it holds. A control holds when the check it repeats on purpose on wrong input
+    /// fails.
     pub holds: bool,
 }
 

@@ -1,4 +1,4 @@
-//! How sure an Allan curve is: the covariance of its points for any mixture of the five terms.
+//! Uncertainty of an Allan curve: the covariance of its points for any mixture of the five terms.
 //!
 //! For a Gaussian signal two points vary together as 2/(n_i n_j) Σ R_ij(u)², R_ij being the
 //! covariance of the second differences behind them, summed over all pairs of windows. R_ij is

@@ -39,7 +39,7 @@ pub struct Coefficient {
 }
 
 impl Coefficient {
-    /// Whether the data need this term.
+    /// Returns whether the data need this term.
     pub fn supported(&self) -> bool {
         self.ci95[0] > 0.0
     }
@@ -56,10 +56,11 @@ pub struct Fit {
     pub from_s: f64,
     /// Longest averaging time fitted, s.
     pub to_s: f64,
-    /// Where the curve leaves the fit most, and measured over fitted deviation there.
+    /// Averaging time at which the curve leaves the fit most, and measured over fitted deviation
+    /// there.
     pub worst: (f64, f64),
-    /// How far the curve strays from any sum of the laws beyond chance, as a share of the
-    /// deviation; zero for a good fit. The intervals allow for it.
+    /// Departure of the curve from any sum of the laws beyond chance, as a share of the deviation;
+    /// zero for a good fit. The intervals allow for it.
     pub discrepancy: f64,
 }
 
@@ -79,7 +80,7 @@ impl Fit {
         law::variance(&self.supported_squares(), tau_s).sqrt()
     }
 
-    /// Whether the five terms describe the curve.
+    /// Returns whether the five terms describe the curve.
     pub fn good(&self) -> bool {
         self.p_value >= BAD
     }
@@ -323,7 +324,7 @@ fn solve_lower(factor: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
     factor.solve_lower_triangular(right).unwrap_or_else(|| DMatrix::zeros(right.nrows(), right.ncols()))
 }
 
-/// Where a test first holds between two ends, by bisection of the square root.
+/// Finds where a test first holds between two ends, by bisection of the square root.
 fn crossing(from: f64, to: f64, holds: impl Fn(f64) -> bool) -> f64 {
     let (mut from, mut to) = (from.sqrt(), to.sqrt());
     for _ in 0..9 {

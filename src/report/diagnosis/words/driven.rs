@@ -70,7 +70,7 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
         }
         // Without a base model that could be repaired, few laws were asked for, and about one place only.
         Outcome::Unexplained if answer.repair.is_none() => "The mismatch is real: the recording follows no linear \
-             oscillator, and none of the candidates that were tried beside one brings the error to the noise."
+             oscillator, and no candidate that was tried explains it down to the noise."
             .to_owned(),
         Outcome::Unexplained if named.is_empty() && account.series.is_none() && !account.is_structured => format!(
             "The mismatch is real, and no candidate in the library explains it{}.",
@@ -147,8 +147,8 @@ fn apart(broken: &Broken) -> String {
     }
 }
 
-/// What the named laws remove of the base model's error together, and what remains, where models were
-/// judged by free simulation.
+/// States what the named laws remove of the base model's error together, and what remains, where
+/// models were judged by free simulation.
 fn shares(answer: &Answer, laws: &[String], unit: &str) -> String {
     let (test, floor) = (&answer.fit.test, answer.fit.noise_floor);
     let share = test.share.map_or(f64::NAN, |s| 100.0 * s.value);
@@ -179,12 +179,12 @@ fn telling(parameters: &[Estimate]) -> Option<&Estimate> {
     parameters.iter().find(known).or(parameters.first())
 }
 
-/// Whether unseen samples tell an effect's law from its stated form.
+/// Returns whether unseen samples tell an effect's law from its stated form.
 fn departs(effect: &Effect) -> bool {
     effect.form.as_ref().is_some_and(|f| f.departs)
 }
 
-/// How far an effect's law departs from its stated form, as a clause.
+/// Says how far an effect's law departs from its stated form, as a clause.
 pub(crate) fn form(effect: &Effect) -> Option<String> {
     let form = effect.form.as_ref()?;
     let percent = |v: f64| short(100.0 * v);
@@ -198,11 +198,15 @@ pub(crate) fn form(effect: &Effect) -> Option<String> {
             percent(form.ci95[1])
         )
     } else {
-        format!("the form of {} is {stated} within {} % (95 %)", effect.id, percent(form.ci95[1]))
+        format!(
+            "the form of {} is {stated}: a free curve differs from it by at most {} % (95 %)",
+            effect.id,
+            percent(form.ci95[1])
+        )
     })
 }
 
-/// What the named effects do to the error on held-out samples.
+/// States what the named effects do to the error on held-out samples.
 fn fall(answer: &Answer, unit: &str) -> String {
     let before = answer.fit.test.rmse_before;
     // What has no name is stated apart: the fall is that of the names.
@@ -227,7 +231,7 @@ fn fall(answer: &Answer, unit: &str) -> String {
     }
 }
 
-/// Where the mismatch lives. That the error is at the noise is not said where a mismatch is.
+/// Says where the mismatch lives; not that the error is at the noise where a mismatch is.
 pub(crate) fn place(answer: &Answer, account: &Account) -> String {
     if account.at_noise && answer.outcome == Outcome::Unexplained {
         return "the base model's error has the power of the noise; what is missing shows only in its structure".into();
@@ -251,12 +255,12 @@ fn holding(effects: &[Effect], named: &[String]) -> Vec<String> {
     out
 }
 
-/// What else a reader of the verdict must know of the recording, as a sentence.
+/// States what else a reader of the verdict must know of the recording, as a sentence.
 fn doubts(clauses: &[String]) -> String {
     if clauses.is_empty() { String::new() } else { format!(" Note: {}.", clauses.join("; ")) }
 }
 
-/// What would decide or confirm.
+/// Says what would decide or confirm.
 pub(crate) fn next_experiment(answer: &Answer, account: &Account) -> String {
     let (effects, input) = (&answer.effects, account.has_input);
     let source = if input { "drive" } else { "release" };
@@ -377,6 +381,9 @@ mod tests {
             Some("the form of cubic-stiffness departs from x³ by 12.3 % (95 % interval 10.0 to 15.0 %)")
         );
         let holds = super::form(&effect(form(false, 0.0)));
-        assert_eq!(holds.as_deref(), Some("the form of cubic-stiffness is x³ within 15.0 % (95 %)"));
+        assert_eq!(
+            holds.as_deref(),
+            Some("the form of cubic-stiffness is x³: a free curve differs from it by at most 15.0 % (95 %)")
+        );
     }
 }

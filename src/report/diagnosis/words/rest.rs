@@ -63,7 +63,7 @@ fn open(detail: &Detail) -> String {
     detail.departures.iter().filter(|d| !d.refuted).map(departure).collect::<Vec<_>>().join(" ")
 }
 
-/// What the fitted exponent of a channel's drift says about its laws.
+/// States what the fitted exponent of a channel's drift means for its laws.
 fn departure(of: &Departure) -> String {
     let Departure { channel, ids, near, refuted, in_time, exponent, ci95 } = of;
     let ids = ids.join(" and ");
@@ -75,7 +75,7 @@ fn departure(of: &Departure) -> String {
         (Some(value), Some([low, high])) => {
             let interval = format!("exponent {} to {}", short(*low), short(*high));
             if let (true, Some(near)) = (*refuted, near) {
-                format!("{channel}: it drifts {} ({interval}), near {near} and not as its law says.", law(*value))
+                format!("{channel}: it drifts {} ({interval}): close to {near}, but the exponent differs.", law(*value))
             } else if *refuted {
                 format!("{channel}: it drifts {} ({interval}), not as {ids}.", law(*value))
             } else {
@@ -93,11 +93,11 @@ fn parted(effects: &[Effect]) -> (String, Vec<Effect>) {
     (ties.iter().map(tie).collect::<Vec<_>>().join("; "), sure)
 }
 
-/// What would decide or confirm.
+/// Says what would decide or confirm.
 pub(crate) fn next_experiment(outcome: Outcome, detail: &Detail) -> &'static str {
     match outcome {
         _ if detail.temperature_unlogged => {
-            "Log the temperature beside the sensor and name its column under environment: that confirms the cause and gives \
+            "Log the temperature next to the sensor and name its column under environment: that confirms the cause and gives \
              the slopes."
         }
         Outcome::Adequate => {
@@ -113,7 +113,7 @@ pub(crate) fn next_experiment(outcome: Outcome, detail: &Detail) -> &'static str
     }
 }
 
-/// Where the mismatch lives.
+/// Says where the mismatch lives.
 pub(crate) fn place(detail: &Detail) -> String {
     let location = &detail.location;
     let mut sentences: Vec<String> = Vec::new();

@@ -66,7 +66,7 @@ pub(super) fn sentence(outcome: Outcome, detail: &Detail) -> String {
     }
 }
 
-/// What was named, with what cannot be told from it.
+/// Names an effect with what cannot be told from it.
 fn or_its_rivals(named: &NamedEffect) -> String {
     match named.rivals.is_empty() {
         true => named.phrase.clone(),
@@ -74,7 +74,7 @@ fn or_its_rivals(named: &NamedEffect) -> String {
     }
 }
 
-/// Where the mismatch lives.
+/// Says where the mismatch lives.
 pub(super) fn place(detail: &Detail) -> String {
     let rms =
         |series: &[(f64, f64)]| (series.iter().map(|p| p.1 * p.1).sum::<f64>() / series.len().max(1) as f64).sqrt();
@@ -96,7 +96,7 @@ pub(super) fn place(detail: &Detail) -> String {
     parts.join("; ")
 }
 
-/// What the motion could not tell, in sentences.
+/// Lists what the motion could not determine, in sentences.
 pub(super) fn findings(account: &Account) -> Vec<String> {
     let one = |h: &Hidden| {
         let known = match h.term.measure {
@@ -114,7 +114,7 @@ pub(super) fn findings(account: &Account) -> Vec<String> {
     account.hidden.iter().map(one).chain(untold(account)).collect()
 }
 
-/// What a reference with one half of a pose leaves untold.
+/// States what a reference with one half of a pose cannot show.
 fn untold(account: &Account) -> Option<String> {
     let Untold { half, terms } = account.untold.as_ref()?;
     let names: Vec<String> = terms.iter().map(|t| t.phrase()).collect();
@@ -142,17 +142,17 @@ fn manoeuvre(manoeuvre: Manoeuvre) -> &'static str {
     }
 }
 
-/// What would decide or confirm.
+/// Says what would decide or confirm.
 pub(super) fn next_experiment(outcome: Outcome, account: &Account) -> String {
     if !account.with_reference {
-        return "Record a reference of the motion beside it (motion capture, GNSS/INS, another IMU), and name it under \
+        return "Record a reference of the motion with it (motion capture, GNSS/INS, another IMU), and name it under \
                 [reference]."
             .into();
     }
     let hidden = account.hidden.first().map(|h| manoeuvre(h.manoeuvre));
     match (outcome, hidden, &account.untold) {
         (Outcome::Undecidable, Some(way), _) => {
-            format!("Record {way}: it separates the candidates that are tied here.")
+            format!("Record {way}: it separates the candidates that are indistinguishable here.")
         }
         (Outcome::Unexplained, ..) => {
             "Record the same motion again with another reference: an error that remains belongs to the sensor.".into()

@@ -75,7 +75,7 @@ fn judging(account: &Account) -> impl Iterator<Item = Group> {
     groups(account).filter(move |g| if *g == Group::Gravity { force } else { rate })
 }
 
-/// What was found in the recording and is no effect, in sentences.
+/// Lists what was found in the recording and is no effect, in sentences.
 pub(crate) fn findings(account: &Account) -> Vec<String> {
     let mut out: Vec<String> = account.drifts.iter().map(|d| drift(d, account.has_column)).collect();
     out.extend(account.knocked.iter().map(|k| {
@@ -113,7 +113,7 @@ fn drift(drift: &Drift, has_column: bool) -> String {
     )
 }
 
-/// Where the base model's mismatch lives.
+/// Says where the base model's mismatch lives.
 pub(crate) fn place(detail: &Detail) -> String {
     let location = &detail.account.location;
     let of = |r: &Rms| {
@@ -144,7 +144,7 @@ pub(crate) fn residual(group: Group) -> &'static str {
     }
 }
 
-/// What would decide or confirm.
+/// Says what would decide or confirm.
 pub(crate) fn next_experiment(outcome: Outcome, account: &Account) -> &'static str {
     match outcome {
         Outcome::Adequate => {

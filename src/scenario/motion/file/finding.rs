@@ -1,4 +1,4 @@
-//! What was found about the poses of a file and survived: typed; the sentence stands beside it.
+//! Findings on the poses of a file that were survived: typed; the sentence stands beside it.
 
 use std::fmt;
 
@@ -12,10 +12,10 @@ pub enum Finding {
     Recognised {
         /// Format of the file.
         format: Format,
-        /// Whether the scalar of its quaternions comes first; none: it has none.
+        /// Says whether the scalar of its quaternions comes first; none: it has none.
         scalar_first: Option<bool>,
     },
-    /// How its axes were turned to north, east and down.
+    /// Axes that were turned to north, east and down.
     Turned {
         /// The axis that points up in the file.
         up: Up,
@@ -58,7 +58,7 @@ pub enum Finding {
         first_row: usize,
         /// Its time, s.
         at_s: f64,
-        /// What that time counts from.
+        /// Moment that this time counts from.
         since: &'static str,
     },
     /// Spline that smooths the poses.

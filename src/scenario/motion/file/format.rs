@@ -1,4 +1,4 @@
-//! How files of poses are laid out, and which way up they are.
+//! Layouts of files of poses, and which way up they are.
 
 use nalgebra::{Matrix3, Quaternion};
 use serde::Deserialize;
@@ -45,8 +45,8 @@ pub enum Order {
 }
 
 impl Order {
-    /// What the same four numbers mean with the scalar at the other end, where they were taken in
-    /// this order.
+    /// Returns what the same four numbers mean with the scalar at the other end, where they were
+    /// taken in this order.
     pub fn at_other_end(self, q: &Quaternion<f64>) -> Quaternion<f64> {
         match self {
             Self::ScalarLast => Quaternion::new(q.i, q.j, q.k, q.w),
@@ -74,7 +74,7 @@ pub enum Up {
 }
 
 impl Up {
-    /// As in the file.
+    /// Returns its name in the file.
     pub fn name(self) -> &'static str {
         match self {
             Self::Z => "z",
@@ -94,7 +94,7 @@ impl Up {
         }
     }
 
-    /// What became of the axes.
+    /// Says what became of the axes.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Z => "north = x, east = −y, down = −z",

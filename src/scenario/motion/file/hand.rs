@@ -1,6 +1,6 @@
-//! Whether quaternions mean what the file says, by what does not depend on it: seen from the body,
-//! the force that carries it and the direction of its travel keep their places, or wander about if
-//! the numbers are read in a wrong order or sense.
+//! Judges whether quaternions mean what the file says, by what does not depend on it: seen from the
+//! body, the force that carries it and the direction of its travel keep their places, or wander
+//! about if the numbers are read in a wrong order or sense.
 //!
 //! Not a proof: it speaks up only where another reading makes the motion far more regular than the
 //! one at hand.
@@ -57,8 +57,9 @@ impl Reading {
     }
 }
 
-/// How much the direction of the force that carries the body, and that of its travel, wander in its
-/// own axes: 0 for none, towards 1 for all about. Travel is none where it hardly moves.
+/// Measures how much the direction of the force that carries the body, and that of its travel,
+/// wander in its own axes: 0 for none, towards 1 for all about. Travel is none where it hardly
+/// moves.
 fn wandering(poses: &[Pose], stride: usize, up: Vector3<f64>) -> [Option<f64>; 2] {
     let (mut force, mut travel) = ((Vector3::zeros(), 0usize), (Vector3::zeros(), 0usize));
     let reach = poses.len().saturating_sub(2 * stride);
@@ -79,7 +80,7 @@ fn wandering(poses: &[Pose], stride: usize, up: Vector3<f64>) -> [Option<f64>; 2
     [force, travel].map(|(sum, count)| (count >= FEWEST).then(|| 1.0 - sum.norm() / count as f64))
 }
 
-/// Whether a reading is far more regular in one direction, and not less in the other.
+/// Returns whether a reading is far more regular in one direction, and not less in the other.
 fn is_better(said: [Option<f64>; 2], other: [Option<f64>; 2]) -> bool {
     let settles = |k: usize| matches!((said[k], other[k]), (Some(a), Some(b)) if a > STEADY && b < SHARE * a);
     let keeps = |k: usize| match (said[k], other[k]) {

@@ -1,4 +1,5 @@
-//! Whether poses in order of time can be one motion: holes, jumps, poses that come too rarely.
+//! Checks whether poses in order of time can be one motion: holes, jumps, poses that come too
+//! rarely.
 
 use nalgebra::Vector3;
 

@@ -7,7 +7,7 @@ use crate::recording::headings::Headings;
 use crate::recording::time_unit::TimeUnit;
 use crate::units::DEGREE;
 
-/// How a row says its attitude.
+/// Form in which a row states its attitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Rotation {
     /// Four numbers, given here with the scalar first; and where it stands in the file.
@@ -32,15 +32,15 @@ pub(super) enum Axes {
 /// Places of time, position and attitude among the columns.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layout {
-    /// What the file is.
+    /// Format of the file.
     pub format: Format,
     /// Heading of the stamps, and their unit where it is known.
     pub time: Option<(String, Option<TimeUnit>)>,
     /// Headings of the numbers wanted: position, then attitude.
     pub columns: Vec<String>,
-    /// Whether position is among them.
+    /// Says whether position is among them.
     pub has_position: bool,
-    /// How they say attitude; none where it is not among them.
+    /// Form of the attitude; none where it is not among them.
     pub rotation: Option<Rotation>,
     /// The axes of position.
     pub axes: Axes,
@@ -89,7 +89,7 @@ impl Layout {
         Ok(layout.taking(wanted))
     }
 
-    /// How many of the columns hold the position.
+    /// Returns the number of columns that hold the position.
     pub(super) fn numbers_of_position(&self) -> usize {
         if self.has_position { 3 } else { 0 }
     }
@@ -187,7 +187,7 @@ fn by_heading(headings: &Headings, format: Format, wanted: Wanted) -> Result<Lay
     })
 }
 
-/// What a unit of an angle's column is, rad, where its heading says it.
+/// Returns the unit of an angle's column, rad, where its heading says it.
 fn angle_unit(headings: &Headings, place: usize) -> Option<f64> {
     let name = headings.names[place].to_lowercase();
     let unit = headings.units[place].as_deref().unwrap_or(&name);

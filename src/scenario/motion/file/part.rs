@@ -1,15 +1,16 @@
-//! What of a pose is wanted: a reference may know attitude alone, or position alone.
+//! Selects the part of a pose that is wanted: a reference may know attitude alone, or position
+//! alone.
 
 /// One half of a pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
-    /// Where the body is.
+    /// Position of the body.
     Position,
-    /// How it is turned.
+    /// Attitude of the body.
     Attitude,
 }
 
-/// What of each pose is read.
+/// Part of each pose that is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wanted {
     /// Both, and neither may be missing.
@@ -21,12 +22,12 @@ pub enum Wanted {
 }
 
 impl Wanted {
-    /// Whether a part is read where it is there.
+    /// Returns whether a part is read where it is there.
     pub(super) fn takes(self, part: Part) -> bool {
         !matches!(self, Self::Only(other) if other != part)
     }
 
-    /// Whether a file without it is refused.
+    /// Returns whether a file without it is refused.
     pub(super) fn needs(self, part: Part) -> bool {
         self == Self::Both || self == Self::Only(part)
     }

@@ -15,7 +15,7 @@ use crate::recording::clock::stamp::Stamp;
 use crate::recording::rows::{Rows, Wanted};
 use crate::recording::time_unit::TimeUnit;
 
-/// What a row says.
+/// Content of a row.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Row {
     /// Its number, counted from zero after the header.
@@ -35,7 +35,7 @@ pub(super) struct Read {
     pub rows: Vec<Row>,
     /// When the file's first pose was, where its stamps say it.
     pub start: Option<Instant>,
-    /// What was found and survived.
+    /// Findings that were survived.
     pub findings: Vec<Finding>,
 }
 

@@ -3,9 +3,9 @@
 /// Cause and hint of an error whose file is not named yet.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Refusal {
-    /// What is wrong with the file.
+    /// Cause: what is wrong with the file.
     pub cause: String,
-    /// What the user can do.
+    /// Hint at what the user can do.
     pub hint: String,
 }
 

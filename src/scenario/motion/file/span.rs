@@ -13,7 +13,7 @@ pub enum Span {
         /// Length, s.
         duration_s: f64,
     },
-    /// What lies beside a log.
+    /// A file of poses next to a log.
     Log {
         /// The zero of the log's times, where its stamps say it; none: the file's first pose.
         start: Option<Instant>,
@@ -26,7 +26,7 @@ pub enum Span {
 const BEYOND_S: f64 = 1.0;
 
 impl Span {
-    /// Where the poses' own time begins, s after the first pose.
+    /// Returns where the poses' own time begins, s after the first pose.
     pub(super) fn zero_s(&self) -> f64 {
         match self {
             Self::Study { from_s, .. } => *from_s,
@@ -58,7 +58,7 @@ impl Span {
         }
     }
 
-    /// What time counts from.
+    /// Names the moment that time counts from.
     pub(super) fn of_what(&self) -> &'static str {
         match self {
             Self::Study { .. } => "of the study",
@@ -66,7 +66,7 @@ impl Span {
         }
     }
 
-    /// How a stretch without a fault is chosen.
+    /// Says how a stretch without a fault is chosen.
     pub(super) fn choose(&self) -> &'static str {
         match self {
             Self::Study { .. } => "choose a stretch without it: trajectory.from_s, and a shorter duration_s",

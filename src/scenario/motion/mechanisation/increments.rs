@@ -1,4 +1,5 @@
-//! What sensors that integrate give of a motion: exact integrals over each sampling interval.
+//! Computes what sensors that integrate give of a motion: exact integrals over each sampling
+//! interval.
 
 use nalgebra::Vector3;
 

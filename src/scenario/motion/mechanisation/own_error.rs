@@ -1,4 +1,4 @@
-//! What a navigator errs by although its readings are perfect, free or corrected on the way.
+//! Computes the error of a navigator whose readings are perfect, free or corrected on the way.
 
 use nalgebra::Vector3;
 
@@ -6,7 +6,7 @@ use super::{Difference, Increment, Integrator, Navigator, State, increments};
 use crate::motion::earth::Earth;
 use crate::motion::truth::Truth;
 
-/// What an aid takes off.
+/// Correction by an aid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Correction {
     /// From attitude, velocity and position.
@@ -22,11 +22,11 @@ pub struct Correction {
 pub struct Run<'a> {
     /// The Earth that it moves over.
     pub earth: Earth,
-    /// How it treats motion within a sample.
+    /// Treatment of motion within a sample.
     pub integrator: Integrator,
     /// The motion.
     pub truth: &'a Truth,
-    /// Whether its height is held.
+    /// Says whether its height is held.
     pub held: bool,
 }
 
@@ -63,7 +63,8 @@ impl Run<'_> {
     }
 }
 
-/// How far a navigator strays on perfect increments of a motion, at each sample of the truth.
+/// Returns how far a navigator strays on perfect increments of a motion, at each sample of the
+/// truth.
 pub fn own_error(earth: &Earth, integrator: Integrator, truth: &Truth) -> Vec<Difference> {
     Run { earth: *earth, integrator, truth, held: false }.errors(&increments(truth), |_, _| None)
 }

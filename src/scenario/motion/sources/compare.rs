@@ -13,7 +13,7 @@ pub struct Compare {
     pub imu: PathBuf,
     /// Lengths of the windows that are dead-reckoned, s.
     pub windows_s: Vec<f64>,
-    /// Where the biases come from that are subtracted; from other windows where it is left out.
+    /// Source of the biases that are subtracted; from other windows where it is left out.
     pub bias: Option<Bias>,
     /// Length of the still stretch that `bias = "still"` takes, s.
     pub still_s: Option<f64>,

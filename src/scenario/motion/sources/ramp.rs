@@ -1,6 +1,6 @@
 //! From standstill to full speed without a jerk.
 
-/// How far along a smooth step from 0 to 1 is at 0 ≤ x ≤ 1, and beyond: 6x⁵ − 15x⁴ + 10x³.
+/// Returns how far along a smooth step from 0 to 1 is at 0 ≤ x ≤ 1, and beyond: 6x⁵ − 15x⁴ + 10x³.
 pub fn step(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * x * (10.0 + x * (6.0 * x - 15.0))

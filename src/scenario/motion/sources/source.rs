@@ -1,4 +1,4 @@
-//! What a kind of trajectory declares, and what the kinds share.
+//! Declares a kind of trajectory; holds what the kinds share.
 
 use super::section::Section;
 use crate::error::{Error, Result};

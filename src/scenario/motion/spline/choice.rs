@@ -1,5 +1,5 @@
-//! How close the knots of a spline lie that follows measured poses: as the poses themselves ask
-//! for.
+//! Chooses how close the knots of a spline lie that follows measured poses: as the poses themselves
+//! ask for.
 //!
 //! Every other pose is kept aside and predicted from the rest; the distance of the knots is the one
 //! that predicts best, or a longer one that does as well: what is noise cannot be predicted, what

@@ -52,7 +52,7 @@ impl Gpu {
         Ok(None)
     }
 
-    /// Whether the device has failed.
+    /// Returns whether the device has failed.
     pub fn has_failed(&self) -> bool {
         match self.never {}
     }

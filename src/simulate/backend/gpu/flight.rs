@@ -30,8 +30,8 @@ const CHUNK: u64 = 64;
 const TARGET_S: f64 = 0.08;
 /// Most samples of a submission.
 const MOST_SAMPLES: u64 = 1 << 14;
-/// What a member is given: what is taken off its readings, couplings, what follows, and what the
-/// axes' own kernels have taken off the gyros.
+/// Numbers that a member is given: what is taken off its readings, couplings, what follows, and
+/// what the axes' own kernels have taken off the gyros.
 const GIVEN: usize = 9 + COUPLINGS + FOLLOWED;
 /// Groups of four quantities, as the reduction takes them.
 const GROUPS: usize = QUANTITIES / 4;
@@ -66,7 +66,7 @@ impl FlightBackend for Flights {
     }
 }
 
-/// What one group of quantities is summed to.
+/// Sums of one group of quantities.
 struct Group {
     errors: Buffer,
     bins: Buffer,

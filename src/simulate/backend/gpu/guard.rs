@@ -8,7 +8,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
 use std::sync::Once;
 
 thread_local! {
-    /// Whether this thread is inside the boundary.
+    /// Says whether this thread is inside the boundary.
     static INSIDE: Cell<bool> = const { Cell::new(false) };
 }
 

@@ -55,7 +55,7 @@ struct Run<'a> {
     stride: u32,
 }
 
-/// What a stretch of periods is for.
+/// Purpose of a stretch of periods.
 #[derive(Clone, Copy, PartialEq)]
 enum Phase {
     Transient,

@@ -317,7 +317,7 @@ impl Plan {
     }
 }
 
-/// How much `reduce` has summed.
+/// Counts what `reduce` has summed.
 pub(super) struct Shape {
     pub reports: usize,
     pub blocks: usize,
@@ -359,7 +359,7 @@ impl Shape {
     }
 }
 
-/// Where a number of a member stands on the host.
+/// Place of a number of a member on the host.
 #[derive(Debug, Clone, Copy)]
 enum Number<'a> {
     Value(usize),

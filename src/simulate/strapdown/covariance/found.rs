@@ -1,5 +1,5 @@
-//! What a still start finds of constant errors, and what it leaves of them; the attitude that a run
-//! begins with.
+//! Computes what a still start finds of constant errors, and what it leaves of them; the attitude
+//! that a run begins with.
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -7,19 +7,19 @@ use crate::kernel::flight::Flight;
 use crate::strapdown::family::{Column, Gain};
 use crate::strapdown::linear::{Drive, Felt};
 
-/// What a still start makes of mean reading errors.
+/// Effect of a still start on mean reading errors.
 pub struct Found {
-    /// How long it lasts, s.
+    /// Duration, s.
     pub seconds: f64,
     /// Errors at its end per unit of mean.
     pub state: Drive,
-    /// What is taken off per unit of mean.
+    /// Correction per unit of mean.
     pub taken: SMatrix<f64, 6, 6>,
-    /// What is taken off the gyros per radian of heading error.
+    /// Correction of the gyros per radian of heading error.
     heading: Vector3<f64>,
 }
 
-/// What levelling and the gyros' mean make of mean errors.
+/// Computes what levelling and the gyros' mean make of mean errors.
 pub fn found(flight: &Flight) -> Found {
     let course = &flight.course;
     let start = course.truth.samples.first();

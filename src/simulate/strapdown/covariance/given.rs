@@ -1,4 +1,5 @@
-//! What the axes have of one source of error, as columns and families that the covariance carries.
+//! Writes the share of the axes in one source of error as columns and families that the covariance
+//! carries.
 
 use super::found::{Found, column};
 use crate::kernel::flicker;
@@ -15,7 +16,7 @@ use crate::units::key::Key;
 /// Phases over which a held process is averaged.
 const PHASES: u64 = 8;
 
-/// What readings take from other axes, from the temperature and from late stamps.
+/// Adds what readings take from other axes, from the temperature and from late stamps.
 pub fn couplings(key: &'static Key, motion: &InMotion, found: Option<&Found>, flight: &Flight) -> Vec<Column> {
     if *key == coupling::TIME_OFFSET || *key == coupling::CLOCK_DRIFT {
         let moments = motion.between[0].moments(key);
@@ -32,7 +33,7 @@ pub fn couplings(key: &'static Key, motion: &InMotion, found: Option<&Found>, fl
     }
 }
 
-/// What follows the temperature: which of the four.
+/// Adds what follows the temperature: which of the four.
 fn over_temperature(
     place: usize,
     key: &'static Key,
@@ -73,7 +74,7 @@ fn between_axes(key: &'static Key, motion: &InMotion, found: Option<&Found>, fli
     columns
 }
 
-/// What the axes have of one source: moments of its coefficient, SI.
+/// Share of the axes in one source: moments of its coefficient, SI.
 pub struct Given<'a> {
     source: ErrorSource,
     pub(super) moments: [(f64, f64); 3],

@@ -44,7 +44,8 @@ impl Given<'_> {
         Some(family)
     }
 
-    /// What dies out from the beginning of the run on; `None` where its time constant is drawn.
+    /// Returns the column of what dies out from the beginning of the run on; `None` where its time
+    /// constant is drawn.
     pub(super) fn settling(&self, term: SensorTerm, flight: &Flight, found: Option<&Found>) -> Option<Vec<Column>> {
         let still_s = found.map_or(0.0, |found| found.seconds);
         let axes = self.shaped(term, Shape::Settling)?.into_iter();

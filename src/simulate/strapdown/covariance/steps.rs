@@ -27,21 +27,21 @@ pub fn stride(flight: &Flight, fewest: u64) -> u64 {
 pub struct Stop {
     /// The number of the step.
     number: u64,
-    /// Whether it begins where the step does.
+    /// Says whether it begins where the step does.
     begins: bool,
     /// Time at which it begins, s.
     begin_s: f64,
     step: Step,
-    /// Whether it is only looked at, for the report with this heading, rad.
+    /// Heading of the report, rad, where the step is only looked at.
     report_heading_rad: Option<f64>,
-    /// Whether the run goes on from its end.
+    /// Says whether the run goes on from its end.
     goes_on: bool,
     /// The fix at its end, by its number.
     fix: Option<usize>,
 }
 
 impl Stop {
-    /// What the errors do over it.
+    /// Returns what the errors do over it.
     pub(in crate::strapdown) fn step(&self) -> &Step {
         &self.step
     }
@@ -56,12 +56,12 @@ impl Stop {
         self.number
     }
 
-    /// Whether it begins where its step does.
+    /// Returns whether it begins where its step does.
     pub(in crate::strapdown) fn begins(&self) -> bool {
         self.begins
     }
 
-    /// Whether the run goes on from its end.
+    /// Returns whether the run goes on from its end.
     pub(in crate::strapdown) fn goes_on(&self) -> bool {
         self.goes_on
     }
@@ -156,7 +156,7 @@ pub fn propagated(steps: &[Stop], fixes: &[Fix], mut columns: Vec<Column>, mut f
     all
 }
 
-/// What each column has become at the last report, per unit of its constant.
+/// Returns what each column has become at the last report, per unit of its constant.
 pub fn responses(steps: &[Stop], mut columns: Vec<Column>) -> Vec<SVector<f64, 9>> {
     let mut last = Vec::new();
     for stop in steps {

@@ -1,4 +1,5 @@
-//! Whether readings can be those of the reference's motion: units, the sign of gravity, the axes.
+//! Checks whether readings can be those of the reference's motion: units, the sign of gravity, the
+//! axes.
 
 use nalgebra::Vector3;
 
@@ -15,8 +16,8 @@ const LOOKED_AT: usize = 4000;
 const TURNS_RAD_S: f64 = 0.02;
 /// Correlation of the rates below which they are not of one motion, and below which it is said.
 const CORRELATION: [f64; 2] = [0.3, 0.9];
-/// How far the mean specific force may point away from up, rad, and its size depart from gravity,
-/// as a share.
+/// Angle by which the mean specific force may point away from up, rad, and its size depart from
+/// gravity, as a share.
 const TILT_RAD: f64 = 20.0 * DEGREE;
 const SIZE: f64 = 0.15;
 

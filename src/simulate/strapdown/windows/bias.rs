@@ -23,13 +23,13 @@ pub type ToBias = SMatrix<f64, 6, 9>;
 pub struct Base {
     /// Window in which the biases are fitted.
     pub window: Window,
-    /// What the linear model says of it.
+    /// Prediction of the linear model.
     pub linear: Linear,
     /// The stated sensor's errors in it.
     pub parts: Vec<Part>,
     /// The biases that fit it.
     pub biases: Biases,
-    /// How they follow from its end errors.
+    /// Map from its end errors to them.
     to_bias: ToBias,
     /// Their variances by the stated sensor.
     variance: Biases,
@@ -73,11 +73,11 @@ impl Base {
 pub struct Taken {
     /// Biases of both sensors, SI.
     pub biases: Biases,
-    /// Where they come from.
+    /// Source that they come from.
     pub source: Source,
 }
 
-/// Where biases come from.
+/// Source of biases.
 pub enum Source {
     /// Fitted in other windows.
     Others(Others),
@@ -89,7 +89,7 @@ pub enum Source {
 pub struct Others {
     /// Places among the bases, with what their end errors do to the mean of the biases.
     pub bases: Vec<(usize, ToBias)>,
-    /// How much wider the median spreads than that mean.
+    /// Spread of the median over that of the mean.
     pub excess: f64,
     /// By what a random walk of unit K² has gone on between them and the window, s: of
     /// accelerometers and of gyros.
@@ -109,7 +109,7 @@ pub struct Still {
     pub biases: Biases,
     /// From body axes to north-east-down.
     attitude: UnitQuaternion<f64>,
-    /// What accelerometers and gyros read in it without error, m/s² and rad/s.
+    /// Readings of accelerometers and gyros in it without error, m/s² and rad/s.
     pub standing: [Vector3<f64>; 2],
 }
 

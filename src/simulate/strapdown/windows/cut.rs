@@ -1,4 +1,4 @@
-//! Where the windows lie: stretches of readings that do not overlap, spread over what is there.
+//! Places the windows: stretches of readings that do not overlap, spread over what is there.
 
 use std::ops::Range;
 

@@ -45,7 +45,7 @@ pub const AXES: [(&str, &str); 9] = [
 pub const TOGETHER: [(&str, std::ops::Range<usize>); 4] =
     [("position", 0..3), ("velocity", 3..6), ("attitude", 6..9), ("all", 0..9)];
 
-/// What is said of all windows together.
+/// Statement on all windows together.
 #[derive(Debug, Clone, Serialize)]
 pub struct Flight {
     imu: String,
@@ -107,7 +107,7 @@ struct Joint {
 }
 
 impl Sensor {
-    /// As it stands in the document.
+    /// Returns its name in the document.
     pub fn name(&self) -> String {
         match self {
             Self::Stated => "stated".into(),

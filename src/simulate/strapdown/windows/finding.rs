@@ -1,4 +1,4 @@
-//! What was found about a recorded flight and survived: typed; the sentence stands beside it.
+//! Findings on a recorded flight that were survived: typed; the sentence stands beside it.
 
 use std::fmt;
 
@@ -18,7 +18,7 @@ pub enum Finding {
     },
     /// Readings are missing in between, and short holes were bridged by straight lines.
     Bridged {
-        /// How many readings were made up.
+        /// Number of readings that were made up.
         readings: usize,
     },
     /// Holes that no window goes across.
@@ -30,7 +30,7 @@ pub enum Finding {
     },
     /// The log and the reference share a part of their time.
     Overlap {
-        /// How long, s.
+        /// Duration, s.
         seconds: f64,
         /// Rows of the log within it: the first and the last.
         rows: [usize; 2],
@@ -66,7 +66,7 @@ pub enum Finding {
         /// Number of windows of that length.
         windows: usize,
     },
-    /// Where the still stretch was found.
+    /// A still stretch that was found.
     Still {
         /// Its begin on the reference's clock, s.
         from_s: f64,
@@ -75,7 +75,7 @@ pub enum Finding {
     },
     /// The sensor has a slow error that the bands of the windows do not have.
     NotInBands {
-        /// What makes it.
+        /// Source of the error.
         source: ErrorSource,
     },
 }

@@ -61,7 +61,7 @@ pub enum Whose {
     Others,
 }
 
-/// What fits the windows.
+/// Inflation that fits the windows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inflation {
     /// Coefficients of the [`CAUSES`], SI.

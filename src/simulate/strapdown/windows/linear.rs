@@ -1,5 +1,5 @@
-//! What the linear error model says of one window: what biases and each error of a sensor make of
-//! its end.
+//! Predicts one window by the linear error model: the effect of biases and of each error of a
+//! sensor on its end.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -17,7 +17,7 @@ use crate::strapdown::family::{Column, Family, Gain};
 use crate::strapdown::linear::Square;
 use crate::study::in_motion::{InMotion, Run};
 
-/// What biases make of the end.
+/// Effect of biases on the end.
 pub type ToEnd = SMatrix<f64, 9, 6>;
 
 /// A window as the linear model has it.
@@ -48,7 +48,7 @@ pub enum Part {
     },
     /// Noise that no two windows share.
     Noise {
-        /// How it goes on.
+        /// Dynamics of the error.
         kind: Kind,
         /// Squared coefficients at the six inputs, SI.
         squares: [f64; 6],
@@ -163,8 +163,9 @@ impl Linear {
     }
 }
 
-/// Whether windows leave an error out: what dies out from switch-on on, which no window tells of,
-/// and what windows share by its memory or its phase, which their covariance does not have.
+/// Returns whether windows leave an error out: what dies out from switch-on on, which no window
+/// tells of, and what windows share by its memory or its phase, which their covariance does not
+/// have.
 fn is_left_out(cause: Cause) -> bool {
     let Cause::Sensor(ErrorSource::Term(term)) = cause else { return false };
     matches!(term.law(), ErrorLaw::Markov(_) | ErrorLaw::Settling | ErrorLaw::Sine)

@@ -1,5 +1,5 @@
-//! What a sensor's errors make of a window's end, once the biases are taken off that other windows
-//! or a still stretch gave: mean and covariance, by the linear error model.
+//! Predicts what a sensor's errors make of a window's end, once the biases are taken off that other
+//! windows or a still stretch gave: mean and covariance, by the linear error model.
 //!
 //! Constants of the sensor are the same in the window and where its biases come from, so what is
 //! taken off takes most of them along. Noise is another one in each window; the biases that were
@@ -14,7 +14,7 @@ use crate::kernel::flicker;
 use crate::strapdown::family::Gain;
 use crate::strapdown::linear::{Felt, Square};
 
-/// What a window's end is expected to be.
+/// Expected end of a window.
 #[derive(Debug, Clone, Copy)]
 pub struct Expected {
     /// Mean of the nine errors at the end of the window, SI.
@@ -25,7 +25,7 @@ pub struct Expected {
 
 /// A window, and where its biases come from.
 pub struct Place<'a> {
-    /// What the linear model says of it.
+    /// Prediction of the linear model.
     pub linear: &'a Linear,
     /// The biases that are taken off.
     pub taken: &'a Taken,
@@ -75,8 +75,8 @@ fn noise_of(part: &Part) -> Square {
     }
 }
 
-/// What is left of a constant per unit, and the covariance per unit of variance of what is drawn
-/// anew for each flight.
+/// Returns what is left of a constant per unit, and the covariance per unit of variance of what is
+/// drawn anew for each flight.
 fn net(place: &Place<'_>, gain: Gain, end: &Nine, in_base: impl Fn(usize) -> Nine) -> (Nine, Square) {
     let to_end = &place.linear.to_end;
     match &place.taken.source {

@@ -38,7 +38,7 @@ pub struct Recorded {
     pub interval_s: f64,
     /// Stretches without a hole.
     pub pieces: Vec<Range<usize>>,
-    /// What was found and survived.
+    /// Findings that were survived.
     pub findings: Vec<Finding>,
 }
 
@@ -163,7 +163,7 @@ impl Recorded {
         self.force_m_s2.push(force);
     }
 
-    /// How long the readings within the overlap last, s.
+    /// Returns the duration of the readings within the overlap, s.
     pub fn seconds(&self) -> f64 {
         self.time_s.last().copied().unwrap_or_default() - self.time_s.first().copied().unwrap_or_default()
     }

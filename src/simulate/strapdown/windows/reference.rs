@@ -40,9 +40,9 @@ const LEAST_RAD: f64 = 1e-5;
 const LARGEST_RAD: f64 = 1.0;
 const FACTOR: f64 = 1.05;
 
-/// How likely each attitude error of the reference makes each window.
+/// Likelihood of each window under each attitude error of the reference.
 struct Reference {
-    /// What is tried, rad; the first is none.
+    /// Attitude errors that are tried, rad; the first is none.
     tried_rad: Vec<f64>,
     /// Per window, its time and the logarithm of its likelihood at each of them.
     windows: Vec<([f64; 2], Vec<f64>)>,
@@ -74,13 +74,13 @@ impl Reference {
         Self { tried_rad, windows }
     }
 
-    /// What the windows outside this time say; `None` where they are too few.
+    /// Returns the estimate of the windows outside this time; `None` where they are too few.
     fn outside(&self, span_s: [f64; 2]) -> Option<Attitude> {
         let meets = |[from, to]: [f64; 2]| from < span_s[1] && span_s[0] < to;
         self.of(|span| !meets(span))
     }
 
-    /// What all windows say; `None` where they are too few.
+    /// Returns the estimate of all windows; `None` where they are too few.
     fn everywhere(&self) -> Option<Attitude> {
         self.of(|_| true)
     }

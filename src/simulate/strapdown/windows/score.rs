@@ -1,5 +1,5 @@
-//! How often recorded errors lie inside the predicted bands, and whether they are as large as
-//! predicted.
+//! Counts how often recorded errors lie inside the predicted bands, and whether they are as large
+//! as predicted.
 
 use super::predict::Expected;
 use super::window::Nine;
@@ -15,7 +15,7 @@ const LEVEL: f64 = 0.95;
 pub struct Axis {
     /// Number of windows judged.
     pub windows: usize,
-    /// How many lie inside each of the [`BANDS`].
+    /// Number that lie inside each of the [`BANDS`].
     pub inside: [usize; 3],
     /// Exact 95 % interval of the share that each of them holds.
     pub interval: [[f64; 2]; 3],
@@ -36,8 +36,8 @@ pub struct Nees {
     pub freedom: usize,
     /// Their mean; not a number where nothing is predicted.
     pub mean: f64,
-    /// What it stays within in 95 of 100 cases if the prediction is right: χ² over its degrees of
-    /// freedom.
+    /// Interval that it stays within in 95 of 100 cases if the prediction is right: χ² over its
+    /// degrees of freedom.
     pub interval: [f64; 2],
 }
 
@@ -48,7 +48,7 @@ impl Nees {
         Self { freedom, mean: sum / n, interval: [at(0.5 - 0.5 * LEVEL), at(0.5 + 0.5 * LEVEL)] }
     }
 
-    /// Whether it is what chance allows.
+    /// Returns whether it is what chance allows.
     pub fn is_consistent(&self) -> bool {
         (self.interval[0]..=self.interval[1]).contains(&self.mean)
     }

@@ -86,13 +86,13 @@ impl Window {
         Nine::from_fn(|i, _| parts[i / 3][i % 3])
     }
 
-    /// Whether it shares time with another window of the same flight.
+    /// Returns whether it shares time with another window of the same flight.
     pub fn meets(&self, other: &Self) -> bool {
         self.flight == other.flight && self.span_s[0] < other.span_s[1] && other.span_s[0] < self.span_s[1]
     }
 }
 
-/// What a window is cut for.
+/// Purpose of a window.
 #[derive(Clone, Copy)]
 pub struct Asked<'a> {
     /// Study that the windows are compared with.

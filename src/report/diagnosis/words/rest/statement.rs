@@ -76,8 +76,7 @@ fn statement(statement: &Statement, unit: &str) -> String {
             shape(*filter, *rate_hz)
         ),
         Statement::Mean { channel, value, of_recording, of_bias } => format!(
-            "`{channel}`: the mean of this recording is {} {unit}; the bias at its first sample, if the drift began \
-            there, is {} {unit}, less certain because drift does not average out",
+            "`{channel}`: mean {} {unit}; the bias drifts, which does not average out: at the first sample it is {} {unit}",
             with_uncertainty(*value, *of_recording),
             with_uncertainty(*value, *of_bias)
         ),

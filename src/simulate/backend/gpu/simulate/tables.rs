@@ -1,4 +1,4 @@
-//! What the members of a tile share, as the kernel reads it.
+//! Writes what the members of a tile share as the kernel reads it.
 
 use crate::kernel::force;
 use crate::kernel::job::Job;
@@ -14,9 +14,9 @@ pub(in crate::backend::gpu) fn forces(job: &Job, first: u64, count: u64) -> Vec<
     entries
 }
 
-/// What is known of each of some samples, as the kernel reads it: how much warmer than its reference
-/// the sensor is, and behind that what the late force has more than the force itself. A buffer is
-/// never empty.
+/// Writes what is known of each of some samples, as the kernel reads it: how much warmer than its
+/// reference the sensor is, and behind that what the late force has more than the force itself. A
+/// buffer is never empty.
 pub(in crate::backend::gpu) fn per_sample(job: &Job, first: u64, count: u64) -> Vec<f32> {
     let (mut all, late) = (job.warmer_k(first, count), force::late::<f32>(job, first, count));
     if !late.is_empty() {
