@@ -326,7 +326,7 @@ fn arrow() -> Result<(), Failed> {
     answered(&[
         ("honest.feather", zeros(1, 3, 1), true),
         ("batch.feather", zeros(1, 12, 2048), false),
-        ("again.feather", zeros(100_000, 1, 8), false),
+        ("again.feather", zeros(10_000, 1, 8), false),
         ("nested.feather", nested(100, 8), false),
     ])
 }

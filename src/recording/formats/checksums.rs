@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::find_in;
+use crate::bytes::Bytes;
 use crate::input::Input;
 use crate::reader::{Block, Choice};
 
@@ -71,34 +72,32 @@ fn chunk(bytes: &[u8]) -> Option<(usize, Range<usize>)> {
 
 /// The bytes that checksums are of: the records of a chunk, in a bag its packed data, the numbers
 /// in the pages of a plain Parquet table, all of any other file.
-fn covered(name: &str, bytes: &[u8]) -> Vec<Range<usize>> {
+fn covered(name: &str, bytes: &[u8]) -> Range<usize> {
     if bytes.starts_with(b"#ROSBAG") {
-        return bag_chunks(bytes);
+        return bag_chunk(bytes).expect("a chunk");
     }
     if bytes.starts_with(b"PAR1") {
-        let first = f64::sin(1.0).to_le_bytes();
-        let second = memchr::memmem::find(bytes, &first).expect("the sine of 1");
-        return vec![second - 8..second + 8 * 19];
+        let second = memchr::memmem::find(bytes, &f64::sin(1.0).to_le_bytes()).expect("the sine of 1");
+        return second - 8..second + 8 * 19;
     }
     match chunk(bytes) {
-        Some((_, records)) if name != "checked.mcap" => vec![records],
-        _ => vec![0..bytes.len()],
+        Some((_, records)) if name != "checked.mcap" => records,
+        _ => 0..bytes.len(),
     }
 }
 
-/// Where the chunks of a bag have their data: wiki.ros.org/Bags/Format/2.0.
-fn bag_chunks(bytes: &[u8]) -> Vec<Range<usize>> {
-    let number = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes")) as usize;
-    let (mut chunks, mut at) = (Vec::new(), 13);
-    while at < bytes.len() {
-        let header = at + 4..at + 4 + number(at);
-        let data = header.end + 4..header.end + 4 + number(header.end);
+/// Where the first chunk of a bag has its data: wiki.ros.org/Bags/Format/2.0.
+fn bag_chunk(bytes: &[u8]) -> Option<Range<usize>> {
+    let number = |at: usize| bytes.get(at..at + 4).map(|four| Bytes::new(four).u32().unwrap_or_default() as usize);
+    let mut at = 13;
+    loop {
+        let header = at + 4..at + 4 + number(at)?;
+        let data = header.end + 4..header.end + 4 + number(header.end)?;
         if memchr::memmem::find(&bytes[header], b"compression=").is_some() {
-            chunks.push(data.clone());
+            return Some(data);
         }
         at = data.end;
     }
-    chunks
 }
 
 /// Bits that change the numbers of a file and are not noticed, as words.
@@ -108,7 +107,8 @@ fn unnoticed(name: &str) -> Vec<String> {
     assert!(whole.iter().flatten().any(|part| !part.is_empty()), "{name} holds numbers");
     let mut found = Vec::new();
     // An odd step meets each bit of a byte.
-    let bits = covered(name, &bytes).into_iter().flat_map(|range| (8 * range.start..8 * range.end).step_by(3));
+    let range = covered(name, &bytes);
+    let bits = (8 * range.start..8 * range.end).step_by(3);
     for bit in bits {
         let mut damaged = bytes.clone();
         damaged[bit / 8] ^= 1 << (bit % 8);

@@ -62,6 +62,7 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     let mut places: HashMap<(String, String), usize> = HashMap::new();
     let mut connections: HashMap<u32, usize> = HashMap::new();
     let mut counts: Vec<u64> = Vec::new();
+    let mut are_counted = false;
     let mut at = index;
     while at < input.length() {
         let record = record(input, &mut at)?;
@@ -89,6 +90,7 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
                 connections.extend(fields.u32(b"conn").map(|connection| (connection, place)));
             }
             Some(CHUNK_INFO) => {
+                are_counted = true;
                 let data = input.bytes_at(record.data, record.length, "a list of a chunk's messages")?;
                 let mut data = Bytes::new(&data);
                 while let (Some(connection), Some(count)) = (data.u32(), data.u32()) {
@@ -101,7 +103,7 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
         }
     }
     for (part, count) in parts.iter_mut().zip(counts) {
-        part.rows = Some(count);
+        part.rows = are_counted.then_some(count);
     }
     Ok(Box::new(Bag { input: input.clone(), parts, connections: Arc::new(connections) }))
 }
