@@ -1,8 +1,10 @@
 //! Arrays of numbers within a file, row by row whatever their order, each through a reader of its
 //! own: memory stays constant.
 
+use std::collections::HashMap;
 use std::io::Read;
 
+use super::budget::{Budget, ENTRY_BYTES, Spent};
 use super::element::Element;
 use super::input::Input;
 use super::reader::{Block, Choice, Heading, Log, Part, Reader};
@@ -15,6 +17,10 @@ use crate::error::Result;
 const PIECE_BYTES: usize = 1 << 18;
 /// A row of more bytes than this is none of a recording.
 const LONGEST_ROW_BYTES: u64 = 1 << 24;
+/// A table of more columns is none of a recording.
+const MOST_COLUMNS: u64 = 100_000;
+/// What a column is charged next to its name: as many as there may be in one array have room.
+const COLUMN_BYTES: usize = ENTRY_BYTES / 4;
 /// Of a table that has this many times as many columns as rows, the columns are the samples.
 const LYING: u64 = 64;
 
@@ -74,8 +80,8 @@ impl Place {
     /// Reads the whole place and compares its checksum with the one that the file states.
     ///
     /// # Errors
-    /// They differ, or it cannot be unpacked.
-    pub(crate) fn check(&self, input: &Input) -> Result<()> {
+    /// They differ, it cannot be unpacked, or not within the budget.
+    pub(crate) fn check(&self, input: &Input, budget: &mut Budget) -> Result<()> {
         let Some(stated) = self.crc32 else { return Ok(()) };
         let damaged = |words: String| input.fail(words, "the file is damaged: copy it again, or write it again");
         let mut reader = Self { skip: 0, ..*self }.open(input, 0).map_err(|e| Error::io("read", &input.path, &e))?;
@@ -83,7 +89,10 @@ impl Place {
         loop {
             match reader.read(&mut buffer) {
                 Ok(0) => break,
-                Ok(count) => checksum.update(&buffer[..count]),
+                Ok(count) => {
+                    budget.unpacked(count as u64).map_err(|spent| spent.of(input))?;
+                    checksum.update(&buffer[..count]);
+                }
                 Err(e) => return Err(damaged(format!("the array at byte {} cannot be unpacked: {e}", self.at))),
             }
         }
@@ -142,17 +151,27 @@ impl Array {
     /// An array of one kind of number: its columns are `name`, or `name.1`, `name.2`, …, or 1, 2, …
     /// without a name. One that lies on its side is turned. `None` where it is no table: without
     /// rows or columns, or with rows of more than 16 MiB.
-    pub(crate) fn plain(name: &str, element: Element, shape: Shape, place: Place) -> Option<Self> {
+    ///
+    /// # Errors
+    /// More columns than the budget has visits for.
+    pub(crate) fn plain(
+        name: &str,
+        element: Element,
+        shape: Shape,
+        place: Place,
+        budget: &mut Budget,
+    ) -> Result<Option<Self>, Spent> {
         let Shape { mut rows, mut columns, mut in_columns } = shape;
         if rows > 0 && columns / rows >= LYING || (rows == 1 && columns > 1) {
             (rows, columns, in_columns) = (columns, rows, !in_columns);
         }
         let bytes = element.bytes as u64;
-        let row_bytes = columns.checked_mul(bytes).filter(|b| *b <= LONGEST_ROW_BYTES)?;
-        let all = row_bytes.checked_mul(rows)?;
-        if all == 0 || all > i64::MAX as u64 || columns > 100_000 {
-            return None;
+        let row_bytes = columns.saturating_mul(bytes);
+        let all = row_bytes.saturating_mul(rows);
+        if row_bytes > LONGEST_ROW_BYTES || all == 0 || all > i64::MAX as u64 || columns > MOST_COLUMNS {
+            return Ok(None);
         }
+        budget.visit((columns as usize).saturating_mul(COLUMN_BYTES + name.len()))?;
         let step = if in_columns { rows * bytes } else { bytes };
         let field = |c: u64| Field {
             name: match (name, columns) {
@@ -164,7 +183,8 @@ impl Array {
             offset: c * step,
         };
         let fields = (0..columns).map(field).collect();
-        Some(Self { fields, rows, row_bytes: (!in_columns || columns == 1).then_some(row_bytes), place, aside: false })
+        let row_bytes = (!in_columns || columns == 1).then_some(row_bytes);
+        Ok(Some(Self { fields, rows, row_bytes, place, aside: false }))
     }
 
     /// All bytes of its numbers.
@@ -187,17 +207,17 @@ pub(crate) struct Arrays {
 impl Arrays {
     /// Those of a file.
     pub(crate) fn new(input: &Input, arrays: Vec<Array>) -> Self {
-        let mut lengths: Vec<u64> = Vec::new();
-        arrays.iter().for_each(|a| {
-            if !lengths.contains(&a.rows) {
-                lengths.push(a.rows);
+        let mut tables: HashMap<u64, usize> = HashMap::new();
+        let (mut parts, mut columns): (_, Vec<Vec<(usize, usize)>>) = (Vec::new(), Vec::new());
+        for (index, array) in arrays.iter().enumerate() {
+            let table = *tables.entry(array.rows).or_insert(columns.len());
+            if table == columns.len() {
+                columns.push(Vec::new());
             }
-        });
-        let (mut parts, mut columns) = (Vec::new(), Vec::new());
-        for length in lengths {
-            let of_length = || arrays.iter().enumerate().filter(|(_, a)| a.rows == length);
-            let places: Vec<(usize, usize)> =
-                of_length().flat_map(|(i, a)| (0..a.fields.len()).map(move |c| (i, c))).collect();
+            columns[table].extend((0..array.fields.len()).map(|column| (index, column)));
+        }
+        for places in &columns {
+            let length = places.first().map_or(0, |(index, _)| arrays[*index].rows);
             let names: Vec<String> = places.iter().map(|(i, c)| arrays[*i].fields[*c].name.clone()).collect();
             let roles = roles::of(&names);
             let heading =
@@ -214,7 +234,6 @@ impl Arrays {
                 columns: places.iter().zip(names).map(heading).collect(),
                 is_imu: roles.gyro.is_some() && roles.accelerometer.is_some(),
             });
-            columns.push(places);
         }
         // Where no name tells, the longest table is the recording; single numbers and the like are
         // no rows.
@@ -237,6 +256,7 @@ impl Log for Arrays {
     fn open(self: Box<Self>, part: usize, choice: &Choice) -> Result<Box<dyn Reader>> {
         let mut streams: Vec<Stream> = Vec::new();
         let mut rows = 0;
+        let mut budget = Budget::of(self.input.length());
         let wanted = choice.places.iter().enumerate().map(|(target, place)| (Some(target), *place));
         for (target, place) in choice.time.map(|place| (None, place)).into_iter().chain(wanted) {
             let (index, column) = self.columns[part][place];
@@ -244,7 +264,7 @@ impl Log for Arrays {
             let field = &array.fields[column];
             #[cfg(feature = "npy")]
             if streams.iter().all(|s| s.array != index) {
-                array.place.check(&self.input)?;
+                array.place.check(&self.input, &mut budget)?;
             }
             rows = array.rows;
             let pick = |offset| Pick { element: field.element, offset, target };
@@ -253,17 +273,19 @@ impl Log for Arrays {
                     Some(stream) => stream.picks.push(pick(field.offset as usize)),
                     None => {
                         let (row_bytes, picks) = (row_bytes as usize, vec![pick(field.offset as usize)]);
-                        streams.push(Stream::new(&self.input, array, index, 0, row_bytes, picks)?);
+                        streams.push(Stream::new(&self.input, array, index, 0, row_bytes, picks, &mut budget)?);
                     }
                 },
                 None => {
                     let (bytes, picks) = (field.element.bytes, vec![pick(0)]);
-                    streams.push(Stream::new(&self.input, array, index, field.offset, bytes, picks)?);
+                    streams.push(Stream::new(&self.input, array, index, field.offset, bytes, picks, &mut budget)?);
                 }
             }
         }
-        let widest = streams.iter().map(|s| s.row_bytes).max().unwrap_or(1).max(1);
-        let piece = (PIECE_BYTES / widest).max(1);
+        // A row of all arrays stands in memory, whatever its length.
+        let row_bytes = streams.iter().fold(0, |sum: usize, s| sum.saturating_add(s.row_bytes)).max(1);
+        budget.held(row_bytes as u64).map_err(|spent| spent.of(&self.input))?;
+        let piece = (PIECE_BYTES / row_bytes).max(1);
         Ok(Box::new(Rows { input: self.input, streams, rows, given: 0, piece, bytes_read: 0 }))
     }
 }
@@ -298,7 +320,12 @@ impl Stream {
         offset: u64,
         row_bytes: usize,
         picks: Vec<Pick>,
+        budget: &mut Budget,
     ) -> Result<Self> {
+        // What is packed is unpacked from its beginning for each stream.
+        let passed = if array.place.packing == Packing::None { 0 } else { array.place.skip.saturating_add(offset) };
+        let given = array.rows.saturating_mul(row_bytes as u64);
+        budget.unpacked(passed.saturating_add(given)).map_err(|spent| spent.of(input))?;
         let reader = array.place.open(input, offset).map_err(|e| damaged(input, &e))?;
         Ok(Self { array: index, reader, row_bytes, picks, buffer: Vec::new() })
     }

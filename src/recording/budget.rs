@@ -1,4 +1,5 @@
-//! Bounds on the work that a file may ask for: bytes held, values given, entries visited.
+//! Bounds on the work that a file may ask for: bytes held and unpacked, values given, entries
+//! visited.
 //!
 //! A few bytes can claim any number of rows, and tables that point at one another any number of
 //! visits. Every reader charges what a file claims before it allocates or loops.
@@ -19,34 +20,48 @@ const VALUES_PER_BYTE: u64 = 1 << 14;
 /// Bytes of its description (names, fields, types, metadata) that are looked at, each as often as
 /// something points to it.
 const VISITS: u64 = 1 << 24;
+/// What an entry of such a description takes next to its name: an array, a topic, a column.
+pub const ENTRY_BYTES: usize = 64;
+/// Bytes that a file of any size may become when it is unpacked.
+const HARMLESS_BYTES: u64 = 64 << 20;
+/// No log shrinks to less than this part of its size; what does is made to exhaust a disk, or a
+/// reader that meets one part again and again.
+const MOST_EXPANSION: u64 = 1000;
+
+/// Returns the bytes that so many of a file may become in all.
+pub(super) fn most_unpacked(bytes: u64) -> u64 {
+    HARMLESS_BYTES.saturating_add(bytes.saturating_mul(MOST_EXPANSION))
+}
 
 /// Work that a file has asked for.
 #[derive(Debug, Clone)]
-pub(crate) struct Budget {
+pub struct Budget {
     most_values: u64,
     values: u64,
+    most_unpacked: u64,
+    unpacked: u64,
     visits: u64,
 }
 
 /// More was asked for than a file may.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Spent {
+pub struct Spent {
     what: &'static str,
     most: u64,
 }
 
 impl Budget {
     /// Returns the budget of a file of this length, bytes.
-    pub(crate) fn of(length_bytes: u64) -> Self {
+    pub fn of(length_bytes: u64) -> Self {
         let most_values = VALUES.saturating_add(length_bytes.saturating_mul(VALUES_PER_BYTE));
-        Self { most_values, values: 0, visits: 0 }
+        Self { most_values, values: 0, most_unpacked: most_unpacked(length_bytes), unpacked: 0, visits: 0 }
     }
 
     /// Checks the bytes that are held once more are allocated.
     ///
     /// # Errors
     /// More than the parts of a file may hold at a time.
-    pub(crate) fn held(&self, bytes: u64) -> Result<(), Spent> {
+    pub fn held(&self, bytes: u64) -> Result<(), Spent> {
         charge(&mut 0, bytes, MOST_HELD_BYTES, "bytes in memory")
     }
 
@@ -54,16 +69,24 @@ impl Budget {
     ///
     /// # Errors
     /// More than a part may have, or than the bytes of the file can stand for.
-    pub(crate) fn rows(&mut self, count: u64, columns: usize) -> Result<(), Spent> {
+    pub fn rows(&mut self, count: u64, columns: usize) -> Result<(), Spent> {
         charge(&mut 0, count, MOST_VALUES, "values of a column in one part")?;
         charge(&mut self.values, count.saturating_mul(columns as u64), self.most_values, "values")
+    }
+
+    /// Charges bytes that are unpacked, or read once more.
+    ///
+    /// # Errors
+    /// More than the bytes of the file can have been.
+    pub fn unpacked(&mut self, bytes: u64) -> Result<(), Spent> {
+        charge(&mut self.unpacked, bytes, self.most_unpacked, "bytes when it is unpacked")
     }
 
     /// Charges a look at an entry of the description of a file, by its bytes.
     ///
     /// # Errors
     /// More than any description needs.
-    pub(crate) fn visit(&mut self, bytes: usize) -> Result<(), Spent> {
+    pub fn visit(&mut self, bytes: usize) -> Result<(), Spent> {
         charge(&mut self.visits, bytes as u64, VISITS, "bytes of description")
     }
 }
@@ -75,12 +98,12 @@ fn charge(taken: &mut u64, asked: u64, most: u64, what: &'static str) -> Result<
 
 impl Spent {
     /// Returns the cause in words.
-    pub(crate) fn words(self) -> String {
+    pub fn words(self) -> String {
         format!("it asks for more than {} {}, which no recording of its size needs", self.most, self.what)
     }
 
     /// Returns the error that names the file.
-    pub(crate) fn of(self, input: &Input) -> Error {
+    pub fn of(self, input: &Input) -> Error {
         input.fail(
             self.words(),
             "it is damaged, or made to exhaust a reader: write the readings again, in parts of at most a million rows",
@@ -99,6 +122,8 @@ mod tests {
         assert!(budget.rows(MOST_VALUES, 3).is_err() && budget.rows(MOST_VALUES, 2).is_ok());
         assert!(budget.rows(100 * VALUES_PER_BYTE, 1).is_ok(), "its bytes stand for more");
         assert!(budget.rows(1, 1).is_err());
+        assert!(budget.unpacked(u64::MAX).is_err() && budget.unpacked(HARMLESS_BYTES + 100 * MOST_EXPANSION).is_ok());
+        assert!(budget.unpacked(1).is_err());
         assert!(budget.visit(VISITS as usize).is_ok() && budget.visit(1).is_err());
     }
 

@@ -2,6 +2,7 @@
 
 use std::io::Read;
 
+use super::budget::{Budget, Spent};
 #[cfg(feature = "zstd")]
 use super::zstandard;
 
@@ -29,12 +30,13 @@ pub enum Codec {
 /// fit in memory.
 pub const LARGEST_BYTES: u64 = 256 << 20;
 
-/// Decompresses a part whose size is stated.
+/// Decompresses a part whose size is stated, which is charged first.
 ///
 /// # Errors
-/// In words: damaged data, another size than the one stated, or one beyond [`LARGEST_BYTES`].
+/// In words: damaged data, another size than the one stated, one beyond [`LARGEST_BYTES`], or more
+/// than the budget has.
 #[allow(unused_variables, reason = "which codecs there are is a matter of features")]
-pub fn decompress(codec: Codec, from: &[u8], size: u64) -> Result<Vec<u8>, String> {
+pub fn decompress(codec: Codec, from: &[u8], size: u64, budget: &mut Budget) -> Result<Vec<u8>, String> {
     if size > LARGEST_BYTES {
         return Err(format!(
             "{} bytes are said to become {size} when decompressed, more than the {} MiB that one part may have",
@@ -42,6 +44,7 @@ pub fn decompress(codec: Codec, from: &[u8], size: u64) -> Result<Vec<u8>, Strin
             LARGEST_BYTES >> 20
         ));
     }
+    budget.unpacked(size).map_err(Spent::words)?;
     let bytes = match codec {
         Codec::None => from.to_vec(),
         #[cfg(feature = "parquet")]
@@ -55,23 +58,7 @@ pub fn decompress(codec: Codec, from: &[u8], size: u64) -> Result<Vec<u8>, Strin
         #[cfg(feature = "gzip")]
         Codec::Gzip => whole(flate2::read::MultiGzDecoder::new(from), size, "gzip")?,
         #[cfg(feature = "zstd")]
-        Codec::Zstandard => {
-            let mut source = from;
-            let mut out = Vec::new();
-            while let Some(mut frame) = zstandard::Frame::next(source).map_err(|e| e.to_string())? {
-                let mut content = whole(&mut frame, size, "Zstandard")?;
-                source = frame.source;
-                if out.is_empty() {
-                    out = content;
-                } else {
-                    out.append(&mut content);
-                }
-                if out.len() as u64 > size {
-                    break;
-                }
-            }
-            out
-        }
+        Codec::Zstandard => whole(zstandard::Frames::new(from), size, "Zstandard")?,
         #[cfg(any(feature = "parquet", feature = "arrow", feature = "mcap", feature = "rosbag"))]
         Codec::Lz4Block => {
             lz4_flex::block::decompress(from, size as usize).map_err(|e| format!("damaged LZ4 data: {e}"))?

@@ -8,7 +8,6 @@
 #![warn(unreachable_pub)]
 
 pub mod array;
-#[cfg(any(feature = "arrow", feature = "npy", feature = "parquet", feature = "ulog"))]
 pub mod budget;
 pub mod bytes;
 pub mod cells;

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::array::{Array, Arrays, Field, Packing, Place, Shape};
+use super::budget::Budget;
 use super::element::{Element, Kind};
 use super::in_memory::Column;
 use super::input::{Bytes, Input};
@@ -57,11 +58,15 @@ impl Memory {
             Err(Error::new(format!("could not use {}", name.display()), cause, hint))
         };
         let (mut arrays, mut parts, mut at): (Vec<Array>, Vec<Bytes>, u64) = (Vec::new(), Vec::new(), 0);
+        let mut budget = Budget::of(0);
         for one in numbers {
             let stored = (*one.bytes).as_ref().len() as u64;
             let place = Place { at, stored, packing: Packing::None, skip: 0, crc32: None };
-            let Some(mut array) = Array::plain("", one.element, one.shape, place).filter(|a| a.bytes() <= stored)
-            else {
+            let array = match Array::plain("", one.element, one.shape, place, &mut budget) {
+                Ok(array) => array,
+                Err(spent) => return fail(spent.words()),
+            };
+            let Some(mut array) = array.filter(|a| a.bytes() <= stored) else {
                 return fail(format!("need rows of numbers, got {} × {}", one.shape.rows, one.shape.columns));
             };
             if !one.names.is_empty() && one.names.len() != array.fields.len() {

@@ -234,7 +234,10 @@ pub(super) struct MessageRows {
     pub encoding: Encoding,
     /// What is wanted of them.
     pub choice: Choice,
-    pub count: usize,
+    /// How many messages the file says there are.
+    pub stated: Option<u64>,
+    /// How many were given.
+    pub count: u64,
 }
 
 impl Reader for MessageRows {
@@ -244,6 +247,12 @@ impl Reader for MessageRows {
         while block.rows < BLOCK_ROWS {
             message.clear();
             if !self.messages.next(&mut message)? {
+                if let Some(stated) = self.stated.filter(|stated| *stated != self.count) {
+                    return Err(self.input.fail(
+                        format!("the log states {stated} messages of the topic, and holds {}", self.count),
+                        "it is damaged: copy it again, or have it indexed again (`rosbag reindex`, `mcap recover`)",
+                    ));
+                }
                 break;
             }
             let Some(stamp) = layout.read(self.encoding, &message, &mut values) else {

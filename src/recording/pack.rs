@@ -6,6 +6,7 @@ use std::io::{self, Read};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use super::budget::most_unpacked;
 use super::input::{Cursor, Input};
 use crate::error::Result;
 
@@ -19,11 +20,6 @@ pub enum Pack {
     /// Zstandard, RFC 8878.
     Zstandard,
 }
-
-/// No log shrinks to less than this part of its size; what does is made to fill a disk.
-const MOST_EXPANSION: u64 = 1000;
-/// Below this size nothing is said of it, bytes.
-const HARMLESS_BYTES: u64 = 64 << 20;
 
 /// How a file is packed, by its first bytes.
 pub fn of(head: &[u8]) -> Pack {
@@ -94,7 +90,7 @@ impl Read for Unpacked {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let count = self.reader.read(buffer)?;
         self.given += count as u64;
-        if self.bounded && self.given > HARMLESS_BYTES && self.given / MOST_EXPANSION > self.bytes_taken() {
+        if self.bounded && self.given > most_unpacked(self.bytes_taken()) {
             return Err(io::Error::other(format!(
                 "{} bytes of the file became more than {}: more than a thousandfold, which no log compresses to",
                 self.bytes_taken(),

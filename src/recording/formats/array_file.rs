@@ -1,6 +1,7 @@
 //! NumPy's `.npy`: one array, plain or of records. Format: numpy.lib.format, versions 1 to 3.
 
 use crate::array::{Array, Arrays, Field, Packing, Place, Shape};
+use crate::budget::{Budget, Spent};
 use crate::element::{Element, Kind};
 use crate::error::Result;
 use crate::input::Input;
@@ -27,7 +28,8 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     let (header, data) = describe(&head).map_err(fail)?;
     let place =
         Place { at: data as u64, stored: input.length() - data as u64, packing: Packing::None, skip: 0, crc32: None };
-    let array = header.array("", place).map_err(fail)?;
+    let mut budget = Budget::of(input.length());
+    let array = header.array("", place, &mut budget).map_err(|spent| spent.of(input))?.map_err(fail)?;
     if array.bytes() > place.stored {
         return Err(input.truncated("the numbers of the array", place.at, array.bytes()));
     }
@@ -122,23 +124,33 @@ fn element(descr: &str) -> Result<Element, String> {
 }
 
 impl Header {
-    /// The array that is described, named by `name`.
+    /// The array that is described, named by `name`; in words why it is none: numbers of a kind that
+    /// is not read, more than two dimensions.
     ///
     /// # Errors
-    /// Numbers of a kind that is not read; more than two dimensions.
-    pub(crate) fn array(&self, name: &str, place: Place) -> Result<Array, String> {
+    /// More columns than the budget has visits for.
+    pub(crate) fn array(&self, name: &str, place: Place, budget: &mut Budget) -> Result<Result<Array, String>, Spent> {
         if self.descr.starts_with('[') {
-            return self.records(place);
+            budget.visit(self.descr.len())?;
+            return Ok(self.records(place));
         }
+        let (element, shape) = match self.table() {
+            Ok(table) => table,
+            Err(words) => return Ok(Err(words)),
+        };
+        let array = Array::plain(name, element, shape, place, budget)?;
+        Ok(array.ok_or_else(|| format!("an array of {} × {} is not a table", shape.rows, shape.columns)))
+    }
+
+    /// Numbers of one kind, in one or two dimensions.
+    fn table(&self) -> Result<(Element, Shape), String> {
         let element = element(&self.descr)?;
         let (rows, columns) = match self.shape[..] {
             [rows] => (rows, 1),
             [rows, columns] => (rows, columns),
             _ => return Err(format!("expected one or two dimensions, found {}", self.shape.len())),
         };
-        let shape = Shape { rows, columns, in_columns: self.fortran };
-        Array::plain(name, element, shape, place)
-            .ok_or_else(|| format!("an array of {rows} × {columns} is not a table"))
+        Ok((element, Shape { rows, columns, in_columns: self.fortran }))
     }
 
     /// Records: a name, a type and maybe a length for each field.

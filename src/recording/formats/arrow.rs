@@ -328,15 +328,16 @@ impl Rows {
         let sizes = stored.iter().flat_map(|(data, validity)| [data.size, validity.as_ref().and_then(|v| v.size)]);
         let held = sizes.flatten().fold(0, u64::saturating_add);
         self.budget.held(held).map_err(|spent| fail(&spent.words()))?;
-        let buffer = |stored: Stored| -> Result<Buffer> {
+        let budget = &mut self.budget;
+        let mut buffer = |stored: Stored| -> Result<Buffer> {
             let Stored { at, length, size } = stored;
             let Some(size) = size else { return Ok(Buffer::InFile { at, length }) };
             let data = self.input.bytes_at(at, length, "a column")?;
-            decompress(codec, &data, size).map(Buffer::Held).map_err(|w| fail(&w))
+            decompress(codec, &data, size, budget).map(Buffer::Held).map_err(|w| fail(&w))
         };
         let buffers = stored
             .into_iter()
-            .map(|(data, validity)| Ok((buffer(data)?, validity.map(buffer).transpose()?)))
+            .map(|(data, validity)| Ok((buffer(data)?, validity.map(&mut buffer).transpose()?)))
             .collect::<Result<Vec<_>>>()?;
         self.batch = Batch { rows, given: 0, buffers };
         self.bytes_read += metadata + body;

@@ -58,7 +58,7 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     let (mut parts, mut kinds) = (Vec::new(), Vec::new());
     for ((kind, instance), rows) in &counts {
         let Some(message) = messages.get(kind) else { continue };
-        let several = counts.keys().filter(|k| k.0 == *kind).count() > 1;
+        let several = counts.range((*kind, None)..=(*kind, Some(u8::MAX))).nth(1).is_some();
         let name = match instance.filter(|_| several) {
             Some(instance) => format!("{}.{instance}", message.name),
             None => message.name.clone(),

@@ -3,6 +3,7 @@
 
 mod record;
 
+use crate::budget::{Budget, ENTRY_BYTES};
 use crate::bytes::Bytes;
 use crate::decompress::{Codec, LARGEST_BYTES, decompress};
 use crate::error::{Error, Result};
@@ -14,8 +15,6 @@ use record::{Record, varint};
 const HEADER_BYTES: u64 = 100;
 /// Deeper trees there are none: 2^32 pages at two a page.
 const DEEPEST: usize = 40;
-/// Entries of a short table.
-const MOST_ENTRIES: usize = 10_000;
 const DAMAGED: &str = "the file is cut short or damaged: copy it again, or mend it with `sqlite3 FILE .recover`";
 
 #[derive(Debug)]
@@ -32,8 +31,9 @@ struct Bag {
 /// A database that is damaged, not closed, or no ROS 2 bag.
 pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     let database = Database::open(input)?;
-    let topics = database.table("topics")?;
-    let messages = database.table("messages")?;
+    let mut budget = Budget::of(input.length());
+    let topics = database.table("topics", &mut budget)?;
+    let messages = database.table("messages", &mut budget)?;
     let [id, name, kind, format] = ["id", "name", "type", "serialization_format"].map(|c| topics.column(c));
     let mut bag = Bag { database, parts: Vec::new(), topics: Vec::new(), messages };
     let mut tree = Tree::new(bag.database.clone(), topics.root);
@@ -42,9 +42,7 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
         let number = id.and_then(|c| record.integer(c)).unwrap_or(row);
         let text = |column: Option<usize>| column.and_then(|c| record.text(c)).unwrap_or_default();
         let readable = matches!(text(format).as_str(), "cdr" | "");
-        if bag.parts.len() == MOST_ENTRIES {
-            return Err(input.fail(format!("more than {MOST_ENTRIES} topics"), DAMAGED));
-        }
+        budget.visit(ENTRY_BYTES + payload.len()).map_err(|spent| spent.of(input))?;
         bag.parts.push(part(text(name), text(kind), None, readable));
         bag.topics.push((number, Encoding::Cdr));
     }
@@ -69,13 +67,15 @@ impl Log for Bag {
         };
         let (topic_at, data_at) = (place("topic_id")?, place("data")?);
         let tree = Tree::new(self.database, self.messages.root);
-        let blobs = Blobs { tree, topic, topic_at, data_at };
+        let budget = Budget::of(input.length());
+        let blobs = Blobs { tree, topic, topic_at, data_at, budget };
         Ok(Box::new(MessageRows {
             input,
             messages: Box::new(blobs),
             kind: self.parts[part].kind.clone(),
             encoding,
             choice: choice.clone(),
+            stated: None,
             count: 0,
         }))
     }
@@ -88,6 +88,7 @@ struct Blobs {
     topic: i64,
     topic_at: usize,
     data_at: usize,
+    budget: Budget,
 }
 
 impl Messages for Blobs {
@@ -101,7 +102,8 @@ impl Messages for Blobs {
             match data {
                 // Messages may be compressed one by one; their size is not stated apart.
                 [0x28, 0xb5, 0x2f, 0xfd, ..] => {
-                    let unpacked = unpacked(data).map_err(|words| self.tree.database.input.fail(words, DAMAGED))?;
+                    let unpacked = unpacked(data, &mut self.budget);
+                    let unpacked = unpacked.map_err(|words| self.tree.database.input.fail(words, DAMAGED))?;
                     into.extend_from_slice(&unpacked);
                 }
                 _ => into.extend_from_slice(data),
@@ -117,7 +119,7 @@ impl Messages for Blobs {
 }
 
 /// A message of Zstandard, whose frame states its size (RFC 8878, 3.1.1.1).
-fn unpacked(data: &[u8]) -> Result<Vec<u8>, String> {
+fn unpacked(data: &[u8], budget: &mut Budget) -> Result<Vec<u8>, String> {
     let mut bytes = Bytes::new(data);
     let size = || -> Option<u64> {
         bytes.take(4)?;
@@ -134,7 +136,8 @@ fn unpacked(data: &[u8]) -> Result<Vec<u8>, String> {
         }
     };
     let mut size = size;
-    decompress(Codec::Zstandard, data, size().ok_or("a compressed message that does not state its size")?)
+    let size = size().ok_or("a compressed message that does not state its size")?;
+    decompress(Codec::Zstandard, data, size, budget)
 }
 
 /// The pages of a database.
@@ -181,10 +184,11 @@ impl Database {
     }
 
     /// A table by its name, as the schema in the first page describes it.
-    fn table(&self, name: &str) -> Result<Table> {
+    fn table(&self, name: &str, budget: &mut Budget) -> Result<Table> {
         let mut tree = Tree::new(self.clone(), 1);
         let mut known = Vec::new();
         while let Some((row, payload)) = tree.next()? {
+            budget.visit(ENTRY_BYTES + payload.len()).map_err(|spent| spent.of(&self.input))?;
             let record = Record::new(&payload, row);
             if record.text(0).as_deref() != Some("table") {
                 continue;
@@ -274,26 +278,34 @@ struct Tree {
     database: Database,
     levels: Vec<Level>,
     begin: Option<u32>,
+    /// Bytes of the pages and of the rows that were met.
     bytes: u64,
+    given: u64,
 }
 
 impl Tree {
     fn new(database: Database, root: u32) -> Self {
-        Self { database, levels: Vec::new(), begin: Some(root), bytes: 0 }
+        Self { database, levels: Vec::new(), begin: Some(root), bytes: 0, given: 0 }
     }
 
     fn damaged(&self, words: &str) -> Error {
         self.database.input.fail(format!("expected {words} in a table of the database, found none"), DAMAGED)
     }
 
+    /// Counts the pages and the rows: what is met again would be met for ever.
+    fn pass(&mut self, pages: u64, rows: u64) -> Result<()> {
+        (self.bytes, self.given) = (self.bytes.saturating_add(pages), self.given.saturating_add(rows));
+        let again = self.bytes.max(self.given) > self.database.input.length();
+        if again { Err(self.damaged("a tree without circles")) } else { Ok(()) }
+    }
+
     fn descend(&mut self, page: u32) -> Result<()> {
-        // A page that is met twice would be met for ever.
-        if self.levels.len() == DEEPEST || self.bytes > self.database.input.length() {
+        if self.levels.len() == DEEPEST {
             return Err(self.damaged("a tree without circles"));
         }
         let begin = if page == 1 { HEADER_BYTES as usize } else { 0 };
         let data = self.database.page(page)?;
-        self.bytes += self.database.page_bytes;
+        self.pass(self.database.page_bytes, 0)?;
         if !matches!(data[begin], 5 | 13) {
             return Err(self.damaged("a page of a table"));
         }
@@ -340,10 +352,9 @@ impl Tree {
                 Some((varint(&mut bytes)?, varint(&mut bytes)? as i64, bytes.rest()))
             });
             let Some((size, row, rest)) = head else { return Err(self.damaged("a row")) };
-            return match self.database.payload(size, rest)? {
-                Some(payload) => Ok(Some((row, payload))),
-                None => Err(self.damaged("a whole row")),
-            };
+            let Some(payload) = self.database.payload(size, rest)? else { return Err(self.damaged("a whole row")) };
+            self.pass(0, payload.len() as u64)?;
+            return Ok(Some((row, payload)));
         }
     }
 }

@@ -13,6 +13,7 @@ use hdf5_metno::types::{FloatSize, IntSize, TypeDescriptor};
 use hdf5_metno::{Dataset, File, Group, H5Type, Hyperslab};
 
 use crate::array::{Array, Arrays, Packing, Place, Shape};
+use crate::budget::{Budget, ENTRY_BYTES, Spent};
 use crate::element::{Element, Kind};
 use crate::error::Result;
 use crate::input::Input;
@@ -38,14 +39,18 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
             .fail(format!("the HDF5 library says: {e}"), "it is cut short or damaged: copy it again, or write it again")
     };
     let file = File::open(&input.path).map_err(failed)?;
+    let mut budget = Budget::of(input.length());
     let mut tables = Vec::new();
-    gather(&file, 0, &mut tables).map_err(failed)?;
+    gather(&file, 0, &mut tables, &mut budget).map_err(failed)?;
     let (mut arrays, mut copied, mut at) = (Vec::new(), VecDeque::new(), 0);
     for table in tables {
         let bytes = (table.rows * table.columns * table.element.bytes) as u64;
         let place = Place { at, stored: bytes, packing: Packing::None, skip: 0, crc32: None };
         let shape = Shape { rows: table.rows as u64, columns: table.columns as u64, in_columns: false };
-        if let Some(array) = Array::plain(&table.name, table.element, shape, place) {
+        let array = Array::plain(&table.name, table.element, shape, place, &mut budget);
+        if let Some(array) = array.map_err(|spent| spent.of(input))? {
+            // What was never written takes no room in the file, and all of it in a copy.
+            budget.unpacked(bytes).map_err(|spent| spent.of(input))?;
             arrays.push(array);
             copied.push_back(table);
             at += bytes;
@@ -77,8 +82,11 @@ struct Table {
 }
 
 /// Datasets of a group and of those in it, by the last part of their names.
-fn gather(group: &Group, depth: usize, into: &mut Vec<Table>) -> hdf5_metno::Result<()> {
+/// Groups may hold one another: each is charged where it is met.
+fn gather(group: &Group, depth: usize, into: &mut Vec<Table>, budget: &mut Budget) -> hdf5_metno::Result<()> {
+    let refused = |spent: Spent| hdf5_metno::Error::from(spent.words());
     for dataset in group.datasets()? {
+        budget.visit(ENTRY_BYTES + dataset.name().len()).map_err(refused)?;
         let (rows, columns, flat) = match dataset.shape()[..] {
             [rows] => (rows, 1, true),
             [rows, columns] => (rows, columns, false),
@@ -93,7 +101,8 @@ fn gather(group: &Group, depth: usize, into: &mut Vec<Table>) -> hdf5_metno::Res
     }
     if depth < DEEPEST {
         for inner in group.groups()? {
-            gather(&inner, depth + 1, into)?;
+            budget.visit(ENTRY_BYTES).map_err(refused)?;
+            gather(&inner, depth + 1, into, budget)?;
         }
     }
     Ok(())

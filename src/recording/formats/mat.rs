@@ -1,9 +1,11 @@
 //! MATLAB's `.mat` of version 5, also compressed (`-v7`): arrays, and arrays within structures.
 //! Format: MathWorks, *MAT-File Format*, 2019.
 
+use std::collections::HashMap;
 use std::io::Read;
 
 use crate::array::{Array, Arrays, Packing, Place, Shape};
+use crate::budget::{Budget, ENTRY_BYTES, Spent};
 use crate::element::{Element, Kind};
 use crate::error::{Error, Result};
 use crate::input::Input;
@@ -34,6 +36,7 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
         }
     };
     let mut found = Vec::new();
+    let mut budget = Budget::of(input.length());
     let mut at = HEADER_BYTES;
     while at + 8 <= input.length() {
         let tag = input.bytes_at(at, 8, "an element")?;
@@ -43,19 +46,20 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
             return Err(input.truncated("a variable", begin, stored));
         }
         let place = Place { at: begin, stored, packing: Packing::None, skip: 0, crc32: None };
-        let mut scan = Scan { reader: place.open(input, 0).map_err(|e| damaged(input, &e))?, taken: 0, big_endian };
-        match kind {
-            MATRIX => scan.matrix(stored, &[], place, &mut found).map_err(|e| damaged(input, &e))?,
+        let mut bytes = input.at(begin).take(stored);
+        let scanned = match kind {
+            MATRIX => Scan::new(&mut bytes, big_endian, &mut budget).matrix(stored, &[], place, &mut found),
             COMPRESSED => {
                 let place = Place { packing: Packing::Zlib, ..place };
-                scan.reader = place.open(input, 0).map_err(|e| damaged(input, &e))?;
-                let read = scan.tag().and_then(|(kind, bytes, _)| match kind {
-                    MATRIX => scan.matrix(bytes, &[], place, &mut found),
-                    _ => Ok(()),
-                });
+                let mut unpacked = flate2::read::ZlibDecoder::new(bytes);
+                let read = Scan::new(&mut unpacked, big_endian, &mut budget).packed(place, &mut found);
                 // The checksum stands behind the last byte, and is compared where the end is met.
-                read.and_then(|()| std::io::copy(&mut scan.reader, &mut std::io::sink()))
-                    .map_err(|e| damaged(input, &e))?;
+                read.and_then(|()| std::io::copy(&mut unpacked, &mut std::io::sink())).and_then(|_| {
+                    match unpacked.total_in() {
+                        taken if taken == stored => Ok(()),
+                        taken => Err(wrong(&format!("{taken} bytes in a variable that is said to have {stored}"))),
+                    }
+                })
             }
             other => {
                 return Err(input.fail(
@@ -63,13 +67,17 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
                     "copy the file again, or save it again",
                 ));
             }
-        }
+        };
+        scanned.map_err(|e| damaged(input, &e))?;
         at = begin + stored;
         if kind != COMPRESSED {
             at = at.next_multiple_of(8);
         }
     }
-    let arrays = named(found);
+    if at < input.length() {
+        return Err(input.truncated("a variable", at, 8));
+    }
+    let arrays = named(found, &mut budget).map_err(|spent| spent.of(input))?;
     if arrays.is_empty() {
         return Err(input.fail(
             "the MATLAB file holds no array of numbers",
@@ -97,35 +105,56 @@ struct Found {
 }
 
 /// A variable is called by its name, a field by its own, or by its path where that is taken.
-fn named(found: Vec<Found>) -> Vec<Array> {
+fn named(found: Vec<Found>, budget: &mut Budget) -> Result<Vec<Array>, Spent> {
     let own = |f: &Found| f.path.last().cloned().unwrap_or_default();
-    let taken = |f: &Found| {
-        let others = found.iter().filter(|o| !std::ptr::eq(*o, f) && own(o) == own(f));
-        others.map(|o| o.path.len()).min().is_some_and(|depth| depth <= f.path.len())
-    };
-    let name = |f: &Found| if f.path.len() > 1 && taken(f) { (f.path.join("."), true) } else { (own(f), false) };
-    let array = |f: &Found| {
-        let (name, aside) = name(f);
-        Array::plain(&name, f.element, f.shape, f.place).map(|a| Array { aside, ..a })
-    };
-    found.iter().filter_map(array).collect()
+    // Of each name, the smallest depth and how many are called so there: one alone keeps the name.
+    let mut shallowest: HashMap<String, (usize, usize)> = HashMap::new();
+    for one in &found {
+        let (depth, count) = shallowest.entry(own(one)).or_insert((one.path.len(), 0));
+        match one.path.len().cmp(depth) {
+            std::cmp::Ordering::Less => (*depth, *count) = (one.path.len(), 1),
+            std::cmp::Ordering::Equal => *count += 1,
+            std::cmp::Ordering::Greater => {}
+        }
+    }
+    let mut arrays = Vec::new();
+    for one in &found {
+        let aside = one.path.len() > 1 && shallowest.get(&own(one)) != Some(&(one.path.len(), 1));
+        let name = if aside { one.path.join(".") } else { own(one) };
+        let array = Array::plain(&name, one.element, one.shape, one.place, budget)?;
+        arrays.extend(array.map(|array| Array { aside, ..array }));
+    }
+    Ok(arrays)
 }
 
 /// An element's tag: its type, its bytes, and the bytes themselves where they stand in the tag.
 type Tag = (u32, u64, Option<[u8; 4]>);
 
 /// A variable that is read from front to back.
-struct Scan {
-    reader: Box<dyn Read + Send>,
+struct Scan<'a> {
+    reader: &'a mut dyn Read,
     taken: u64,
     big_endian: bool,
+    budget: &'a mut Budget,
 }
 
 fn wrong(words: &str) -> std::io::Error {
     std::io::Error::other(words.to_owned())
 }
 
-impl Scan {
+impl<'a> Scan<'a> {
+    fn new(reader: &'a mut dyn Read, big_endian: bool, budget: &'a mut Budget) -> Self {
+        Self { reader, taken: 0, big_endian, budget }
+    }
+
+    /// The variable in a packed element, whose place in the file is `outer`.
+    fn packed(&mut self, outer: Place, found: &mut Vec<Found>) -> std::io::Result<()> {
+        match self.tag()? {
+            (MATRIX, bytes, _) => self.matrix(bytes, &[], outer, found),
+            _ => Ok(()),
+        }
+    }
+
     fn array<const N: usize>(&mut self) -> std::io::Result<[u8; N]> {
         let mut bytes = [0; N];
         self.reader.read_exact(&mut bytes)?;
@@ -134,7 +163,7 @@ impl Scan {
     }
 
     fn skip(&mut self, bytes: u64) -> std::io::Result<()> {
-        let passed = std::io::copy(&mut self.reader.by_ref().take(bytes), &mut std::io::sink())?;
+        let passed = std::io::copy(&mut Read::take(&mut self.reader, bytes), &mut std::io::sink())?;
         self.taken += passed;
         if passed < bytes { Err(std::io::ErrorKind::UnexpectedEof.into()) } else { Ok(()) }
     }
@@ -176,6 +205,9 @@ impl Scan {
         let dimensions: Vec<u64> =
             self.element()?.chunks_exact(4).map(|d| u64::from(number(d, self.big_endian))).collect();
         let name = String::from_utf8_lossy(&self.element()?).into_owned();
+        let path_bytes: usize = path.iter().map(String::len).sum();
+        let visited = self.budget.visit(ENTRY_BYTES + path_bytes + name.len());
+        visited.map_err(|spent| std::io::Error::other(spent.words()))?;
         // A field bears its name in its structure.
         let path = if name.is_empty() { path.to_vec() } else { [path, &[name]].concat() };
         match (class, &dimensions[..]) {

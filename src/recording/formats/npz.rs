@@ -15,8 +15,8 @@ use crate::reader::Log;
 const TAIL: u64 = 66_000;
 /// No list of files is longer, bytes.
 const LONGEST_LIST: u64 = 64 << 20;
-/// What an entry is charged for its head.
-const ENTRY_BYTES: usize = 1 << 10;
+/// What an entry is charged for its head, of which 64 KiB are unpacked.
+const HEAD_BYTES: usize = 1 << 10;
 /// Bytes of an array that hold its header.
 const HEADER: u64 = 1 << 16;
 
@@ -30,7 +30,7 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     let mut arrays = Vec::new();
     for entry in &entries {
         // Several entries may be of the same bytes, and the head of each is unpacked.
-        budget.visit(ENTRY_BYTES).map_err(|spent| spent.of(input))?;
+        budget.visit(HEAD_BYTES + entry.name.len()).map_err(|spent| spent.of(input))?;
         // The names before the data are as long as the archive says there, not as in its list.
         let local = input.bytes_at(entry.at, 30, "the header of an array in the archive")?;
         let length = |i: usize| u64::from(u16::from_le_bytes([local[i], local[i + 1]]));
@@ -67,11 +67,13 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
         read.map_err(|e| input.fail(format!("`{}` cannot be unpacked: {e}", entry.name), "copy the archive again"))?;
         // What is no array of numbers (text, objects) is no column; what is damaged is an error.
         if header_length(&head).is_none() {
-            place.check(input)?;
+            place.check(input, &mut budget)?;
             continue;
         }
         if let Ok((header, skip)) = describe(&head)
-            && let Ok(array) = header.array(name, Place { skip: skip as u64, ..place })
+            && let Ok(array) = header
+                .array(name, Place { skip: skip as u64, ..place }, &mut budget)
+                .map_err(|spent| spent.of(input))?
         {
             let expected = array.bytes().saturating_add(skip as u64);
             if entry.size != expected {
@@ -82,7 +84,7 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
             }
             arrays.push(array);
         } else {
-            place.check(input)?;
+            place.check(input, &mut budget)?;
         }
     }
     if arrays.is_empty() {

@@ -1,8 +1,10 @@
 //! ROS 1 bags, version 2.0, plain or compressed by LZ4 or bzip2. Format:
 //! wiki.ros.org/Bags/Format/2.0.
 
-use std::collections::HashSet;
+use std::collections::HashMap;
+use std::sync::Arc;
 
+use crate::budget::{Budget, ENTRY_BYTES};
 use crate::bytes::Bytes;
 use crate::decompress::{Codec, LARGEST_BYTES, decompress};
 use crate::error::{Error, Result};
@@ -14,6 +16,8 @@ use crate::reader::{Choice, Log, Part, Reader};
 const FIRST: u64 = 13;
 /// No header of a record is longer, bytes.
 const LONGEST_HEADER: u32 = 1 << 20;
+/// What a record of the index is charged: a million of them are a bag of a terabyte.
+const RECORD_BYTES: usize = 16;
 
 const MESSAGE: u8 = 2;
 const BAG: u8 = 3;
@@ -24,12 +28,12 @@ const CONNECTION: u8 = 7;
 const DAMAGED: &str =
     "the bag is cut short or damaged: copy it again, or mend it with `rosbag reindex` and `rosbag fix`";
 
-/// A bag: its topics, and which connections belong to each.
+/// A bag: its topics, and to which of them each connection belongs.
 #[derive(Debug)]
 struct Bag {
     input: Input,
     parts: Vec<Part>,
-    connections: Vec<HashSet<u32>>,
+    connections: Arc<HashMap<u32, usize>>,
 }
 
 /// Opens a bag.
@@ -53,42 +57,55 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
             "mend it: rosbag reindex FILE.bag; or copy it again if it is cut short",
         ));
     }
-    let mut bag = Bag { input: input.clone(), parts: Vec::new(), connections: Vec::new() };
+    let mut budget = Budget::of(input.length());
+    let mut parts: Vec<Part> = Vec::new();
+    let mut places: HashMap<(String, String), usize> = HashMap::new();
+    let mut connections: HashMap<u32, usize> = HashMap::new();
     let mut counts: Vec<u64> = Vec::new();
+    let mut are_counted = false;
     let mut at = index;
     while at < input.length() {
         let record = record(input, &mut at)?;
+        budget.visit(RECORD_BYTES).map_err(|spent| spent.of(input))?;
         let fields = Fields::new(&record.header);
+        if record.length > LARGEST_BYTES {
+            return Err(input.fail(format!("an index of {} bytes where few were expected", record.length), DAMAGED));
+        }
         match fields.op() {
             Some(CONNECTION) => {
                 let data = input.bytes_at(record.data, record.length, "a connection")?;
                 let inner = Fields::new(&data);
                 let topic = fields.text(b"topic").unwrap_or_default();
                 let kind = inner.text(b"type").unwrap_or_default();
-                let place = bag.parts.iter().position(|p| p.name == topic && p.kind == kind).unwrap_or_else(|| {
-                    bag.parts.push(part(topic, kind, None, true));
-                    bag.connections.push(HashSet::new());
-                    counts.push(0);
-                    counts.len() - 1
-                });
-                bag.connections[place].extend(fields.u32(b"conn"));
+                let place = match places.get(&(topic.clone(), kind.clone())) {
+                    Some(place) => *place,
+                    None => {
+                        budget.visit(ENTRY_BYTES + topic.len() + kind.len()).map_err(|spent| spent.of(input))?;
+                        places.insert((topic.clone(), kind.clone()), parts.len());
+                        parts.push(part(topic, kind, None, true));
+                        counts.push(0);
+                        parts.len() - 1
+                    }
+                };
+                connections.extend(fields.u32(b"conn").map(|connection| (connection, place)));
             }
             Some(CHUNK_INFO) => {
+                are_counted = true;
                 let data = input.bytes_at(record.data, record.length, "a list of a chunk's messages")?;
                 let mut data = Bytes::new(&data);
                 while let (Some(connection), Some(count)) = (data.u32(), data.u32()) {
-                    for (total, connections) in counts.iter_mut().zip(&bag.connections) {
-                        *total += u64::from(count) * u64::from(u8::from(connections.contains(&connection)));
+                    if let Some(place) = connections.get(&connection) {
+                        counts[*place] += u64::from(count);
                     }
                 }
             }
             _ => {}
         }
     }
-    for (part, count) in bag.parts.iter_mut().zip(counts) {
-        part.rows = Some(count);
+    for (part, count) in parts.iter_mut().zip(counts) {
+        part.rows = are_counted.then_some(count);
     }
-    Ok(Box::new(bag))
+    Ok(Box::new(Bag { input: input.clone(), parts, connections: Arc::new(connections) }))
 }
 
 impl Log for Bag {
@@ -99,10 +116,12 @@ impl Log for Bag {
     fn open(self: Box<Self>, part: usize, choice: &Choice) -> Result<Box<dyn Reader>> {
         let chunks = Chunks {
             input: self.input.clone(),
-            connections: self.connections[part].clone(),
+            connections: self.connections,
+            part,
             at: FIRST,
             chunk: Vec::new(),
             within: 0,
+            budget: Budget::of(self.input.length()),
         };
         Ok(Box::new(MessageRows {
             input: self.input,
@@ -110,6 +129,7 @@ impl Log for Bag {
             kind: self.parts[part].kind.clone(),
             encoding: Encoding::Ros1,
             choice: choice.clone(),
+            stated: self.parts[part].rows,
             count: 0,
         }))
     }
@@ -180,14 +200,16 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// The messages of some connections, chunk by chunk.
+/// The messages of a topic's connections, chunk by chunk.
 #[derive(Debug)]
 struct Chunks {
     input: Input,
-    connections: HashSet<u32>,
+    connections: Arc<HashMap<u32, usize>>,
+    part: usize,
     at: u64,
     chunk: Vec<u8>,
     within: usize,
+    budget: Budget,
 }
 
 impl Chunks {
@@ -220,7 +242,8 @@ impl Chunks {
                 return Err(self.damaged("at most 256 MiB"));
             }
             let data = self.input.bytes_at(record.data, record.length, "a chunk")?;
-            self.chunk = decompress(codec, &data, size).map_err(|words| self.input.fail(words, DAMAGED))?;
+            self.chunk =
+                decompress(codec, &data, size, &mut self.budget).map_err(|words| self.input.fail(words, DAMAGED))?;
             self.within = 0;
             return Ok(true);
         }
@@ -243,7 +266,7 @@ impl Messages for Chunks {
             };
             let fields = Fields::new(header);
             let wanted = fields.op() == Some(MESSAGE)
-                && fields.u32(b"conn").is_some_and(|connection| self.connections.contains(&connection));
+                && fields.u32(b"conn").is_some_and(|connection| self.connections.get(&connection) == Some(&self.part));
             let taken = rest.taken();
             if wanted {
                 into.extend_from_slice(data);

@@ -1,9 +1,9 @@
 //! PX4's ULog: messages whose fields the log itself names. Format:
 //! docs.px4.io/main/en/dev_log/ulog_file_format.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
-use crate::budget::{Budget, Spent};
+use crate::budget::{Budget, ENTRY_BYTES, Spent};
 use crate::bytes::Bytes;
 use crate::dropped::{Dropped, Reason};
 use crate::element::{Element, Kind};
@@ -82,16 +82,18 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     }
     let mut layout = Layout { formats: &formats, budget: Budget::of(input.length()), offset: 0, fields: Vec::new() };
     let mut log = Ulog { input: input.clone(), parts: Vec::new(), logged: Vec::new() };
+    let mut topics = HashSet::new();
     for (id, instance, name) in subscriptions {
+        layout.budget.visit(ENTRY_BYTES + name.len()).map_err(|spent| spent.of(input))?;
+        let topic = if instance == 0 { name.clone() } else { format!("{name}.{instance}") };
+        if !topics.insert(topic.clone()) {
+            continue;
+        }
         let mut fields = layout.of(&name).map_err(|spent| spent.of(input))?;
         let mut headings: Vec<Heading> = fields.iter().map(|f| f.heading.clone()).collect();
         let is_imu = records::inertial(&mut headings);
         fields.iter_mut().zip(&headings).for_each(|(field, heading)| field.heading = heading.clone());
-        let topic = if instance == 0 { name.clone() } else { format!("{name}.{instance}") };
         let rows = counts.get(&id).copied().unwrap_or(0);
-        if log.parts.iter().any(|p| p.name == topic) {
-            continue;
-        }
         log.parts.push(Part {
             name: topic,
             kind: String::new(),

@@ -8,6 +8,9 @@ use crate::format::{self, Cell};
 use crate::headings::{self, Headings};
 use crate::{trajectory, unit};
 
+/// A table of more columns is none of a recording.
+const MOST_COLUMNS: usize = 1 << 20;
+
 impl Text {
     /// The first line that is no comment names the columns; where it holds numbers, the comment
     /// before it may: EuRoC's files begin with `#timestamp [ns],…`.
@@ -25,6 +28,12 @@ impl Text {
         }
         self.cells.cut(self.lines.line(), self.separator);
         self.width = self.cells.len();
+        if self.width > MOST_COLUMNS {
+            return Err(self.fail(
+                format!("line {} has {} cells, more than {MOST_COLUMNS}", self.lines.number(), self.width),
+                "a recording is one row per sample and one column per channel: does it lie on its side?",
+            ));
+        }
         let numbers = |cells: &Cells, line: &[u8]| {
             (0..cells.len()).all(|i| match format::cell(cells.of(line, i)) {
                 Cell::Text => false,

@@ -2,6 +2,9 @@
 
 use crate::bytes::Bytes;
 
+/// No table of SQLite has more columns: sqlite.org/limits.html.
+const MOST_COLUMNS: usize = 32_767;
+
 /// A number of one to nine bytes, the highest first.
 pub(crate) fn varint(bytes: &mut Bytes<'_>) -> Option<u64> {
     let mut value = 0u64;
@@ -32,7 +35,7 @@ impl<'a> Record<'a> {
         let mut head = Bytes::new(payload);
         let size = varint(&mut head).map_or(0, |s| usize::try_from(s).unwrap_or(usize::MAX));
         let mut body = Bytes::new(payload.get(size..).unwrap_or_default());
-        while head.taken() < size {
+        while head.taken() < size && values.len() < MOST_COLUMNS {
             let Some(kind) = varint(&mut head) else { break };
             let length = match kind {
                 0..=4 => kind,

@@ -162,6 +162,7 @@ impl Column {
         self.page = Page::default();
         let (page, dictionary) = (header.stored + header.size, self.dictionary.len() as u64);
         held.budget.held(held.by_others + dictionary + page).map_err(spent)?;
+        held.budget.unpacked(header.stored).map_err(spent)?;
         let data = input.bytes_at(page_at + taken, header.stored, "a page")?;
         self.at = page_at + taken + header.stored;
         if let Some(stated) = header.crc32
@@ -173,7 +174,7 @@ impl Column {
             // An index is passed over.
             1 => Ok(()),
             2 => {
-                let bytes = decompress(self.codec, &data, header.size).map_err(|w| fail(&w))?;
+                let bytes = decompress(self.codec, &data, header.size, held.budget).map_err(|w| fail(&w))?;
                 self.dictionary = plain(self.physical, &bytes, header.values)
                     .ok_or_else(|| fail("a dictionary that is cut short"))?;
                 Ok(())
@@ -193,7 +194,7 @@ impl Column {
                 let body = if codec == Codec::None && size == packed.len() as u64 {
                     if levels_bytes == 0 { data } else { packed.to_vec() }
                 } else {
-                    decompress(codec, packed, size).map_err(|w| fail(&w))?
+                    decompress(codec, packed, size, held.budget).map_err(|w| fail(&w))?
                 };
                 let apart = (header.kind == 3).then_some(levels);
                 self.page = self.begin(&header, apart, body).ok_or_else(|| damaged(input, page_at, header.encoding))?;
