@@ -9,6 +9,7 @@ mod suite {
     pub mod benchmarks;
     #[cfg(unix)]
     pub mod bombs;
+    pub mod book;
     pub mod carried_over;
     pub mod carried_over_driven;
     pub mod carried_over_mass;
@@ -267,6 +268,8 @@ fn main() {
         suite::digits::tests(),
         // planted: a very small blind trial of the real diagnosis.
         suite::planted::tests(),
+        // book: the verdict book, divided, resumed and compared.
+        suite::book::tests(),
         // still_start: what averaging the first seconds leaves of each error.
         suite::still_start::tests(),
         // kept_shapes: laws with a fitted exponent, and what is near a power without being one.

@@ -115,7 +115,7 @@ pub fn main(words: impl IntoIterator<Item = OsString>) -> u8 {
     #[cfg(unix)]
     set_signals();
     match Arguments::try_parse_from(words).map_err(not_understood).and_then(|a| run(&a)) {
-        Ok(()) => 0,
+        Ok(code) => code,
         Err(error) => {
             // Where nobody can be told, the exit code still tells.
             let _ = writeln!(std::io::stderr(), "error: {}", terminal(&error.to_string()));
@@ -177,14 +177,15 @@ pub fn exit_code(error: &Error) -> u8 {
     }
 }
 
-/// Does what the arguments ask.
+/// Does what the arguments ask. Returns the exit code: 0, or 1 where a comparison that was asked for
+/// finds the new one worse.
 ///
 /// # Errors
 /// Whatever stopped the work, as attempt, cause and hint.
-pub fn run(arguments: &Arguments) -> Result<()> {
+pub fn run(arguments: &Arguments) -> Result<u8> {
     signal::listen_for_interrupt();
     let json = arguments.json;
-    match &arguments.command {
+    let done = match &arguments.command {
         None => study::run_default(json),
         Some(Command::Study(a)) => study::run(a, json),
         Some(Command::Require(a)) => require::run(a, json),
@@ -197,7 +198,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Some(Command::Candidates(a)) => candidates::run(a, json),
         Some(Command::Paper(a)) => paper::run(a, json),
         Some(Command::Map(a)) => map::run(a, json),
-        Some(Command::Trial(a)) => trial::run(a, json),
+        Some(Command::Trial(a)) => return trial::run(a, json),
         Some(Command::Validate(a)) => validate::run(a, json),
         Some(Command::Adapters(a)) => adapters::run(a, json),
         Some(Command::Bench(a)) => bench::run(a, json),
@@ -205,5 +206,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Some(Command::Schema(a)) => schema::run(a),
         Some(Command::Completions(a)) => shell::completions(a, Arguments::command()),
         Some(Command::Man(a)) => shell::man(a, Arguments::command()),
-    }
+    };
+    done.map(|()| 0)
 }

@@ -2,6 +2,7 @@
 //! last verdict.
 
 mod answer;
+mod book;
 mod independent;
 pub(super) mod shard;
 
@@ -21,9 +22,9 @@ use proofmass_diagnosis::recordings::Recordings;
 use proofmass_diagnosis::verdict::Verdict;
 use proofmass_diagnosis::{self as diagnosis, model};
 use proofmass_report::diagnosis::worded;
-use proofmass_trial::blind::{self, Subject, Verdicts};
+use proofmass_trial::ask::{Files, Subject};
+use proofmass_trial::blind::{self, Verdicts};
 use proofmass_trial::campaign::Campaign;
-use proofmass_trial::case::Files;
 use proofmass_trial::divided::COMMAND;
 use proofmass_trial::judge;
 use proofmass_trial::like;
@@ -37,11 +38,26 @@ use proofmass_trial::scratch::Scratch;
 #[derive(Debug, Clone, clap::Args)]
 pub struct Arguments {
     /// Folder for the sealed truth, verdicts, report.html, trial.json, summary.md and figures
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", group = "folder")]
     pub out: Option<PathBuf>,
+    /// Write the verdict book to DIR: a line of book.jsonl for each case of a fixed corpus; with
+    /// --recordings, for real recordings as well
+    #[arg(long, value_name = "DIR", group = "folder",
+        conflicts_with_all = ["parquet", "quick", "planted", "independent", "cases", "samples", "like", "case"])]
+    pub book: Option<PathBuf>,
+    /// Compare the book with the one in DIR; exits with 1 where false names rose or right marks fell
+    /// beyond chance. With --resume a finished book is compared as it is
+    #[arg(long, value_name = "DIR", requires = "book")]
+    pub against: Option<PathBuf>,
+    /// Part of the book's cases, the same of each kind, family and sub-family
+    #[arg(long, value_name = "F", requires = "book", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub sample: f64,
+    /// Only these cases of the book, by their names up to the colon, e.g. 1-17,1-23
+    #[arg(long, value_name = "LIST", requires = "book", value_delimiter = ',')]
+    pub only: Vec<String>,
     /// Replace files in DIR even if they are not from an earlier run of this command on the same
     /// input
-    #[arg(long, requires = "out")]
+    #[arg(long, requires = "folder")]
     pub force: bool,
     /// Also write the data of the figures as Parquet, next to numbers/FIGURE.csv
     #[arg(long, requires = "out")]
@@ -57,8 +73,8 @@ pub struct Arguments {
     /// real noise; driven, at rest and turned by hand
     #[arg(long, conflicts_with_all = ["planted", "like", "recordings"])]
     pub independent: bool,
-    /// Resume the trial in --out
-    #[arg(long, requires = "out")]
+    /// Resume the trial in --out, or the book
+    #[arg(long, requires = "folder")]
     pub resume: bool,
     /// Approximate number of recordings
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
@@ -75,13 +91,13 @@ pub struct Arguments {
     /// The model.toml of that recording
     #[arg(long, value_name = "MODEL", requires = "like")]
     pub model: Option<PathBuf>,
-    /// Also diagnose the real recordings listed in this file (data from PROOFMASS_DATA or
+    /// Also diagnose the real recordings that this file lists (data from PROOFMASS_DATA or
     /// ../shared/data)
     #[arg(long, value_name = "RECIPE")]
     pub recordings: Option<PathBuf>,
     /// Run only this part of the cases, e.g. 3/16: writes DIR/shard-3-of-16.state for
-    /// `proofmass merge DIR`
-    #[arg(long, value_name = "K/N", requires = "out", conflicts_with_all = ["independent", "like", "recordings", "case"])]
+    /// `proofmass merge DIR`, or of the book DIR/shard-3-of-16, which the undivided book resumes
+    #[arg(long, value_name = "K/N", requires = "folder", conflicts_with_all = ["independent", "like", "case"])]
     pub shard: Option<Shard>,
     /// Run only this case: write its recording, model and truth to --out and print the verdict
     #[arg(long, value_name = "NUMBER", requires = "out", allow_negative_numbers = true)]
@@ -119,15 +135,25 @@ impl Arguments {
 ///
 /// # Errors
 /// When the folder cannot be written, on Ctrl-C, or when the sealed truth was changed.
-pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
+pub fn run(arguments: &Arguments, json: bool) -> Result<u8> {
     let control = progress::terminal();
+    if let Some(folder) = &arguments.book {
+        let Arguments { against, sample, only, shard, recordings, seed, force, resume, .. } = arguments.clone();
+        let folder = folder.clone();
+        let request = book::Request { folder, against, sample, only, shard, recordings, seed, force, resume };
+        return book::run(&request, &tool(&control), &control, json);
+    }
+    trial(arguments, json, &control).map(|()| 0)
+}
+
+fn trial(arguments: &Arguments, json: bool, control: &Control) -> Result<()> {
     if let (Some(recording), Some(model)) = (&arguments.like, &arguments.model) {
-        return like(recording, model, arguments, json, &control);
+        return like(recording, model, arguments, json, control);
     }
     if arguments.independent {
         let Arguments { out, force, quick, resume, cases, seed, samples: rows, case, .. } = arguments.clone();
         let request = independent::Request { out, force, quick, resume, cases, seed, rows, case };
-        return independent::run(&request, json, &control);
+        return independent::run(&request, &tool(control), json, control);
     }
     let plan = arguments.plan();
     if !(1..=1_000_000).contains(&plan.cases) || !(500..=10_000_000).contains(&plan.samples) {
@@ -135,11 +161,15 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         return Err(Error::new("could not plan the trial", cause, "use at least one case and 500 samples"));
     }
     if let (Some(number), Some(path)) = (arguments.case, &arguments.out) {
-        return one(&plan, number, path, arguments.force, json, &tool(&control));
+        return one(&plan, number, path, arguments.force, json, &tool(control));
     }
     if let (Some(shard), Some(out)) = (arguments.shard, &arguments.out) {
+        if arguments.recordings.is_some() {
+            let cause = "the real recordings of a trial are not divided";
+            return Err(Error::new("could not divide the trial", cause, "leave --recordings out, or use --book"));
+        }
         let request = shard::Request { plan, shard, out, force: arguments.force, resume: arguments.resume };
-        return shard::run(&request, &tool(&control), &control, json);
+        return shard::run(&request, &tool(control), control, json);
     }
     refuse_ranks(COMMAND)?;
     let recipe = arguments.recordings.as_deref().map(real::read).transpose()?;
@@ -149,7 +179,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     let scratch = Scratch::new(arguments.out.as_deref())?;
     let folder = arguments.out.as_deref().unwrap_or(scratch.path());
-    let (sealed, cases) = blind::prepare(plan, folder, arguments.resume, &control)?;
+    let (sealed, cases) = blind::prepare(plan, folder, arguments.resume, control)?;
     remark!("sealed truth of {} cases, SHA-256 {}", cases.len(), sealed.sha256);
     let state = folder.join(STATES[1]);
     let (done, unread) = if arguments.resume { blind::earlier(&state, &sealed)? } else { (Verdicts::new(), 0) };
@@ -160,7 +190,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         std::fs::remove_file(&state).map_err(|e| Error::io("replace", &state, &e))?;
     }
     let verdicts =
-        blind::run(&cases, &sealed, &state, done, &tool(&control), &control).map_err(|error| match arguments.out {
+        blind::run(&cases, &sealed, &state, done, &tool(control), control).map_err(|error| match arguments.out {
             Some(_) => error,
             // The folder is a scratch one and goes with the process.
             None => Error { hint: "run it again; with --out DIR finished verdicts would be kept".into(), ..error },
@@ -168,7 +198,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     // Only now is the envelope opened; what is judged is what was sealed, not what is in memory.
     let truth = sealed.open()?;
     let outcome = Outcome::of(&truth.cases, &verdicts, &sealed.sha256);
-    let real = recordings(recipe.as_ref(), &scratch, &control)?;
+    let real = recordings(recipe.as_ref(), &scratch, control)?;
     let run = Run { plan: &plan, outcome: &outcome, cases: &truth.cases, verdicts: &verdicts, real: &real };
     answer::give(&run, &arguments.command(), kept, &[], json)
 }

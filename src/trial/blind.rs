@@ -6,11 +6,11 @@ use std::io::Write;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use super::case::{Case, Files};
+use super::ask::{self, Subject};
+use super::case::Case;
 use super::plan::Plan;
 use super::said::{Ending, Said};
 use super::scratch::Scratch;
@@ -19,10 +19,6 @@ use super::workers::side_by_side;
 use proofmass_base::control::{Control, Stopped};
 use proofmass_base::error::{Error, Result};
 use proofmass_base::parallel;
-use proofmass_diagnosis::verdict::Verdict;
-
-/// Anything that turns a recording and a base model into a verdict.
-pub type Subject<'a> = dyn Fn(&Files) -> Result<Verdict> + Sync + 'a;
 
 /// Verdicts by case number.
 pub type Verdicts = BTreeMap<usize, Said>;
@@ -133,23 +129,7 @@ pub(super) fn verdicts(bytes: &[u8], sealed: &Sealed) -> (Verdicts, usize) {
 /// When the files cannot be written. A diagnosis that fails is a verdict too: "error".
 pub fn ask(case: &Case, subject: &Subject<'_>, scratch: &Scratch) -> Result<Said> {
     let folder = scratch.case()?;
-    Ok(said(&case.write(folder.path())?, subject))
-}
-
-/// What a subject says of a case's files, and how long it takes.
-fn said(files: &Files, subject: &Subject<'_>) -> Said {
-    asked(files, subject).0
-}
-
-/// The same, and the verdict itself where there is one.
-pub(super) fn asked(files: &Files, subject: &Subject<'_>) -> (Said, Option<Verdict>) {
-    let start = Instant::now();
-    let verdict = subject(files);
-    let seconds = start.elapsed().as_secs_f64();
-    match verdict {
-        Ok(verdict) => (Said::from_verdict(&verdict, seconds), Some(verdict)),
-        Err(error) => (Said::from_error(&error, seconds), None),
-    }
+    Ok(ask::ask(&case.write(folder.path())?, subject)?.0)
 }
 
 /// Asks for every verdict that is not in `done` yet, cases in parallel, and notes each in the state

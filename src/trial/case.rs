@@ -1,10 +1,11 @@
 //! One blind case: its truth, and the two files that the diagnosis gets.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::ask::Files;
 use super::driven::Driven;
 use super::standstill::Still;
 use super::turning::{GRAVITY_M_S2, Turned};
@@ -145,17 +146,6 @@ pub struct Case {
     pub family: Family,
     /// Recipe of the recording.
     pub body: Body,
-}
-
-/// The files of a case.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Files {
-    /// Path of recording.csv.
-    pub recording: PathBuf,
-    /// Path of model.toml.
-    pub model: PathBuf,
-    /// Recordings of the same sensor that only judge.
-    pub judging: Vec<PathBuf>,
 }
 
 fn table(headings: &[&str], columns: &[&[f64]]) -> String {

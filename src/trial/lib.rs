@@ -13,7 +13,9 @@
 
 #![warn(unreachable_pub)]
 
+pub mod ask;
 pub mod blind;
+pub mod book;
 pub mod campaign;
 pub mod case;
 pub mod catalogue;
@@ -31,6 +33,7 @@ pub mod page;
 pub mod physics;
 pub mod plan;
 pub mod plant;
+mod processor;
 pub mod proof_mass;
 pub mod readout;
 pub mod real;

@@ -8,7 +8,8 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::blind::{self, Subject};
+use super::ask::Subject;
+use super::blind;
 use super::case::{Body, Case, Family};
 use super::copy;
 use super::judge::{self, Mark};

@@ -1,5 +1,6 @@
 //! What a blind trial found: on the terminal, as a page, and as a short summary to be committed.
 
+pub mod book;
 pub mod figures;
 pub mod independent;
 pub mod like;

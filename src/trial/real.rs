@@ -9,10 +9,11 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::blind::{self, Subject};
-use super::case::Files;
+use super::ask::{self, Files, Subject};
+use super::independent::truth::{Effect, Family, Truth};
 use super::said::Said;
 use super::scratch::Scratch;
+use super::workers::side_by_side;
 use proofmass_base::document::read_toml;
 use proofmass_base::error::{Error, Result};
 use proofmass_diagnosis::verdict::Verdict;
@@ -40,8 +41,17 @@ pub struct Real {
     pub test: Vec<PathBuf>,
     /// Data rows used, half-open; absent means all.
     pub rows: Option<[usize; 2]>,
-    /// What is left out of the base model, as far as another source knows.
+    /// Every k-th of these rows; absent means all.
+    pub every: Option<usize>,
+    /// What is left out of the base model, as far as another source knows; names of which any one is
+    /// right, joined by "|".
     pub truth: Vec<String>,
+    /// Names that are right as well, by the same source or by the nature of the sensor.
+    #[serde(default)]
+    pub also: Vec<String>,
+    /// How it is judged: to the letter where something is known to be left out, else as physics that
+    /// no name is known for.
+    pub family: Option<Family>,
     /// Source of the known effects.
     pub source: String,
     /// Numbers known from another source.
@@ -73,6 +83,50 @@ pub struct Score {
     pub published: Option<f64>,
     /// Source of the published error, or why there is none.
     pub by: String,
+}
+
+impl Real {
+    /// Returns its name in small letters and digits, joined by hyphens.
+    pub fn id(&self) -> String {
+        let letters = self.name.to_lowercase();
+        let words = letters.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+        words.collect::<Vec<_>>().join("-")
+    }
+
+    /// Returns how it is judged, and against what. Recordings are listed because of what is in them:
+    /// what is known to be left out can be seen.
+    pub fn judged(&self) -> (Family, Truth) {
+        let seen = |names: &String| Effect {
+            right: names.split('|').map(str::to_owned).collect(),
+            evidence: f64::INFINITY,
+            over_noise: f64::INFINITY,
+        };
+        let family = self.family.unwrap_or(if self.truth.is_empty() { Family::Foreign } else { Family::Letter });
+        let effects: Vec<Effect> = self.truth.iter().map(seen).collect();
+        let evidence = effects.iter().map(|e| e.evidence).sum();
+        (family, Truth { effects, evidence, also: self.also.clone(), ..Truth::default() })
+    }
+
+    /// Puts the files of the verdict together in a folder of their own: recording, base model, and
+    /// recordings that only judge. In the model, `$PROOFMASS_DATA` stands for the folder of
+    /// recordings.
+    ///
+    /// # Errors
+    /// When files cannot be read or written.
+    pub fn files(&self, data: &Path, folder: &Path) -> Result<Files> {
+        let mut recording = data.join(&self.file);
+        if self.rows.is_some() || self.every.is_some() {
+            let part = folder.join("recording.csv");
+            cut(&recording, self.rows.unwrap_or([0, usize::MAX]), self.every.unwrap_or(1), &part)?;
+            recording = part;
+        }
+        let text = std::fs::read_to_string(&self.model).map_err(|e| Error::io("read", &self.model, &e))?;
+        let model = folder.join("model.toml");
+        let full = std::path::absolute(data).map_err(|e| Error::io("find", data, &e))?;
+        let text = text.replace("$PROOFMASS_DATA", &full.display().to_string());
+        std::fs::write(&model, text).map_err(|e| Error::io("write", &model, &e))?;
+        Ok(Files { recording, model, judging: self.test.iter().map(|file| data.join(file)).collect() })
+    }
 }
 
 /// An error found beside a published one, in the unit of the latter.
@@ -164,12 +218,13 @@ pub fn read(path: &Path) -> Result<Recipe> {
     Ok(recipe)
 }
 
-/// The heading and the rows wanted, as a file of their own.
-fn cut(from: &Path, rows: [usize; 2], to: &Path) -> Result<()> {
+/// The heading and every k-th of the rows wanted, as a file of their own.
+fn cut(from: &Path, rows: [usize; 2], every: usize, to: &Path) -> Result<()> {
     let text = std::fs::read_to_string(from).map_err(|e| Error::io("read", from, &e))?;
     let mut lines = text.lines();
     let heading = lines.next().unwrap_or_default();
-    let kept: Vec<&str> = std::iter::once(heading).chain(lines.take(rows[1]).skip(rows[0])).collect();
+    let wanted = lines.take(rows[1]).skip(rows[0]).step_by(every.max(1));
+    let kept: Vec<&str> = std::iter::once(heading).chain(wanted).collect();
     std::fs::write(to, kept.join("\n") + "\n").map_err(|e| Error::io("write", to, &e))
 }
 
@@ -178,26 +233,17 @@ fn cut(from: &Path, rows: [usize; 2], to: &Path) -> Result<()> {
 /// # Errors
 /// When files cannot be read; a diagnosis that fails is a row that says so.
 pub fn run(recipe: &Recipe, data: &Path, subject: &Subject<'_>, scratch: &Scratch) -> Result<Vec<Found>> {
-    let mut found = Vec::new();
-    for real in &recipe.recording {
+    side_by_side(&recipe.recording, |real| {
         let folder = scratch.case()?;
-        let mut recording = data.join(&real.file);
-        if let Some(rows) = real.rows {
-            let part = folder.path().join("recording.csv");
-            cut(&recording, rows, &part)?;
-            recording = part;
-        }
-        let judging = real.test.iter().map(|file| data.join(file)).collect();
-        let files = Files { recording, model: real.model.clone(), judging };
-        let (said, verdict) = blind::asked(&files, subject);
+        let (said, verdict) = ask::ask(&real.files(data, folder.path())?, subject)?;
         let scores = verdict.map_or_else(Vec::new, |verdict| real.scores.iter().map(|s| s.of(&verdict)).collect());
-        found.push(compare(real, said, scores));
-    }
-    Ok(found)
+        Ok(compare(real, said, scores))
+    })
 }
 
 fn compare(real: &Real, said: Said, scores: Vec<Scored>) -> Found {
-    let (named, more) = said.ids().into_iter().partition(|id| real.truth.contains(id));
+    let (_, truth) = real.judged();
+    let (named, more) = said.ids().into_iter().partition(|id| truth.allows(id));
     let numbers = real
         .numbers
         .iter()

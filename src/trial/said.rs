@@ -70,7 +70,7 @@ pub struct Said {
     pub numbers: Vec<Number>,
     /// rmse of the base and of the repaired model on data not fitted, and the noise floor.
     pub rmse: [f64; 3],
-    /// Time that the diagnosis took, s.
+    /// Processor time that the diagnosis took, s.
     pub seconds: f64,
     /// The verdict's sentence, or the error.
     pub words: String,

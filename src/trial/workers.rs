@@ -59,7 +59,8 @@ pub(crate) fn side_by_side<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R
     Ok(done.into_iter().flatten().collect())
 }
 
-fn no_thread(cause: &str) -> Error {
+/// The error of a thread that cannot be started.
+pub(crate) fn no_thread(cause: &str) -> Error {
     Error::new("could not start a worker", cause, "free memory, or allow more threads to this user")
 }
 

@@ -7,9 +7,7 @@ use proofmass_base::control::Control;
 use proofmass_base::document::to_json;
 use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};
-use proofmass_diagnosis::verdict::Verdict;
-use proofmass_diagnosis::{self as diagnosis, model};
-use proofmass_report::diagnosis::worded;
+use proofmass_trial::ask::Subject;
 use proofmass_trial::independent::case::Case;
 use proofmass_trial::independent::judge::coverage;
 use proofmass_trial::independent::run::{self, Plan};
@@ -69,10 +67,10 @@ fn command(request: &Request) -> String {
 ///
 /// # Errors
 /// When the folder cannot be written, on Ctrl-C, or when the sealed truth was changed.
-pub(super) fn run(request: &Request, json: bool, control: &Control) -> Result<()> {
+pub(super) fn run(request: &Request, subject: &Subject<'_>, json: bool, control: &Control) -> Result<()> {
     let plan = plan(request)?;
     if let (Some(number), Some(path)) = (request.case, &request.out) {
-        return one(plan, number, path, request.force, json, control);
+        return one(plan, number, path, request.force, json, subject);
     }
     let mut kept = request.out.as_deref().map(|path| keep(path, request)).transpose()?;
     if let Some(kept) = &mut kept {
@@ -87,7 +85,7 @@ pub(super) fn run(request: &Request, json: bool, control: &Control) -> Result<()
     if !request.resume && state.exists() {
         std::fs::remove_file(&state).map_err(|e| Error::io("replace", &state, &e))?;
     }
-    let lines = run::run(&cases, &state, done, &tool(control), control)?;
+    let lines = run::run(&cases, &state, done, subject, control)?;
     let truths = run::open(&truth, &sealed)?;
     let score = Score::of(plan.seed, &truths.cases, &lines, &sealed);
     let document = to_json(&score)?;
@@ -127,7 +125,7 @@ fn keep(path: &Path, request: &Request) -> Result<Folder> {
 }
 
 /// Makes one case again and asks for its verdict.
-fn one(plan: Plan, number: usize, path: &Path, force: bool, json: bool, control: &Control) -> Result<()> {
+fn one(plan: Plan, number: usize, path: &Path, force: bool, json: bool, subject: &Subject<'_>) -> Result<()> {
     let Some(case) = Case::make(plan.seed, number, Size { rows: plan.rows }) else {
         return Err(Error::new(
             format!("could not make case {number}"),
@@ -149,7 +147,7 @@ fn one(plan: Plan, number: usize, path: &Path, force: bool, json: bool, control:
     }
     folder.finish()?;
     drop(folder);
-    let said = run::ask(&case, &tool(control), &Scratch::new(None)?)?;
+    let (said, _) = run::ask(&case, subject, &Scratch::new(None)?)?;
     let line = run::line(&case, said.clone());
     if json {
         sayln!("{}", to_json(&serde_json::json!({ "case": case, "verdict": line }))?)?;
@@ -176,14 +174,4 @@ fn one(plan: Plan, number: usize, path: &Path, force: bool, json: bool, control:
     }
     sayln!("mark: {}", line.mark.word())?;
     Ok(())
-}
-
-/// The tool itself, by the way that `proofmass diagnose` goes.
-fn tool(control: &Control) -> impl Fn(&Path, &Path) -> Result<Verdict> + Sync {
-    let control = control.without_stages();
-    move |recording, model| {
-        let model = model::read(model)?;
-        let recording = model::read_recording(recording, &model, &control)?;
-        Ok(worded(diagnosis::diagnose(&recording, &model, &control)?).verdict)
-    }
 }

@@ -34,6 +34,16 @@ impl Change {
     /// All, in the order of the report.
     pub const ALL: [Self; 6] = [Self::Half, Self::Fifth, Self::Tenth, Self::Units, Self::Sign, Self::Swapped];
 
+    /// One row of so many is in the copy.
+    pub(crate) fn every(self) -> usize {
+        match self {
+            Self::Half => 2,
+            Self::Fifth => 5,
+            Self::Tenth => 10,
+            Self::Units | Self::Sign | Self::Swapped => 1,
+        }
+    }
+
     /// Name of the change in tables.
     pub fn name(self) -> &'static str {
         match self {
@@ -120,7 +130,49 @@ fn slot(number: usize) -> (Kind, Family, usize) {
     (kind, family, number / 100 * count + before)
 }
 
+/// Where a case stands among the others; known by its number, before it is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Place {
+    /// Kind of recording.
+    pub kind: Kind,
+    /// Relation of its truth to the library.
+    pub family: Family,
+    /// Sub-family within the family.
+    pub sub: &'static str,
+    /// The change, where it is another case written otherwise.
+    pub change: Option<Change>,
+}
+
+impl Place {
+    /// Returns the place of a case.
+    pub fn of(number: usize) -> Self {
+        if number >= BESIDE {
+            return Self { kind: Kind::Static, family: Family::Near, sub: rest::BESIDE_SILENT, change: None };
+        }
+        let (kind, family, nth) = slot(number % LINKED);
+        let sub = match (kind, family) {
+            (Kind::Driven, Family::Letter) => letter::sub(nth),
+            (Kind::Driven, Family::Near) => near::sub(nth),
+            (Kind::Driven, Family::Foreign) => foreign::sub(nth),
+            (Kind::Driven, Family::Null) => null::sub(nth),
+            (Kind::Static, _) => rest::sub(family, nth),
+            (Kind::Tumble, _) => tumble::sub(family, nth),
+        };
+        let how = number / LINKED;
+        Self { kind, family, sub, change: how.checked_sub(1).and_then(|how| Change::ALL.get(how)).copied() }
+    }
+}
+
+/// Returns the number of a case written otherwise.
+pub(crate) fn rewritten(origin: usize, change: Change) -> usize {
+    let how = Change::ALL.iter().position(|c| *c == change).unwrap_or(0) + 1;
+    how * LINKED + origin
+}
+
 impl Case {
+    /// Fewest rows of a copy at a lower rate.
+    pub(crate) const LEAST_ROWS: usize = 1500;
+
     /// Makes a case by its number. None where it cannot be written that way: too few rows, say.
     pub fn make(seed: u64, number: usize, size: Size) -> Option<Self> {
         if number >= BESIDE {
@@ -183,16 +235,12 @@ impl Case {
         let (o, columns) = (&driven.oscillator, &mut driven.columns);
         match change {
             Change::Half | Change::Fifth | Change::Tenth => {
-                let every = match change {
-                    Change::Half => 2,
-                    Change::Fifth => 5,
-                    _ => 10,
-                };
+                let every = change.every();
                 let rate_hz = o.rate_hz / every as f64;
                 // A held input is not known from every k-th value; a fast one is not known from few
                 // rows.
                 let fast = o.input.highest_hz().max(o.omega / std::f64::consts::TAU);
-                if o.held || o.rows / every < 1500 || rate_hz < 4.0 * fast {
+                if o.held || o.rows / every < Self::LEAST_ROWS || rate_hz < 4.0 * fast {
                     return None;
                 }
                 columns.every = every;
@@ -268,6 +316,7 @@ mod tests {
         assert_eq!(numbers.iter().filter(|n| **n >= BESIDE).count(), 4);
         assert_eq!(numbers.len() - 4, numbers.iter().position(|n| *n >= BESIDE).expect("listed"));
         let case = Case::make(3, BESIDE, Size { rows: 4000 }).expect("made");
+        assert_eq!(case.sub, Place::of(BESIDE).sub);
         let Body::Still(still) = &case.body else { panic!("at rest") };
         let acts = |c: usize| still.effect(0, c).iter().any(|v| *v != 0.0);
         let silent: Vec<&String> = (0..3).filter(|c| !acts(*c)).map(|c| &still.headings[c]).collect();
@@ -283,8 +332,8 @@ mod tests {
             text.lines().skip(1).map(|l| l.split(',').map(|v| v.parse().expect("a number")).collect()).collect()
         };
         let pair = |change: Change, number: usize| -> Option<[Vec<Vec<f64>>; 2]> {
-            let how = Change::ALL.iter().position(|c| *c == change).expect("listed") + 1;
-            let other = Case::make(3, how * LINKED + number, size)?;
+            let other = Case::make(3, rewritten(number, change), size)?;
+            assert_eq!(Place::of(other.number).change, Some(change));
             let origin = Case::make(3, other.origin(), size)?;
             Some([&origin, &other].map(|c| numbers(&c.texts()[0])))
         };
@@ -308,6 +357,8 @@ mod tests {
         for number in 0..25 {
             let case = Case::make(5, number, size).expect("made");
             assert!(case.texts() == Case::make(5, number, size).expect("made").texts());
+            let place = Place::of(number);
+            assert_eq!((place.kind, place.family, place.sub), (case.kind, case.family, case.sub.as_str()));
             assert_eq!(case.family == Family::Null, case.truth.effects.is_empty() && case.family != Family::Foreign);
             let text = serde_json::to_string(&case).expect("written");
             assert_eq!(serde_json::from_str::<Case>(&text).expect("read"), case);

@@ -62,9 +62,14 @@ fn piece(sub: &str, draw: &mut Draw, o: &super::oscillator::Oscillator, target: 
     }
 }
 
+/// Returns the sub-family of the n-th case.
+pub(crate) fn sub(nth: usize) -> &'static str {
+    SUBS[nth % SUBS.len()]
+}
+
 /// The n-th case of the family.
 pub(crate) fn draw(nth: usize, draw: &mut Draw, size: Size) -> Made {
-    let sub = SUBS[nth % SUBS.len()];
+    let sub = sub(nth);
     loop {
         let base = stage(draw, Wish::Rich, size);
         let target = target(draw, &base);

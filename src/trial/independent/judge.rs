@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::case::Case;
 use super::stated;
-use super::truth::{Family, SEEN};
-use crate::said::{Ending, Said};
+use super::truth::{Family, SEEN, Truth};
+use crate::said::{Ending, Number, Said};
 
 /// Worth of a verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -86,12 +86,17 @@ impl Mark {
 
 /// The mark of a verdict on a case.
 pub fn judge(case: &Case, said: &Said) -> Mark {
-    let truth = &case.truth;
+    mark(case.family, &case.truth, said, || overclaims(case, said))
+}
+
+/// The mark of a verdict on a truth; near a law, `overclaims` says whether what is called explained
+/// is not.
+pub(crate) fn mark(family: Family, truth: &Truth, said: &Said, overclaims: impl FnOnce() -> bool) -> Mark {
     let ids = said.ids();
     if said.outcome == Ending::Error {
         return Mark::Error;
     }
-    if case.family == Family::Null {
+    if family == Family::Null {
         return match said.outcome {
             // A finding that belongs to the recording without being a mismatch is no alarm.
             Ending::Adequate => Mark::Right,
@@ -113,7 +118,7 @@ pub fn judge(case: &Case, said: &Said) -> Mark {
             let missing = |e: &super::truth::Effect| e.evidence >= SEEN && !e.right.iter().any(|r| ids.contains(r));
             match () {
                 () if truth.effects.iter().any(missing) => Mark::Missed,
-                () if case.family == Family::Near && overclaims(case, said) => Mark::Overclaimed,
+                () if family == Family::Near && overclaims() => Mark::Overclaimed,
                 () => Mark::Right,
             }
         }
@@ -161,41 +166,43 @@ pub struct Covered {
 /// The intervals of right names that are true to the letter; near a law, those of exponents, which
 /// say what the name leaves open.
 pub fn coverage(case: &Case, said: &Said) -> Vec<Covered> {
-    let is_judged = |name: &str| match case.family {
-        Family::Letter => true,
-        Family::Near => name == "n",
-        Family::Foreign | Family::Null => false,
-    };
     if judge(case, said) != Mark::Right {
         return Vec::new();
     }
-    said.numbers
-        .iter()
-        .filter(|n| is_judged(&n.name))
-        .filter_map(|n| {
-            let of = |p: &&super::truth::Parameter| {
-                p.id == n.id && p.name == n.name && p.channel.as_ref().is_none_or(|c| *c == n.channel)
-            };
-            let truth = case.truth.parameters.iter().find(of)?.value;
-            // Files hold ten digits: a step read off them exactly may still differ in the last.
-            let air = 1e-6 * truth.abs();
-            // The side of a stop is a matter of sign.
-            let [low, high] = match n.name == "gap" && n.value < 0.0 {
-                true => [-n.ci95[1], -n.ci95[0]],
-                false => n.ci95,
-            };
-            let covers = low - air <= truth && truth <= high + air;
-            let value = n.value;
-            Some(Covered { id: n.id.clone(), name: n.name.clone(), truth, value, ci95: n.ci95, covers })
-        })
-        .collect()
+    let held = |n: &Number| {
+        let (truth, covers) = holds(case, n)?;
+        Some(Covered { id: n.id.clone(), name: n.name.clone(), truth, value: n.value, ci95: n.ci95, covers })
+    };
+    said.numbers.iter().filter_map(held).collect()
+}
+
+/// The true value of a number that a verdict gives, where the truth has one, and whether its
+/// interval holds it.
+pub(crate) fn holds(case: &Case, n: &Number) -> Option<(f64, bool)> {
+    let is_judged = match case.family {
+        Family::Letter => true,
+        Family::Near => n.name == "n",
+        Family::Foreign | Family::Null => false,
+    };
+    let of = |p: &&super::truth::Parameter| {
+        p.id == n.id && p.name == n.name && p.channel.as_ref().is_none_or(|c| *c == n.channel)
+    };
+    let truth = case.truth.parameters.iter().filter(|_| is_judged).find(of)?.value;
+    // Files hold ten digits: a step read off them exactly may still differ in the last.
+    let air = 1e-6 * truth.abs();
+    // The side of a stop is a matter of sign.
+    let [low, high] = match n.name == "gap" && n.value < 0.0 {
+        true => [-n.ci95[1], -n.ci95[0]],
+        false => n.ci95,
+    };
+    Some((truth, low - air <= truth && truth <= high + air))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::independent::stage::Size;
-    use crate::independent::truth::{Truth, effect};
+    use crate::independent::truth::effect;
 
     fn said(outcome: Ending, groups: &[&[&str]]) -> Said {
         let groups = groups.iter().map(|g| g.iter().map(|id| (*id).to_owned()).collect()).collect();
@@ -252,5 +259,4 @@ mod tests {
     }
 
     use crate::independent::truth::Effect;
-    use crate::said::Number;
 }

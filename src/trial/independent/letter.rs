@@ -227,37 +227,46 @@ const TRIPLES: [[&str; 3]; 5] = [
     ["cubic-stiffness", "parasitic-mode", "bias-random-walk"],
 ];
 
+/// Returns the sub-family of the n-th case: singles, and each fifth something of several effects or
+/// of a special kind.
+pub(crate) fn sub(nth: usize) -> &'static str {
+    match (nth % 5, (nth / 5) % 4) {
+        (4, special) => ["pair", "triple", "chaotic", "operating point"][special],
+        _ => IDS[(nth - nth / 5) % IDS.len()],
+    }
+}
+
 /// The n-th case of the family.
 pub(crate) fn draw(nth: usize, draw: &mut Draw, size: Size) -> Made {
-    // Singles, then each fourth something of several effects or of a special kind.
+    let sub = sub(nth);
     loop {
-        let special = nth % 5;
-        let made = match (special, (nth / 5) % 4) {
-            (4, 0) => {
+        let made = match sub {
+            "pair" => {
                 let pair = PAIRS[(nth / 20) % PAIRS.len()];
                 let ratio = draw.log_between(1.0, 20.0);
                 let order = if draw.chance(0.5) { pair } else { [pair[1], pair[0]] };
-                several(&order, &[1.0, ratio], draw, Wish::Rich, size).map(|m| ("pair".to_owned(), m))
+                several(&order, &[1.0, ratio], draw, Wish::Rich, size)
             }
-            (4, 1) => {
+            "triple" => {
                 let triple = TRIPLES[(nth / 20) % TRIPLES.len()];
                 let ratios = [1.0, draw.log_between(1.0, 4.0), draw.log_between(1.0, 8.0)];
-                several(&triple, &ratios, draw, Wish::Rich, size).map(|m| ("triple".to_owned(), m))
+                several(&triple, &ratios, draw, Wish::Rich, size)
             }
-            (4, 2) => chaotic(draw, size).map(|m| ("chaotic".to_owned(), m)),
-            (4, _) => several(&["cubic-stiffness"], &[1.0], draw, Wish::OperatingPoint, size).map(|(d, mut truth)| {
-                // About its operating point a cubic spring is a quadratic one as well.
-                truth.also.push("quadratic-stiffness".into());
-                ("operating point".to_owned(), (d, truth))
-            }),
-            _ => {
-                let id = IDS[(nth - nth / 5) % IDS.len()];
+            "chaotic" => chaotic(draw, size),
+            "operating point" => {
+                several(&["cubic-stiffness"], &[1.0], draw, Wish::OperatingPoint, size).map(|(d, mut truth)| {
+                    // About its operating point a cubic spring is a quadratic one as well.
+                    truth.also.push("quadratic-stiffness".into());
+                    (d, truth)
+                })
+            }
+            id => {
                 let wish = if needs_input(id) { Wish::Rich } else { Wish::Any };
-                several(&[id], &[1.0], draw, wish, size).map(|m| (id.to_owned(), m))
+                several(&[id], &[1.0], draw, wish, size)
             }
         };
-        if let Some((sub, (driven, truth))) = made {
-            return (sub, driven, truth);
+        if let Some((driven, truth)) = made {
+            return (sub.to_owned(), driven, truth);
         }
     }
 }

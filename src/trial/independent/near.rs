@@ -156,9 +156,14 @@ fn piece(sub: &str, draw: &mut Draw, base: &super::driven::Driven, target: f64) 
     }
 }
 
+/// Returns the sub-family of the n-th case.
+pub(crate) fn sub(nth: usize) -> &'static str {
+    SUBS[nth % SUBS.len()]
+}
+
 /// The n-th case of the family.
 pub(crate) fn draw(nth: usize, draw: &mut Draw, size: Size) -> Made {
-    let sub = SUBS[nth % SUBS.len()];
+    let sub = sub(nth);
     let linear = ["input", "low-pass", "delay"].iter().any(|s| sub.starts_with(s));
     loop {
         let base = stage(draw, if linear { Wish::Rich } else { Wish::Any }, size);

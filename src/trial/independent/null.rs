@@ -21,9 +21,14 @@ pub(super) const SUBS: [&str; 12] = [
     "ring-down, Student t5 noise",
 ];
 
+/// Returns the sub-family of the n-th case.
+pub(crate) fn sub(nth: usize) -> &'static str {
+    SUBS[nth % SUBS.len()]
+}
+
 /// The n-th case of the family.
 pub(crate) fn draw(nth: usize, draw: &mut Draw, size: Size) -> Made {
-    let sub = SUBS[nth % SUBS.len()];
+    let sub = sub(nth);
     let wish = match sub {
         "single sine" => Wish::Sine,
         "ring-down" | "ring-down, Student t5 noise" => Wish::RingDown,

@@ -44,6 +44,8 @@ const NEAR: [&str; 12] = [
     "sine of changing frequency",
     "drift t^1.5",
 ];
+/// Sub-family of one strong channel beside silent ones.
+pub(crate) const BESIDE_SILENT: &str = "temperature, lag in one channel";
 const NULL: [&str; 10] = [
     "normal noise",
     "Student t3 noise",
@@ -250,7 +252,6 @@ fn near(sub: &str, draw: &mut Draw, size: Size) -> Made {
 
 /// A case of a temperature that acts late on one channel of three and not at all on the others.
 pub(crate) fn draw_beside_silent(draw: &mut Draw, size: Size) -> Made {
-    let sub = "temperature, lag in one channel";
     let mut still = bare_of(3, draw, Size { rows: 2 * size.rows });
     let length_s = still.rows as f64 / still.rate_hz;
     let (process, right) = near_process("temperature, lag", draw, length_s, still.rate_hz);
@@ -262,7 +263,7 @@ pub(crate) fn draw_beside_silent(draw: &mut Draw, size: Size) -> Made {
     let silent = still.headings.iter().enumerate().filter(|(c, _)| *c != one).map(|(_, h)| h.clone()).collect();
     let (evidence, departure) = (effects[0].evidence, departure(&still));
     let truth = Truth { evidence, departure, effects, silent, ..Truth::default() };
-    (sub.to_owned(), still, truth)
+    (BESIDE_SILENT.to_owned(), still, truth)
 }
 
 /// Evidence of what the nearest law of the library leaves of the first process, all channels
@@ -321,13 +322,22 @@ fn null(sub: &str, draw: &mut Draw, size: Size) -> Made {
     (sub.to_owned(), still, truth)
 }
 
+/// Returns the sub-family of the n-th case of a family.
+pub(crate) fn sub(family: Family, nth: usize) -> &'static str {
+    match family {
+        Family::Letter => LETTER[nth % LETTER.len()],
+        Family::Near | Family::Foreign => NEAR[nth % NEAR.len()],
+        Family::Null => NULL[nth % NULL.len()],
+    }
+}
+
 /// The n-th case of a family.
 pub(crate) fn draw(family: Family, nth: usize, draw: &mut Draw, size: Size) -> Made {
     let size = Size { rows: 2 * size.rows };
     let (sub, still, mut truth) = match family {
-        Family::Letter => letter(LETTER[nth % LETTER.len()], draw, size),
-        Family::Near | Family::Foreign => near(NEAR[nth % NEAR.len()], draw, size),
-        Family::Null => null(NULL[nth % NULL.len()], draw, size),
+        Family::Letter => letter(sub(family, nth), draw, size),
+        Family::Near | Family::Foreign => near(sub(family, nth), draw, size),
+        Family::Null => null(sub(family, nth), draw, size),
     };
     truth.evidence = truth.effects.iter().map(|e| e.evidence).sum::<f64>() + 0.0;
     // That something is there is seen in all together; what it is, beside the others.

@@ -2,17 +2,19 @@
 //! after the last.
 
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions};
-use std::io::{BufRead, BufReader, Write};
+use std::fs::OpenOptions;
+use std::io::Write;
 use std::path::Path;
 use std::sync::Mutex;
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::case::Case;
 use super::judge::{Mark, judge};
 use super::stage::Size;
+use crate::ask::{self, Files, Subject};
 use crate::said::Said;
 use crate::scratch::Scratch;
 use crate::workers::side_by_side;
@@ -20,9 +22,6 @@ use proofmass_base::control::Control;
 use proofmass_base::document::{hexadecimal, write_whole};
 use proofmass_base::error::{Error, Result};
 use proofmass_diagnosis::verdict::Verdict;
-
-/// What is diagnosed: two files in, a verdict out.
-pub(crate) type Subject<'a> = dyn Fn(&Path, &Path) -> Result<Verdict> + Sync + 'a;
 
 /// Seed, size and number of the cases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -76,6 +75,21 @@ pub type Lines = BTreeMap<usize, Line>;
 
 const HINT: &str = "run it again with --resume; finished verdicts are kept in --out";
 
+/// A case to be made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Order {
+    /// Number of the case.
+    pub number: usize,
+    /// Rows of the longest recording.
+    pub rows: usize,
+}
+
+impl Plan {
+    fn orders(self) -> Vec<Order> {
+        Case::numbers(self.cases).into_iter().map(|number| Order { number, rows: self.rows }).collect()
+    }
+}
+
 /// Makes the cases and seals them; a resumed trial takes those that are sealed. Returns the seal
 /// and the cases.
 ///
@@ -91,11 +105,18 @@ pub fn prepare(plan: Plan, path: &Path, resume: bool, control: &Control) -> Resu
         }
         return Ok((hexadecimal(&Sha256::digest(&bytes)), truths.cases));
     }
-    let numbers = Case::numbers(plan.cases);
-    let stage = control.stage("making cases", numbers.len() as u64);
-    let made = side_by_side(&numbers, |number| {
+    seal(plan, &plan.orders(), path, control)
+}
+
+/// Makes cases and seals them. Returns the seal and those that can be made, as they were sealed.
+///
+/// # Errors
+/// When the file cannot be written, or when stopped.
+pub(crate) fn seal(plan: Plan, orders: &[Order], path: &Path, control: &Control) -> Result<(String, Vec<Case>)> {
+    let stage = control.stage("making cases", orders.len() as u64);
+    let made = side_by_side(orders, |order| {
         control.go_on().map_err(|stopped| stopped.during("could not make the cases", "run it again"))?;
-        let case = Case::make(plan.seed, *number, Size { rows: plan.rows });
+        let case = Case::make(plan.seed, order.number, Size { rows: order.rows });
         stage.add(1);
         Ok(case)
     })?;
@@ -132,40 +153,37 @@ pub fn open(path: &Path, sealed: &str) -> Result<Truths> {
     parse(&bytes)
 }
 
-/// Verdicts of an interrupted run; a line that was cut is asked again.
+/// Lines of an interrupted run; one that was cut is left out, and its case asked again.
+///
+/// # Errors
+/// When the file is there and cannot be read.
+pub(crate) fn kept<L: DeserializeOwned>(path: &Path) -> Result<Vec<L>> {
+    let bytes = match std::fs::read(path) {
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Vec::new(),
+        read => read.map_err(|e| Error::io("read", path, &e))?,
+    };
+    Ok(bytes.split(|byte| *byte == b'\n').filter_map(|line| serde_json::from_slice(line).ok()).collect())
+}
+
+/// Verdicts of an interrupted run.
 ///
 /// # Errors
 /// When the file is there and cannot be read.
 pub fn earlier(path: &Path) -> Result<Lines> {
-    let file = match File::open(path) {
-        Ok(file) => file,
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Lines::new()),
-        Err(e) => return Err(Error::io("read", path, &e)),
-    };
-    let lines = BufReader::new(file).lines().map_while(std::result::Result::ok);
-    Ok(lines.filter_map(|l| serde_json::from_str::<Line>(&l).ok()).map(|l| (l.number, l)).collect())
+    Ok(kept::<Line>(path)?.into_iter().map(|l| (l.number, l)).collect())
 }
 
 /// Asks for the verdict on one case: two files in a folder of their own, and nothing else.
 ///
 /// # Errors
 /// When the files cannot be written, or when stopped; a diagnosis that fails is a verdict "error".
-pub fn ask(case: &Case, subject: &Subject<'_>, scratch: &Scratch) -> Result<Said> {
+pub fn ask(case: &Case, subject: &Subject<'_>, scratch: &Scratch) -> Result<(Said, Option<Verdict>)> {
     let folder = scratch.case()?;
     let [recording, model] = ["recording.csv", "model.toml"].map(|name| folder.path().join(name));
     for (path, text) in [&recording, &model].into_iter().zip(case.texts()) {
         std::fs::write(path, text).map_err(|e| Error::io("write", path, &e))?;
     }
-    let start = std::time::Instant::now();
-    let verdict = subject(&recording, &model);
-    let seconds = start.elapsed().as_secs_f64();
-    match verdict {
-        Ok(verdict) => Ok(Said::from_verdict(&verdict, seconds)),
-        Err(error) if error.kind == proofmass_base::error::Kind::Interrupted => {
-            Err(Error { hint: HINT.into(), ..error })
-        }
-        Err(error) => Ok(Said::from_error(&error, seconds)),
-    }
+    ask::ask(&Files { recording, model, judging: Vec::new() }, subject)
 }
 
 /// The line of a case.
@@ -191,18 +209,35 @@ pub fn line(case: &Case, said: Said) -> Line {
 pub fn run(cases: &[Case], path: &Path, mut done: Lines, subject: &Subject<'_>, control: &Control) -> Result<Lines> {
     let scratch = Scratch::new(path.parent())?;
     let open: Vec<&Case> = cases.iter().filter(|c| !done.contains_key(&c.number)).collect();
-    let file = OpenOptions::new().create(true).append(true).open(path).map_err(|e| Error::io("write", path, &e))?;
+    let fresh = keep(&open, path, control, |case| Ok(line(case, ask(case, subject, &scratch)?.0)))?;
+    done.extend(fresh.into_iter().map(|line| (line.number, line)));
+    Ok(done)
+}
+
+/// Does `work` for every item, side by side, and keeps what it gives as a line of a file at once.
+///
+/// # Errors
+/// When nothing can be written, when stopped, or the first of `work`.
+pub(crate) fn keep<T: Sync, L: Serialize + Send>(
+    items: &[T],
+    path: &Path,
+    control: &Control,
+    work: impl Fn(&T) -> Result<L> + Sync,
+) -> Result<Vec<L>> {
+    let file = OpenOptions::new().create(true).append(true).open(path);
+    let mut file = file.map_err(|e| Error::io("write", path, &e))?;
+    // A line that was cut off must not swallow the next one.
+    writeln!(file).map_err(|e| Error::io("write", path, &e))?;
     let file = Mutex::new(file);
-    let stage = control.stage("verdicts", open.len() as u64);
-    let fresh = side_by_side(&open, |case| {
+    let stage = control.stage("verdicts", items.len() as u64);
+    side_by_side(items, |item| {
         control.go_on().map_err(|stopped| stopped.during("could not finish the trial", HINT))?;
-        let line = line(case, ask(case, subject, &scratch)?);
+        let line = work(item)?;
         let text = serde_json::to_string(&line).map_err(|e| unsealed(&e.to_string()))? + "\n";
         let mut file = file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        // In one piece, so that a stop leaves a line whole or cut off, never without its end.
         file.write_all(text.as_bytes()).map_err(|e| Error::io("write", path, &e))?;
         stage.add(1);
         Ok(line)
-    })?;
-    done.extend(fresh.into_iter().map(|line| (line.number, line)));
-    Ok(done)
+    })
 }

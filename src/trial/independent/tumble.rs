@@ -208,13 +208,18 @@ fn null(sub: &str, draw: &mut Draw) -> (Turned, Truth) {
     (turned, truth)
 }
 
-/// The n-th case of a family.
-pub(crate) fn draw(family: Family, nth: usize, draw: &mut Draw, _: Size) -> Made {
-    let sub = match family {
+/// Returns the sub-family of the n-th case of a family.
+pub(crate) fn sub(family: Family, nth: usize) -> &'static str {
+    match family {
         Family::Letter => LETTER[nth % LETTER.len()],
         Family::Near | Family::Foreign => NEAR[nth % NEAR.len()],
         Family::Null => NULL[nth % NULL.len()],
-    };
+    }
+}
+
+/// The n-th case of a family.
+pub(crate) fn draw(family: Family, nth: usize, draw: &mut Draw, _: Size) -> Made {
+    let sub = sub(family, nth);
     let (turned, mut truth) = match family {
         Family::Letter => letter(sub, draw),
         Family::Near | Family::Foreign => near(sub, draw),
