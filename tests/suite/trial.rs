@@ -154,6 +154,7 @@ fn adequate(files: &Files) -> Verdict {
         detectable: Vec::new(),
         next_experiment: String::new(),
         findings: Vec::new(),
+        trace: None,
     }
 }
 
