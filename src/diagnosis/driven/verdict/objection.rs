@@ -19,7 +19,7 @@ impl Draft<'_> {
     /// Why a term may not stay, if it may not: the test samples speak against it, it is not what
     /// its name says, or it may be nothing.
     fn objection(&self, named: &Named) -> Option<Objection> {
-        let worse = self.model.held_out.free() / named.free_without;
+        let worse = self.model.held_out.free() / named.without.free();
         let worsens = named.worsens(&self.model);
         let worsens = worsens.then(|| self.objects(named, Gate::Worsens, Dropped::Worsens, [worse, WORSE]));
         worsens.flatten().or_else(|| self.misnamed(named))
@@ -74,7 +74,8 @@ impl Draft<'_> {
     pub(super) fn drop_what_cannot_stay(&mut self) {
         let worst = |draft: &Self| {
             let all = draft.named.iter().filter_map(|n| Some((n, draft.objection(n)?)));
-            all.min_by(|a, b| a.0.free_without.total_cmp(&b.0.free_without)).map(|(n, objection)| (n.index, objection))
+            let worst = all.min_by(|a, b| a.0.without.free().total_cmp(&b.0.without.free()));
+            worst.map(|(n, objection)| (n.index, objection))
         };
         while let Some((index, objection)) = worst(self) {
             self.drop_for(index, objection);
