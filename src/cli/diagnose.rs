@@ -9,6 +9,7 @@ use proofmass_base::document::to_json;
 use proofmass_base::error::Result;
 use proofmass_base::output::{self, Folder};
 use proofmass_base::progress;
+use proofmass_diagnosis::gate::Gate;
 use proofmass_diagnosis::model::{self, Model};
 use proofmass_diagnosis::recordings::Recordings;
 use proofmass_diagnosis::{self as diagnosis, proposal, repair, repaired};
@@ -60,6 +61,22 @@ pub struct Arguments {
     /// Also write the data of the figures as Parquet, next to numbers/FIGURE.csv
     #[arg(long, requires = "out")]
     pub parquet: bool,
+    /// Also write which rules acted, what each changed and on what number (`trace` in verdict.json;
+    /// kind = "driven")
+    #[arg(long)]
+    pub trace: bool,
+    /// Switch off a rule of the search or of the conclusion, to see what it is worth
+    #[arg(long, value_name = "GATE", value_parser = gate, hide = true)]
+    pub without: Vec<Gate>,
+}
+
+/// The gate of this id.
+///
+/// # Errors
+/// There is none; the ids are listed.
+pub(super) fn gate(id: &str) -> std::result::Result<Gate, String> {
+    let ids = || Gate::ALL.iter().map(|g| g.id()).collect::<Vec<_>>().join(", ");
+    Gate::of_id(id).ok_or_else(|| format!("no such gate; the gates are {}", ids()))
 }
 
 /// Diagnoses, prints the verdict and writes the report.
@@ -82,6 +99,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     if arguments.force_rate {
         model = model.with_forced_rate();
     }
+    model = model.without(&arguments.without);
     let seconds = model::Seconds { from_s: arguments.from_s, to_s: arguments.to_s };
     let read = |paths: &[PathBuf]| -> Result<Vec<Recording>> {
         paths.iter().map(|path| model::read_part(path, &model, seconds, &control)).collect()
@@ -92,8 +110,11 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     let outputs = || outputs(arguments, &model);
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs())).transpose()?;
-    let mut diagnosis =
-        page::worded(diagnosis::diagnose_all(Recordings { train: &train, test: &test }, &model, &control)?);
+    let answer = diagnosis::diagnose_all(Recordings { train: &train, test: &test }, &model, &control)?;
+    let mut diagnosis = page::worded(answer);
+    if arguments.trace {
+        diagnosis = diagnosis.with_trace();
+    }
     if let Some(text) = &proposal {
         let words = text.lines().map(str::trim).filter(|line| *line != "[columns]").collect::<Vec<_>>().join(", ");
         diagnosis.verdict.findings.insert(0, format!("no model was given; it was chosen by the headings: {words}"));

@@ -4,6 +4,7 @@
 use super::candidate::Kind;
 use super::repair::Repair;
 use super::standing::Ranked;
+use super::trace::Step;
 use super::verdict::{
     DependsOn, Detectable, Effect, Estimate, Fit, Outcome, RecordingInfo, StateCell, Stretch, Whiteness,
 };
@@ -33,6 +34,8 @@ pub struct Answer {
     pub findings: Vec<String>,
     /// Every candidate that was tried, best first, named or not.
     pub ranking: Vec<Ranked>,
+    /// What each rule that acted changed, in their order; driven recordings only.
+    pub trace: Vec<Step>,
     /// The sensor with and without the named physics, for a study and for the cost in metres.
     /// `None` where nothing a study could run came out, e.g. when the base model could not be
     /// fitted.

@@ -181,6 +181,7 @@ mod tests {
             residual_after: Whiteness { white: true, p_value: 0.5 },
             findings: Vec::new(),
             ranking: Vec::new(),
+            trace: Vec::new(),
             repair: None,
             detail: Detail::Driven(Box::<driven::Detail>::default()),
         }

@@ -15,12 +15,14 @@ pub mod verdict;
 
 use crate::control::{Control, Stopped};
 use crate::error::Result;
+use crate::gate::Gate;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::order;
 pub use crate::physics::library::CANDIDATES;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 use crate::recording::Recording;
+use crate::trace::Step;
 
 use super::answer::Answer;
 use super::model;
@@ -70,12 +72,16 @@ pub fn diagnose(recording: &Recording, model: &model::Driven, control: &Control)
 pub(crate) fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, control: &Control) -> Result<Answer> {
     let recording = &recordings.train[0];
     let taken = several::taken(recordings, model, settled, control)?;
-    let Some((answer, of_memory)) = decayed(recording, &taken, model) else {
-        return by_likelihood(recording, taken, model, control);
+    let trace = taken.prepared.data.trace.clone();
+    let answer = match decayed(recording, &taken, model) {
+        None => by_likelihood(recording, taken, model, control)?,
+        Some((answer, false)) => answer,
+        // Noise is named last, from what remains, by its likelihood.
+        Some((answer, true)) => {
+            by_likelihood(recording, taken, model, control).ok().filter(names_noise_alone).unwrap_or(answer)
+        }
     };
-    // Noise is named last, from what remains, by its likelihood.
-    let other = if of_memory { by_likelihood(recording, taken, model, control).ok() } else { None };
-    Ok(other.filter(names_noise_alone).unwrap_or(answer))
+    Ok(Answer { trace: trace.steps(), ..answer })
 }
 
 /// The answer of a free decay, and whether what its model leaves is noise with a memory; `None` where
@@ -105,7 +111,8 @@ fn by_likelihood(recording: &Recording, taken: Taken, model: &model::Driven, con
     let asked =
         Asked { recording, pieces: &pieces, judging: &judging, columns: &model.columns, unit: model.unit.as_deref() };
     if course.follows
-        && free_body::is_free(&course.data, &base)
+        && let Some(turns) = free_body::turns_if_free(&course.data, &base)
+        && course.data.trace.acts(Step::of(Gate::FreeBody, "oscillator", "free body").measured(turns, free_body::TURNS))
         && let Some(answer) = free_body::conclusion::answer(&asked, &course.data, course.own_test, course.notes.clone())
     {
         return Ok(answer);
@@ -205,6 +212,7 @@ impl Course {
             Err(NoOscillator::Poor { best, .. }) => !base_model::follows_another_law(&self.narrow, &best.0, control)?,
             Err(NoOscillator::None) => true,
         };
+        self.follows |= !self.follows && !self.data.trace.acts(Step::of(Gate::NoLinearLaw, "followed", "not followed"));
         if !self.follows {
             for notes in [&mut self.notes, notes] {
                 notes.doubt(clause.clone(), "; a law is named only where it brings the error to the noise");
@@ -219,7 +227,8 @@ impl Course {
     /// other.
     fn settle_interpolation(&mut self, left: f64) -> bool {
         let least = start::POOR * self.power();
-        let Some(input) = self.narrow.input.as_ref().filter(|_| left >= least && self.filled.is_empty()) else {
+        let is_asked = left >= least && self.filled.is_empty() && self.data.trace.is_on(Gate::BaseInterpolation);
+        let Some(input) = self.narrow.input.as_ref().filter(|_| is_asked) else {
             return false;
         };
         let fitted = |data: &Data| start::base(data, &self.start).map_or(f64::INFINITY, |found| found.0.variance);
@@ -228,7 +237,13 @@ impl Course {
             (how, fitted(&data))
         });
         let best = others.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((how, _)) = best.filter(|(_, variance)| *variance < least.min(BY_FAR * left)) else { return false };
+        let Some((how, variance)) = best.filter(|(_, variance)| *variance < least.min(BY_FAR * left)) else {
+            return false;
+        };
+        let step = Step::of(Gate::BaseInterpolation, input.interpolation.words(), how.words());
+        if !self.data.trace.acts(step.measured(variance / left, BY_FAR)) {
+            return false;
+        }
         self.notes.findings.push(base_model::interpolated(how));
         for data in [&mut self.data, &mut self.narrow] {
             data.input = data.input.take().map(|input| input.gone(how));
@@ -250,6 +265,10 @@ impl Course {
             return None;
         }
         let chaos = chaos::chaos(&self.narrow)?;
+        let step = Step::of(Gate::Chaos, "whole", "windows").measured(chaos.exponent_per_s, 0.0);
+        if !self.data.trace.acts(step) {
+            return None;
+        }
         let mut narrow = self.narrow.clone();
         chaos.in_windows(&mut narrow, self.own_test);
         let (base, scales) = start::base_from(&narrow, &chaos.force.base)?;
@@ -276,14 +295,18 @@ impl Course {
             self.budget = self.budget.or(self.narrow.work.budget(Stage::SearchAgain, self.narrow.hull.len()));
             selection = stepwise::search(&self.narrow, base, scales, &candidates, self.budget, control)?;
         }
-        if let Some(smooth) = held_input::smooth_input(&self.narrow, &selection.chosen) {
+        if self.data.trace.is_on(Gate::SmoothInput)
+            && let Some(smooth) = held_input::smooth_input(&self.narrow, &selection.chosen)
+        {
             let base = base_again(&smooth, &selection, scales);
-            let other = if held_input::is_half_a_sample(&self.narrow, &selection) {
+            let is_half =
+                self.data.trace.is_on(Gate::HalfSample) && held_input::is_half_a_sample(&self.narrow, &selection);
+            let other = if is_half {
                 held_input::on_a_smooth_one(&smooth, base, &selection, scales, control)?
             } else {
                 self.budget = self.budget.or(self.narrow.work.budget(Stage::SearchAgain, self.narrow.hull.len()));
                 let other = stepwise::search(&smooth, base, scales, &candidates, self.budget, control)?;
-                held_input::is_better(&other, &selection).then_some(other)
+                held_input::is_better(&smooth, &other, &selection).then_some(other)
             };
             if let Some(other) = other {
                 let how = self.narrow.input.as_ref().map(|i| base_model::interpolated(i.interpolation));
@@ -314,7 +337,8 @@ impl Course {
     /// judge then.
     fn with_what_is_rare(&mut self, base: Fit, scales: &Scales) -> Fit {
         let rare = if self.narrow.windows.is_some() { None } else { folds::fold_with_rare_events(&self.narrow, &base) };
-        let Some(Fold { train, validation }) = rare else { return base };
+        let step = Step::of(Gate::RareEvents, "validation judges", "exchanged");
+        let Some(Fold { train, validation }) = rare.filter(|_| self.data.trace.acts(step)) else { return base };
         let said = "the largest errors fell in validation samples; training and validation samples were exchanged";
         self.notes.findings.push(said.to_owned());
         if self.is_whole() {
@@ -331,12 +355,13 @@ impl Course {
     /// than the terms chosen.
     fn on_another_input(&mut self, selection: &Selection, scales: &Scales) -> Option<Judged> {
         let settled = self.narrow.input.as_ref().is_none_or(|i| i.interpolation != Interpolation::BandLimited);
-        if self.narrow.windows.is_some() || settled {
+        if self.narrow.windows.is_some() || settled || !self.data.trace.is_on(Gate::OtherInput) {
             return None;
         }
         // A stated form that departs bends what stands beside it: half a sample is seen where it is free.
         let best = selection.departing.as_ref().map_or(&selection.chosen, |d| &d.judged);
         let how = base_model::other_input(&mut self.narrow, best, scales)?;
+        self.data.trace.acts(Step::of(Gate::OtherInput, best.words(), how.words()));
         self.notes.findings.push(base_model::interpolated(how));
         Some(base_again(&self.narrow, selection, scales))
     }

@@ -22,6 +22,7 @@ use serde::Deserialize;
 use crate::candidate::Kind;
 use crate::document::{from_table, parse_toml, read_text};
 use crate::error::Result;
+use crate::gate::Gate;
 use crate::recording::Recording;
 
 /// Longer recordings of a sensor at rest are averaged over neighbouring samples to at most this
@@ -64,6 +65,15 @@ impl Model {
             Self::Static(m) => m.force_rate = true,
             Self::Tumble(m) => m.force_rate = true,
             Self::Trajectory(m) => m.force_rate = true,
+        }
+        self
+    }
+
+    /// The same model diagnosed without these rules: for measuring what they are worth. Only kind =
+    /// "driven" has any.
+    pub fn without(mut self, gates: &[Gate]) -> Self {
+        if let Self::Driven(m) = &mut self {
+            m.without.extend_from_slice(gates);
         }
         self
     }

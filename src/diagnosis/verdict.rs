@@ -429,6 +429,9 @@ pub struct Verdict {
     pub next_experiment: String,
     /// Found in the file and survived; said so that nothing is silent.
     pub findings: Vec<String>,
+    /// What each rule that acted changed, where that was asked for (`diagnose --trace`).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub trace: Option<Vec<super::trace::Step>>,
 }
 
 /// Value of `schema` in the document.

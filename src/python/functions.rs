@@ -202,7 +202,7 @@ pub(super) fn diagnose(
         let read = |all: Vec<Recorded>| {
             all.into_iter().map(|one| read(one, &model, seconds, control)).collect::<Result<Vec<_>>>()
         };
-        judge(&read(train)?, &read(test)?, &model, control)
+        judge(&read(train)?, &read(test)?, &model, part.trace, control)
     })
 }
 
@@ -213,6 +213,7 @@ pub(super) struct Part {
     topic: Option<String>,
     from_s: Option<f64>,
     to_s: Option<f64>,
+    trace: bool,
 }
 
 fn read_model(given: Document<'_>, topic: Option<&str>) -> Result<Model> {
@@ -231,10 +232,11 @@ fn read(recorded: Recorded, model: &Model, seconds: model::Seconds, control: &Co
     recording::read(&path, &Request { memory, control: control.clone(), ..model::requested(&path, model, seconds)? })
 }
 
-fn judge(train: &[Recording], test: &[Recording], model: &Model, control: &Control) -> Result<Answer> {
+fn judge(train: &[Recording], test: &[Recording], model: &Model, trace: bool, control: &Control) -> Result<Answer> {
     let found = diagnosis::diagnose_all(Recordings { train, test }, model, control)?;
     let found = report::diagnosis::worded(found);
     let costs = report::diagnosis::costs(&found, control)?;
+    let found = if trace { found.with_trace() } else { found };
     let json = to_json(&found.verdict)?;
     let repaired_study = repaired::document(found.repair.as_ref(), &found.detail, &found.verdict);
     let study = repaired_study.clone();

@@ -28,6 +28,7 @@ use proofmass_diagnosis::answer::Detail;
 use proofmass_diagnosis::driven::intake::notes::Broken;
 use proofmass_diagnosis::repair::Cost;
 use proofmass_diagnosis::standing::{Note, Ranked};
+use proofmass_diagnosis::trace::Step;
 use proofmass_diagnosis::verdict::{Detectable, Effect, Outcome, Verdict, named};
 
 use super::figure::Figure;
@@ -109,7 +110,7 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
             "Every candidate that was tried, best first. {} p is corrected for the number of candidates tried.",
             standing::meaning_of_gains(verdict.kind)
         ));
-        page.table(&ranking_table(&tried));
+        page.table(&ranking_table(&tried, &diagnosis.trace));
     }
     if !passed_over.is_empty() {
         let ids: Vec<&str> = passed_over.iter().map(|r| r.id).collect();
@@ -261,7 +262,7 @@ fn effects_table(effects: &[Effect]) -> Table {
     table
 }
 
-fn ranking_table(ranking: &[&Ranked]) -> Table {
+fn ranking_table(ranking: &[&Ranked], trace: &[Step]) -> Table {
     let mut table = Table::new(&["candidate", "channels", "held-out gain", "95 %", "p", "named", "note"]);
     for r in ranking {
         let [gain, interval] = standing::gain(r.gain);
@@ -272,7 +273,10 @@ fn ranking_table(ranking: &[&Ranked]) -> Table {
             interval,
             if r.p_value < 1e-6 { "<10⁻⁶".into() } else { significant(r.p_value, 2) },
             if r.named { "yes" } else { "no" }.to_owned(),
-            standing::note(&r.note),
+            match standing::why(r, trace) {
+                Some(why) => format!("{}; {why}", standing::note(&r.note)),
+                None => standing::note(&r.note),
+            },
         ]);
     }
     table

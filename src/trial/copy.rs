@@ -200,6 +200,7 @@ mod tests {
             columns: DrivenColumns { time: None, input, output, environment: Vec::new() },
             start: Start::default(),
             split: Split { train, test: Vec::new() },
+            without: Vec::new(),
         }
     }
 

@@ -90,6 +90,7 @@ fn diagnosed(reading: Vec<f64>, rate_hz: f64) -> Result<Verdict, Failed> {
         columns: DrivenColumns { time: None, input: None, output: "y".into(), environment: Vec::new() },
         start: Start::default(),
         split: Split::default(),
+        without: Vec::new(),
     };
     let answer = driven::diagnose(&recording, &model, &Control::silent()).map_err(|e| e.to_string())?;
     Ok(worded(answer).verdict)

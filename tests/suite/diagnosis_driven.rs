@@ -82,6 +82,7 @@ fn model(input: Option<&str>, split: Split) -> Driven {
         columns: DrivenColumns { time: None, input: input.map(str::to_owned), output: "y".into(), environment: vec![] },
         start: Start::default(),
         split,
+        without: Vec::new(),
     }
 }
 
@@ -265,6 +266,7 @@ fn silverbox(folder: &Path, train: [usize; 2]) -> Result<Diagnosis, Failed> {
         columns: DrivenColumns { time: None, input: Some("V1_V".into()), output: "V2_V".into(), environment: vec![] },
         start: Start::default(),
         split: Split { train: vec![train], test: vec![[30_000, 40_000]] },
+        without: Vec::new(),
     };
     Ok(diagnose(&recording, &model).map_err(|e| e.to_string())?)
 }

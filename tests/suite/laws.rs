@@ -135,6 +135,7 @@ fn data(reading: Vec<f64>, input: Vec<f64>) -> Data {
         windows: None,
         clock_s: Vec::new(),
         work: Default::default(),
+        trace: Default::default(),
     }
 }
 

@@ -20,6 +20,7 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("own noise: neighbours that are correlated are said of the noise of an adequate model", coloured),
         test("own noise: an oscillation at a harmonic of the input has no name", harmonic),
+        test("own noise: a trace says which rule kept an oscillation out, and without that rule it is named", traced),
         test("own noise: a mass that rings for long is not out of step with its input", ringing),
         test("own noise: an input that is held is known where there are four samples to a cycle", held),
         test("own noise: a delay of more samples than a file is out of step by is a delay", delayed),
@@ -65,10 +66,17 @@ struct Said {
     names: Vec<String>,
     findings: String,
     first: f64,
+    /// Rules that acted with the candidate of each; none where nobody asked.
+    trace: Option<Vec<[String; 2]>>,
 }
 
 /// Diagnoses u against y at each sample.
 fn diagnosed(row: impl Fn(usize, f64) -> [f64; 2]) -> Result<Said, Failed> {
+    diagnosed_with(row, &[])
+}
+
+/// The same with further options.
+fn diagnosed_with(row: impl Fn(usize, f64) -> [f64; 2], more: &[&str]) -> Result<Said, Failed> {
     let mut csv = String::from("u,y\n");
     for k in 0..ROWS {
         let [u, y] = row(k, k as f64 / RATE_HZ);
@@ -78,13 +86,16 @@ fn diagnosed(row: impl Fn(usize, f64) -> [f64; 2]) -> Result<Said, Failed> {
     let file = bench.file("log.csv", &csv)?;
     let columns = "[columns]\ninput = \"u\"\noutput = \"y\"\n";
     let model = bench.file("model.toml", &format!("kind = \"driven\"\nrate_hz = {RATE_HZ}\n{columns}"))?;
-    let answer = run(program().arg("diagnose").arg(file).arg("--model").arg(model).arg("--json"))?;
+    let answer = run(program().arg("diagnose").arg(file).arg("--model").arg(model).arg("--json").args(more))?;
     let verdict: serde_json::Value = serde_json::from_str(&answer.stdout)?;
     let effects = verdict["effects"].as_array().cloned().unwrap_or_default();
+    let text = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
+    let trace = verdict["trace"].as_array();
     Ok(Said {
         verdict: verdict["verdict"].as_str().unwrap_or_default().to_owned(),
         names: effects.iter().filter_map(|e| e["id"].as_str().map(str::to_owned)).collect(),
         findings: format!("{} {}", verdict["sentence"], verdict["findings"]),
+        trace: trace.map(|steps| steps.iter().map(|s| [text(&s["gate"]), text(&s["term"])]).collect()),
         first: effects.first().and_then(|e| e["parameters"][0]["value"].as_f64()).unwrap_or(f64::NAN),
     })
 }
@@ -144,6 +155,25 @@ fn harmonic() -> Result<(), Failed> {
     let said = with(50.0)?;
     let is_said = said.findings.contains("the input may cause it");
     said.check("50 Hz", said.verdict == "explained" && said.names == ["periodic-disturbance"] && !is_said)
+}
+
+// The oscillation lies at three times the first line, and is no harmonic of a linear mass.
+fn traced() -> Result<(), Failed> {
+    let lines = [(7.3, 0.4), (26.9, 2.0)];
+    let noise = noise(0.0, 11);
+    let row = |k: usize, t: f64| {
+        [force(&lines, t), motion(&lines, 0.05, t) + 0.05 * (TAU * 21.9 * t + 1.0).sin() + 0.01 * noise[k]]
+    };
+    let acted = |said: &Said| {
+        let of_line = ["input-line", "periodic-disturbance"].map(str::to_owned);
+        said.trace.as_ref().is_some_and(|steps| steps.contains(&of_line))
+    };
+    let plain = diagnosed(row)?;
+    plain.check("without --trace", plain.trace.is_none())?;
+    let said = diagnosed_with(row, &["--trace"])?;
+    said.check("the rule that acted", acted(&said) && said.names == plain.names)?;
+    let said = diagnosed_with(row, &["--trace", "--without", "input-line"])?;
+    said.check("switched off", !acted(&said) && said.names == ["periodic-disturbance"])
 }
 
 fn ringing() -> Result<(), Failed> {

@@ -63,6 +63,7 @@ fn data(interpolation: Interpolation) -> Data {
         windows: None,
         clock_s: Vec::new(),
         work: Default::default(),
+        trace: Default::default(),
     }
 }
 

@@ -156,6 +156,7 @@ fn adequate(files: &Files) -> Verdict {
         detectable: Vec::new(),
         next_experiment: String::new(),
         findings: Vec::new(),
+        trace: None,
     }
 }
 

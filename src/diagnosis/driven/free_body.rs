@@ -18,11 +18,12 @@ use super::identification::fit::{Fit, OMEGA};
 use super::intake::data::Data;
 
 /// Turns of the resonance that a recording must hold before a spring is believed.
-const TURNS: f64 = 5.0;
+pub(super) const TURNS: f64 = 5.0;
 
-/// Whether what was fitted as a resonance is slower than a recording can show: the input moves the
-/// body about, no spring pulls it back.
-pub(super) fn is_free(data: &Data, base: &Fit) -> bool {
+/// Turns of what was fitted as a resonance where it is slower than a recording can show: the input moves
+/// the body about, no spring pulls it back.
+pub(super) fn turns_if_free(data: &Data, base: &Fit) -> Option<f64> {
     let longest = data.recordings().iter().map(ExactSizeIterator::len).max().unwrap_or(0) as f64 * data.interval_s();
-    data.input.is_some() && base.point[OMEGA] * longest < TURNS * TAU
+    let turns = base.point[OMEGA] * longest / TAU;
+    (data.input.is_some() && turns < TURNS).then_some(turns)
 }

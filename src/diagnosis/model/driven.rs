@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::split::{Ranges, Split};
+use crate::gate::Gate;
 
 /// model.toml with kind = "driven".
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -31,6 +32,9 @@ pub struct Driven {
     /// Samples for fitting and for validation.
     #[serde(default)]
     pub split: Split,
+    /// Rules that never act; no key of the file.
+    #[serde(skip)]
+    pub without: Vec<Gate>,
 }
 
 /// Columns of a driven recording.

@@ -366,6 +366,7 @@ impl<'a> Draft<'a> {
             fit: fit(channels, self.selected, &self.finals, &before, self.unit),
             residual_after: self.remainder().whiteness(),
             ranking,
+            trace: Vec::new(),
             repair: sensor::repair(self.recording, channels, &self.finals, &self.effects, self.model),
             detail: answer::Detail::Static(Box::new(of_static)),
             base,

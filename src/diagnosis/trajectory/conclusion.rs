@@ -288,6 +288,7 @@ impl Examined<'_> {
             residual_after: remainder.whiteness(),
             findings: self.findings,
             ranking: Vec::new(),
+            trace: Vec::new(),
             repair: None,
             detail: answer::Detail::Trajectory(Box::new(detail)),
         }

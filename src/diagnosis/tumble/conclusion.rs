@@ -81,6 +81,7 @@ impl Case<'_> {
             fit: self.fit(selection),
             residual_after: residual.remainder.whiteness(),
             ranking: self.ranking(selection),
+            trace: Vec::new(),
             repair: Some(self.repair(selection, &detail)),
             detail: answer::Detail::Tumble(Box::new(detail)),
             findings: self.findings,

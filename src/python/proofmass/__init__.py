@@ -106,17 +106,19 @@ def diagnose(
     from_s: float | None = None,
     to_s: float | None = None,
     topic: str | None = None,
+    trace: bool = False,
 ) -> Diagnosis:
     """What physics a model of a recording leaves out: ``proofmass diagnose``.
 
     ``recording`` is a DataFrame, an array, a dictionary of arrays or the path of a file, or a list of several that are
     fitted together; ``test`` only judge. ``model`` is a dictionary with the keys of model.toml or the path of such a file.
+    With ``trace`` the verdict lists which rules acted, what each changed and on what number.
     """
     from . import _proofmass
     from ._recording import all_recorded
     from ._results import Diagnosis
 
-    part = {"topic": topic, "from_s": from_s, "to_s": to_s}
+    part = {"topic": topic, "from_s": from_s, "to_s": to_s, "trace": trace}
     return Diagnosis(_proofmass.diagnose(all_recorded(recording), all_recorded(test), model, part))
 
 

@@ -140,5 +140,6 @@ def diagnose(
     from_s: Union[float, None] = None,
     to_s: Union[float, None] = None,
     topic: Union[str, None] = None,
+    trace: bool = False,
 ) -> Diagnosis: ...
 def main() -> None: ...

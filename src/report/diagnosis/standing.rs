@@ -4,7 +4,8 @@ use super::words::residual;
 use proofmass_base::number::{short, significant};
 use proofmass_diagnosis::candidate::Kind;
 use proofmass_diagnosis::driven::verdict::findings::dropped;
-use proofmass_diagnosis::standing::{Gain, Note};
+use proofmass_diagnosis::standing::{Gain, Note, Ranked};
+use proofmass_diagnosis::trace::Step;
 use proofmass_diagnosis::tumble::account::{Fate, SeenFrom};
 
 /// Says what became of a candidate, in a few words.
@@ -25,6 +26,24 @@ pub(crate) fn note(note: &Note) -> String {
         Note::InPoses { judged, fate } => format!("scored by {}{}", residual(*judged), fated(fate)),
         Note::OnePose => "cannot be separated from biases and scale factors in one pose; see the findings".into(),
         Note::Indistinguishable => "cannot be separated from the common scale by any pose: both multiply |f|".into(),
+    }
+}
+
+/// What decided that a candidate has no name: the measure and threshold of the last rule that kept it
+/// out.
+pub(crate) fn why(ranked: &Ranked, trace: &[Step]) -> Option<String> {
+    let is_out = |s: &&Step| s.term == Some(ranked.id) && s.is_out();
+    let step = trace.iter().rev().filter(|_| !ranked.named).find(is_out)?;
+    let measured = step.value.zip(step.threshold).map(|(value, threshold)| {
+        let quantity = step.gate.quantity();
+        format!(": {quantity} {}, threshold {}", short(value), short(threshold))
+    });
+    // A reason in words stands in the note already.
+    let rule = format!("rule `{}`", step.gate.id());
+    match (measured, &ranked.note) {
+        (Some(measured), Note::Dropped(_)) => Some(rule + &measured),
+        (None, Note::Dropped(_)) => None,
+        (measured, _) => Some(format!("not added, {rule}{}", measured.unwrap_or_default())),
     }
 }
 

@@ -10,6 +10,7 @@ use std::collections::HashSet;
 use proofmass_diagnosis::answer::{Answer, Detail};
 use proofmass_diagnosis::repair::Repair;
 use proofmass_diagnosis::standing::Ranked;
+use proofmass_diagnosis::trace::Step;
 use proofmass_diagnosis::verdict::{SCHEMA, Verdict, Where};
 
 pub(super) use driven::form;
@@ -22,6 +23,8 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// Every candidate that was tried, best first, named or not.
     pub ranking: Vec<Ranked>,
+    /// What each rule that acted changed, in their order.
+    pub trace: Vec<Step>,
     /// The sensor with and without the named physics, for a study and for the cost in metres.
     pub repair: Option<Repair>,
     /// Holds what only this kind of recording has: numbers behind its figures.
@@ -59,6 +62,7 @@ pub fn worded(answer: Answer) -> Diagnosis {
         residual_after,
         mut findings,
         ranking,
+        trace,
         repair,
         detail,
     } = answer;
@@ -88,8 +92,17 @@ pub fn worded(answer: Answer) -> Diagnosis {
         detectable,
         next_experiment: said.next_experiment,
         findings,
+        trace: None,
     };
-    Diagnosis { verdict, ranking, repair, detail }
+    Diagnosis { verdict, ranking, trace, repair, detail }
+}
+
+impl Diagnosis {
+    /// The same with the trace in its public document.
+    pub fn with_trace(mut self) -> Self {
+        self.verdict.trace = Some(self.trace.clone());
+        self
+    }
 }
 
 fn said(answer: &Answer) -> Said {

@@ -129,6 +129,7 @@ pub(crate) fn answer(asked: &Asked<'_>, data: &Data, decay: &Decay, mut notes: N
         residual_after: remainder.whiteness(),
         findings: notes.findings,
         ranking,
+        trace: Vec::new(),
         repair,
         detail: answer::Detail::Driven(Box::new(detail)),
     }

@@ -134,6 +134,7 @@ impl Models<'_> {
             residual_after: remainder.whiteness(),
             findings: notes.findings,
             ranking,
+            trace: Vec::new(),
             repair: None,
             detail: answer::Detail::Driven(Box::new(detail)),
         }

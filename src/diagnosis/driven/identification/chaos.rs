@@ -266,6 +266,7 @@ mod tests {
     use crate::driven::intake::stretches::interleaved;
     use crate::driven::intake::work::Work;
     use crate::rng::{Philox, Stream};
+    use crate::trace::Trace;
     use proofmass_physics::dynamics::duffing::{Drive, Oscillator, State};
     use proofmass_physics::dynamics::lyapunov::{Span, spectrum};
     use std::f64::consts::TAU;
@@ -313,6 +314,7 @@ mod tests {
             windows: None,
             clock_s: Vec::new(),
             work: Work::default(),
+            trace: Trace::default(),
         }
     }
 

@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::numerics::moments::mean_sd;
+use crate::trace::Trace;
 
 use super::input::Input;
 use super::windows::Windows;
@@ -59,6 +60,8 @@ pub struct Data {
     pub clock_s: Vec<f64>,
     /// Computing work spent on it so far.
     pub work: Work,
+    /// What the rules changed so far.
+    pub trace: Trace,
 }
 
 impl Data {

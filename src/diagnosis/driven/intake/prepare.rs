@@ -12,6 +12,7 @@ use crate::number::short;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::order;
 use crate::recording::Recording;
+use crate::trace::Trace;
 
 use super::alignment::{self, align};
 use super::data::{Data, Followed};
@@ -145,6 +146,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven, control: &Control) 
         windows: None,
         clock_s: Vec::new(),
         work: Work::default(),
+        trace: Trace::without(&model.without),
     };
     if data.train_len() < FEWEST / 2 {
         return Err(refuse(

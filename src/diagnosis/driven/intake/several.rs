@@ -136,6 +136,7 @@ fn joined(recordings: Recordings<'_>, model: &model::Driven, settle: Settle, con
         windows: None,
         clock_s: Vec::new(),
         work: first.work.clone(),
+        trace: first.trace.clone(),
     };
     let names =
         |role: Role| -> Vec<String> { parts.iter().filter(|p| p.role == role).map(|p| name(p.recording)).collect() };

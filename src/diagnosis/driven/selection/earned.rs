@@ -4,8 +4,11 @@
 use crate::driven::identification::fit::{Fit, Search, fit};
 use crate::driven::intake::data::Data;
 use crate::driven::simulation::structure::ModelStructure;
+use crate::gate::Gate;
 use crate::parallel;
+use crate::physics::library::Term;
 use crate::physics::scales::Scales;
+use crate::trace::Step;
 
 use super::folds::{Fold, turned};
 use super::held_out::{Comparison, compare, held_out};
@@ -32,15 +35,28 @@ pub(crate) fn earned(
     scales: &Scales,
     tried: usize,
 ) -> Option<Comparison> {
-    let least = if larger.fit.structure.terms.len() > 2 { 4.0 * SMALLEST_GAIN } else { SMALLEST_GAIN };
+    let (gate, least) = if larger.fit.structure.terms.len() > 2 {
+        (Gate::LaterGain, 4.0 * SMALLEST_GAIN)
+    } else {
+        (Gate::LeastGain, SMALLEST_GAIN)
+    };
+    let added = larger.fit.structure.terms.iter().map(Term::id).find(|id| !reduced.has(id));
     let score_gain = larger.score() - reduced.score() - (tried.max(1) as f64).ln();
-    let convinces = |c: &Comparison| c.gain >= least && c.p_value < LEVEL;
+    let suffices = |c: &Comparison| {
+        let step = || Step::keeps_out(gate, added).measured(c.gain, least);
+        c.gain >= least || c.p_value < LEVEL && !data.trace.acts(step())
+    };
+    let convinces = |c: &Comparison| suffices(c) && c.p_value < LEVEL;
     let plain = compare(&reduced.held_out, &larger.held_out);
     if score_gain <= 3.0 || convinces(&plain) {
         return (score_gain > 3.0).then_some(plain);
     }
-    let in_turn = if score_gain > DOUBT { in_turn(data, reduced, larger, scales) } else { None };
-    in_turn.filter(convinces)
+    let doubted = score_gain > DOUBT && data.trace.is_on(Gate::InTurn);
+    let in_turn = if doubted { in_turn(data, reduced, larger, scales) } else { None };
+    let found = in_turn.filter(convinces)?;
+    let step = Step { term: added, ..Step::of(Gate::InTurn, "tried", "earned") };
+    data.trace.acts(step.measured(found.p_value, LEVEL));
+    Some(found)
 }
 
 /// Compares two models on all samples, each third predicted from the others.
@@ -58,7 +74,7 @@ fn in_turn(data: &Data, reduced: &Judged, larger: &Judged, scales: &Scales) -> O
 
 /// Drops every term whose absence costs nothing, the cheapest first.
 pub(super) fn pruned(data: &Data, mut model: Judged, scales: &Scales, tried: usize) -> Judged {
-    while model.fit.structure.terms.len() > 1 {
+    while model.fit.structure.terms.len() > 1 && data.trace.is_on(Gate::Pruned) {
         let reduced = parallel::map_indices(model.fit.structure.terms.len(), |i| without(data, &model, i, scales));
         let cheapest = reduced
             .into_iter()
@@ -66,7 +82,13 @@ pub(super) fn pruned(data: &Data, mut model: Judged, scales: &Scales, tried: usi
             .filter(|p| earned(data, p, &model, scales, tried).is_none())
             .max_by(|a, b| a.score().total_cmp(&b.score()));
         match cheapest {
-            Some(reduced) => model = reduced,
+            Some(reduced) => {
+                let lead = model.score() - reduced.score();
+                let gone = model.fit.structure.terms.iter().map(Term::id).find(|id| !reduced.has(id));
+                let step = Step::of(Gate::Pruned, "in the model", "removed");
+                data.trace.acts(Step { term: gone, ..step.measured(lead, (tried.max(1) as f64).ln() + 3.0) });
+                model = reduced;
+            }
             None => break,
         }
     }

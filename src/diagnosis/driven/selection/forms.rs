@@ -11,6 +11,7 @@ use crate::driven::intake::data::Data;
 use crate::driven::intake::work::Budget;
 use crate::driven::simulation::run::trace;
 use crate::driven::simulation::structure::ModelStructure;
+use crate::gate::Gate;
 use crate::numerics::least_squares::Residuals;
 use crate::numerics::moments::rms;
 use crate::parallel;
@@ -19,6 +20,7 @@ use crate::physics::law::Law;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 use crate::physics::stiffness_drift::StiffnessDrift;
+use crate::trace::Step;
 
 use super::earned::{ITERATIONS, earned, without};
 use super::held_out::compare;
@@ -167,12 +169,14 @@ fn may_be_another(selection: &Selection) -> bool {
 }
 
 /// Ties the first term with these laws.
-fn add_rivals<'r>(selection: &mut Selection, further: impl Iterator<Item = &'r Rival>) {
+fn add_rivals<'r>(data: &Data, selection: &mut Selection, further: impl Iterator<Item = &'r Rival>) {
     for rival in further {
         if selection.rivals.is_empty() {
             selection.rivals.push(Vec::new());
         }
-        if !selection.rivals[0].iter().any(|r| r.id == rival.id) && !selection.chosen.has(rival.id) {
+        let is_new = !selection.rivals[0].iter().any(|r| r.id == rival.id) && !selection.chosen.has(rival.id);
+        let step = || Step::of(Gate::FreeRival, "rival", format!("tied with {}", selection.chosen.words()));
+        if is_new && data.trace.acts(Step { term: Some(rival.id), ..step() }) {
             selection.rivals[0].push(rival.clone());
         }
     }
@@ -263,7 +267,8 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
     let chosen = selection.chosen.clone();
     let tried = selection.tried;
     let laws = chosen.fit.structure.terms.iter().filter(|t| t.noise().is_none()).count();
-    if laws == 0 && chosen.fit.structure.terms.is_empty() {
+    let is_empty = laws == 0 && chosen.fit.structure.terms.is_empty();
+    if is_empty || !data.trace.is_on(Gate::FreeForm) {
         return;
     }
     let mut best: Option<(Departing, Fit)> = None;
@@ -338,9 +343,9 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
     selection.rivals_left_out |= left_out;
     best = other_best.or(best);
     selection.rivals.resize_with(chosen.fit.structure.terms.len(), Vec::new);
-    add_rivals(selection, as_good.iter().map(|(_, rival)| rival));
+    add_rivals(data, selection, as_good.iter().map(|(_, rival)| rival));
     if selection.rivals.iter().any(|rivals| !rivals.is_empty()) {
-        add_rivals(selection, freer.iter());
+        add_rivals(data, selection, freer.iter());
     }
     let Some((found, like)) = best else { return };
     let fewer = found.judged.fit.structure.terms.len() < chosen.fit.structure.terms.len();
@@ -365,6 +370,8 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
     if !departs && !fewer {
         return;
     }
+    let after = if departs { format!("{}, departing from its form", stated.words()) } else { stated.words() };
+    data.trace.acts(Step::of(Gate::FreeForm, chosen.words(), after).measured(score_gain, least));
     selection.rivals = stated
         .fit
         .structure
@@ -378,6 +385,6 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
         .collect();
     selection.chosen = stated;
     let near = as_good.iter().filter(|(score, rival)| *score > found.judged.score() - TIE && rival.id != found.id());
-    add_rivals(selection, near.map(|(_, rival)| rival));
+    add_rivals(data, selection, near.map(|(_, rival)| rival));
     selection.departing = departs.then_some(found);
 }

@@ -6,10 +6,12 @@ use crate::control::{Control, Stopped};
 use crate::driven::identification::refined_scales::refined;
 use crate::driven::intake::data::Data;
 use crate::driven::intake::input::Interpolation;
+use crate::gate::Gate;
 use crate::physics::library::Term;
 use crate::physics::readout_delay::ReadoutDelay;
 use crate::physics::readout_lowpass::{Poles, ReadoutLowpass};
 use crate::physics::scales::Scales;
+use crate::trace::Step;
 
 use super::earned::earned;
 use super::forms::LEAST_LEAD;
@@ -39,11 +41,12 @@ pub(crate) fn is_half_a_sample(data: &Data, held: &Selection) -> bool {
 
 /// Whether what was found on a smooth input does better than what was found on another one, or as
 /// well with fewer terms.
-pub(crate) fn is_better(smooth: &Selection, other: &Selection) -> bool {
+pub(crate) fn is_better(data: &Data, smooth: &Selection, other: &Selection) -> bool {
     let [here, there] = [smooth, other].map(|s| s.departing.as_ref().map_or(&s.chosen, |d| &d.judged));
     let [fewer, more] = [here, there].map(|j| j.fit.structure.terms.len());
     let least = if fewer < more { -LEAST_LEAD } else { LEAST_LEAD };
-    worth(here) - worth(there) > least
+    let lead = worth(here) - worth(there);
+    lead > least && data.trace.acts(Step::of(Gate::SmoothInput, there.words(), here.words()).measured(lead, least))
 }
 
 /// The readout behind a smooth input, late or smoothed, where that does as well as a held input that
@@ -68,7 +71,9 @@ pub(crate) fn on_a_smooth_one(
     let best = found.iter().max_by(|a, b| worth(&a.judged).total_cmp(&worth(&b.judged))).cloned();
     let is_earned = |best: &Rival| earned(smooth, &base, &best.judged, scales, held.tried).is_some();
     let best = best.filter(|best| worth(&best.judged) > worth(&held.chosen) - TIE && is_earned(best));
-    let Some(best) = best else { return Ok(None) };
+    let lead = |best: &Rival| worth(&best.judged) - worth(&held.chosen);
+    let step = |best: &Rival| Step::of(Gate::HalfSample, held.chosen.words(), best.id).measured(lead(best), -TIE);
+    let Some(best) = best.filter(|best| smooth.trace.acts(step(best))) else { return Ok(None) };
     let lag = Rival { judged: held.chosen.clone(), id: held.chosen.fit.structure.terms[0].id() };
     let mut tied: Vec<Rival> = Vec::new();
     for rival in found.into_iter().chain([lag]) {

@@ -133,6 +133,7 @@ mod tests {
     use crate::physics::input_lag::InputLag;
     use crate::physics::parasitic_mode::ParasiticMode;
     use crate::physics::readout_delay::ReadoutDelay;
+    use crate::trace::Trace;
 
     const RATE_HZ: f64 = 1000.0;
 
@@ -153,6 +154,7 @@ mod tests {
             windows: None,
             clock_s: Vec::new(),
             work: Work::default(),
+            trace: Trace::default(),
         };
         let mut point = vec![0.0; BASE];
         let omega = TAU * 40.0;

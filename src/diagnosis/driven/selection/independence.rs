@@ -59,7 +59,12 @@ pub struct Explained {
 impl Explained {
     /// Whether chance does not account for it, and it is more than a detail.
     pub fn is_real(&self) -> bool {
-        self.p_value < REAL && self.r_squared > if self.is_power { EVEN } else { DETAIL }
+        self.p_value < REAL && self.r_squared > self.least()
+    }
+
+    /// Share above which it is more than a detail.
+    pub fn least(&self) -> f64 {
+        if self.is_power { EVEN } else { DETAIL }
     }
 }
 

@@ -24,6 +24,12 @@ impl Judged {
         self.fit.log_likelihood() - 0.5 * self.fit.free.len() as f64 * n.ln()
     }
 
+    /// Ids of its terms, as one text.
+    pub(crate) fn words(&self) -> String {
+        let ids: Vec<&str> = self.fit.structure.terms.iter().map(|t| t.id()).collect();
+        if ids.is_empty() { "base model".into() } else { ids.join(" + ") }
+    }
+
     /// Whether a term with this id is in it.
     pub fn has(&self, id: &str) -> bool {
         self.fit.structure.terms.iter().any(|t| t.id() == id)

@@ -8,12 +8,14 @@ use crate::driven::identification::fit::{Fit, GAIN, OMEGA, ZETA, fit as fitted};
 use crate::driven::identification::refined_scales::refined;
 use crate::driven::intake::data::Data;
 use crate::driven::intake::work::Budget;
+use crate::gate::Gate;
 use crate::numerics::order;
 use crate::physics::coupled_mode::CoupledMode;
 use crate::physics::library::Term;
 use crate::physics::parasitic_mode::ParasiticMode;
 use crate::physics::readout_lowpass::{Poles, ReadoutLowpass};
 use crate::physics::scales::Scales;
+use crate::trace::Step;
 
 use super::earned::{ITERATIONS, earned, without};
 use super::forms::{LEAST_LEAD, UNDONE, with_instead};
@@ -48,7 +50,8 @@ pub(super) fn settle_kept_back(
     let linear = chosen.fit.structure.terms.iter().filter(|t| is_linear(t)).count();
     let is_plain = linear <= 1 && !chosen.has(TWO_POLES.id());
     let is_done = is_plain && residual_structure(data, &chosen.fit).r_squared <= UNDONE;
-    if data.input.is_none() || selection.reach.tells_nothing_linear_apart() || is_of_another_kind(selection) {
+    let is_undecided = data.input.is_none() || selection.reach.tells_nothing_linear_apart();
+    if is_undecided || is_of_another_kind(selection) || !data.trace.is_on(Gate::KeptBack) {
         return Ok(());
     }
     let search = KeptBack { data, chosen, budget };
@@ -90,7 +93,7 @@ pub(super) fn settle_kept_back(
     order::sort_by_key(&mut all, |j| -worth(j));
     selection.rivals_left_out |= left_out;
     for found in all {
-        weigh(selection, found);
+        weigh(data, selection, found);
     }
     Ok(())
 }
@@ -228,7 +231,7 @@ pub(super) fn worth(model: &Judged) -> f64 {
 }
 
 /// A model with one linear term against the chosen one: in its place, tied with it, or nothing.
-fn weigh(selection: &mut Selection, found: Judged) {
+fn weigh(data: &Data, selection: &mut Selection, found: Judged) {
     let chosen = &selection.chosen;
     let terms = &chosen.fit.structure.terms;
     let Some(kept) = found.fit.structure.terms.iter().copied().find(is_linear) else { return };
@@ -243,6 +246,7 @@ fn weigh(selection: &mut Selection, found: Judged) {
         } else {
             TIE
         };
+    let step = |after: String| Step { term: Some(kept.id()), ..Step::of(Gate::KeptBack, chosen.words(), after) };
     if !replaces {
         // Neither is ahead.
         let first = (!terms.is_empty()).then_some(0);
@@ -250,11 +254,13 @@ fn weigh(selection: &mut Selection, found: Judged) {
         if let Some(place) = place {
             selection.rivals.resize_with(terms.len(), Vec::new);
             if !selection.rivals[place].iter().any(|r| r.id == kept.id()) && !chosen.has(kept.id()) {
+                data.trace.acts(step(format!("tied with {}", terms[place].id())).measured(lead, -TIE));
                 selection.rivals[place].push(Rival { judged: found, id: kept.id() });
             }
         }
         return;
     }
+    data.trace.acts(step(found.words()).measured(lead, 0.0));
     // What stood there, and what does as well alone.
     let before = terms.iter().filter(|t| is_linear(t)).map(|t| Rival { judged: chosen.clone(), id: t.id() });
     let alone = selection.alone.iter().filter(|t| is_linear(&t.term));

@@ -8,6 +8,7 @@ use crate::driven::identification::fit::{Fit, fit};
 use crate::driven::identification::interval;
 use crate::driven::intake::data::Data;
 use crate::driven::intake::work::Budget;
+use crate::gate::Gate;
 use crate::parallel;
 use crate::physics::free_form::{Extent, FreeForm, Freed};
 use crate::physics::hysteresis::{Hysteresis, Sharpness};
@@ -16,6 +17,7 @@ use crate::physics::power::Exponent;
 use crate::physics::power_law_damping::PowerLawDamping;
 use crate::physics::power_law_stiffness::PowerLawStiffness;
 use crate::physics::scales::Scales;
+use crate::trace::Step;
 
 use super::earned::{ITERATIONS, earned};
 use super::forms::{LEAST_LEAD, UNDONE, with_instead};
@@ -39,9 +41,13 @@ const MEMORIES: [f64; 4] = [0.7, 1.0, 1.6, 2.6];
 /// tell that shape from others.
 pub(super) fn settle_shape(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let search = Search { data, scales, tried: selection.tried, budget };
-    let departing = selection.departing.as_ref();
+    let departing = selection.departing.as_ref().filter(|_| data.trace.is_on(Gate::OwnPower));
     let power = departing.and_then(|departing| search.power(&selection.chosen, departing));
-    if let Some(found) = power.or_else(|| search.memory(selection)) {
+    let memory = || data.trace.is_on(Gate::OwnSharpness).then(|| search.memory(selection)).flatten();
+    let power = power.map(|found| (Gate::OwnPower, found));
+    if let Some((gate, found)) = power.or_else(|| Some((Gate::OwnSharpness, memory()?))) {
+        let lead = found.score() - selection.chosen.score();
+        data.trace.acts(Step::of(gate, selection.chosen.words(), found.words()).measured(lead, 0.0));
         take(selection, found);
     }
 }

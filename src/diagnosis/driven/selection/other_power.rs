@@ -3,12 +3,14 @@
 use crate::driven::identification::fit::{Fit, OMEGA, ZETA, fit};
 use crate::driven::intake::data::Data;
 use crate::driven::intake::work::Budget;
+use crate::gate::Gate;
 use crate::numerics::moments::rms;
 use crate::physics::cubic_stiffness::CubicStiffness;
 use crate::physics::end_stop::{EndStop, Side};
 use crate::physics::free_form::{Argument, Extent, FreeForm, Freed, VALUES};
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
+use crate::trace::Step;
 
 use super::earned::{ITERATIONS, earned};
 use super::forms::{IMMATERIAL, LEAST_LEAD, MANY, UNDONE, freed, visits, with_instead};
@@ -29,7 +31,8 @@ const LONG: usize = 4 * ITERATIONS;
 pub(super) fn settle_stop(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let chosen = &selection.chosen;
     let is_stop = matches!(chosen.fit.structure.terms.as_slice(), [Term::EndStop(_)]);
-    if !is_stop || selection.departing.is_some() || data.work.is_spent(budget) {
+    let is_asked = is_stop && data.trace.is_on(Gate::StopTie);
+    if !is_asked || selection.departing.is_some() || data.work.is_spent(budget) {
         return;
     }
     let mut alone = selection.alone.iter().filter_map(|t| t.judged.as_ref());
@@ -44,6 +47,7 @@ pub(super) fn settle_stop(data: &Data, selection: &mut Selection, scales: &Scale
     let is_power = |terms: &[Term]| matches!(terms, [Term::FreeForm(FreeForm { extent: Extent::Narrow, .. })]);
     let found = freed(data, &spring.fit, 0, scales, false).filter(|found| is_power(&found.structure.terms));
     if found.is_some_and(|found| judge(data, found, scales).score() > chosen.score() - TIE) {
+        data.trace.acts(Step { term: Some(id), ..Step::of(Gate::StopTie, "rival", "tied with end-stop") });
         selection.rivals.resize_with(selection.rivals.len().max(1), Vec::new);
         selection.rivals[0].push(Rival { judged: spring, id });
     }
@@ -63,7 +67,7 @@ pub(super) fn settle_power(data: &Data, selection: &mut Selection, scales: &Scal
         return;
     }
     let leaves = |judged: &Judged| residual_structure(data, &judged.fit).r_squared > UNDONE;
-    if data.work.is_spent(budget) {
+    if data.work.is_spent(budget) || !data.trace.is_on(Gate::PowerForStop) {
         return;
     }
     let Some(power) = in_place(data, &found.fit, index, scales) else { return };
@@ -89,16 +93,20 @@ pub(super) fn settle_power(data: &Data, selection: &mut Selection, scales: &Scal
         return;
     }
     let chosen = &selection.chosen.fit.structure.terms;
-    let is_better = lead >= if fewer { -LEAST_LEAD } else { TIE };
+    let least = if fewer { -LEAST_LEAD } else { TIE };
+    let is_better = lead >= least;
+    let step = |after: String| Step::of(Gate::PowerForStop, selection.chosen.words(), after);
     if !is_better {
         let Some(place) = chosen.iter().position(|t| stop(t).is_some()) else { return };
         let id = stated.fit.structure.terms[power.index].id();
         selection.rivals.resize_with(chosen.len(), Vec::new);
         if !selection.rivals[place].iter().any(|r| r.id == id) {
+            data.trace.acts(step(format!("tied with {}", chosen[place].id())).measured(lead, -TIE));
             selection.rivals[place].push(Rival { judged: stated, id });
         }
         return;
     }
+    data.trace.acts(step(stated.words()).measured(lead, least));
     let known = |t: &Term| chosen.iter().position(|c| c.id() == t.id()).and_then(|p| selection.rivals.get(p));
     let rivals_of = |t: &Term| -> Vec<Rival> {
         let all = known(t).into_iter().flatten();

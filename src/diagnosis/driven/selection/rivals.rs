@@ -6,8 +6,10 @@ use crate::control::{Control, Stopped};
 use crate::driven::identification::refined_scales::refined;
 use crate::driven::intake::data::Data;
 use crate::driven::intake::work::Budget;
+use crate::gate::Gate;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
+use crate::trace::Step;
 
 use super::earned::{pruned, without};
 use super::judged::{Judged, Rival, Selection, Trial};
@@ -15,6 +17,8 @@ use super::round::round;
 
 /// Times that a better stand-in may take a term's place.
 const SWAPS: usize = 1;
+/// Log-likelihood by which a stand-in must lead to take a term's place.
+const LEAST_LEAD: f64 = 1.0;
 /// Log-likelihood by which a model must lead to be told from another: odds of 400 to 1.
 pub(super) const TIE: f64 = 6.0;
 
@@ -81,26 +85,29 @@ impl Look<'_> {
             let score = selection.chosen.score();
             let ahead = |r: &Rival| r.judged.score() - score;
             let all = stand_ins.iter().enumerate().flat_map(|(i, others)| others.iter().map(move |r| (i, r)));
-            let better = all.filter(|(_, r)| ahead(r) > 1.0).max_by(|(_, a), (_, b)| ahead(a).total_cmp(&ahead(b)));
+            let is_better = |r: &Rival| ahead(r) > LEAST_LEAD && self.data.trace.is_on(Gate::Swap);
+            let better = all.filter(|(_, r)| is_better(r)).max_by(|(_, a), (_, b)| ahead(a).total_cmp(&ahead(b)));
             let again = attempt < SWAPS && !self.data.work.is_spent(self.budget);
             match better {
-                Some((_, better)) if again => {
+                Some((place, better)) if again => {
+                    self.data.trace.acts(swapped(selection, place, better));
                     selection.chosen = pruned(self.data, better.judged.clone(), self.scales, selection.tried);
                 }
                 // Too late to look around from there: what has been seen from here is weighed
                 // against it.
                 Some((place, better)) => {
+                    self.data.trace.acts(swapped(selection, place, better));
                     let id = selection.chosen.fit.structure.terms[place].id();
                     let old = Rival { judged: selection.chosen.clone(), id };
                     selection.chosen = better.judged.clone();
                     let mut others = stand_ins.clone();
                     others.remove(place);
                     others.push(stand_ins[place].iter().cloned().chain([old]).collect());
-                    selection.rivals = tied(&selection.chosen, others);
+                    selection.rivals = self.tied(&selection.chosen, others);
                     break;
                 }
                 None => {
-                    selection.rivals = tied(&selection.chosen, stand_ins);
+                    selection.rivals = self.tied(&selection.chosen, stand_ins);
                     break;
                 }
             }
@@ -147,6 +154,25 @@ impl Look<'_> {
         Ok(trials)
     }
 
+    /// For each term of a model, the stand-ins that it does not clearly lead, each id once.
+    fn tied(&self, chosen: &Judged, stand_ins: Vec<Vec<Rival>>) -> Vec<Vec<Rival>> {
+        let score = chosen.score();
+        let equal = |(term, others): (&Term, Vec<Rival>)| {
+            let mut equal: Vec<Rival> = Vec::new();
+            for rival in others {
+                let behind = score - rival.judged.score();
+                let is_new = !chosen.has(rival.id) && !equal.iter().any(|e| e.id == rival.id);
+                let step =
+                    Step { term: Some(rival.id), ..Step::of(Gate::Tie, "rival", format!("tied with {}", term.id())) };
+                if behind < TIE && is_new && self.data.trace.acts(step.measured(behind, TIE)) {
+                    equal.push(rival);
+                }
+            }
+            equal
+        };
+        chosen.fit.structure.terms.iter().zip(stand_ins).map(equal).collect()
+    }
+
     /// Whether the budget is spent; asked only where something would still have to be looked at.
     fn is_over(&mut self) -> bool {
         let over = self.data.work.is_spent(self.budget);
@@ -155,18 +181,9 @@ impl Look<'_> {
     }
 }
 
-/// For each term of a model, the stand-ins that it does not clearly lead, each id once.
-fn tied(chosen: &Judged, stand_ins: Vec<Vec<Rival>>) -> Vec<Vec<Rival>> {
-    let score = chosen.score();
-    let equal = |others: Vec<Rival>| {
-        let mut equal: Vec<Rival> = Vec::new();
-        for rival in others {
-            let behind = score - rival.judged.score();
-            if behind < TIE && !chosen.has(rival.id) && !equal.iter().any(|e| e.id == rival.id) {
-                equal.push(rival);
-            }
-        }
-        equal
-    };
-    stand_ins.into_iter().map(equal).collect()
+/// That a better candidate takes a term's place.
+fn swapped(selection: &Selection, place: usize, better: &Rival) -> Step {
+    let term = selection.chosen.fit.structure.terms[place].id();
+    let lead = better.judged.score() - selection.chosen.score();
+    Step { term: Some(term), ..Step::of(Gate::Swap, term, better.id) }.measured(lead, LEAST_LEAD)
 }

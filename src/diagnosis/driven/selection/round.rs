@@ -9,6 +9,7 @@ use crate::driven::intake::data::Data;
 use crate::driven::simulation::filter::Nothing;
 use crate::driven::simulation::run::{Run, innovations};
 use crate::driven::simulation::structure::ModelStructure;
+use crate::gate::Gate;
 use crate::numerics::least_squares::Linear;
 use crate::numerics::order;
 use crate::parallel;
@@ -124,6 +125,7 @@ pub(crate) fn round(
     });
     order::sort_by_key(&mut promised, |p| p.1);
     let worth = worth_fitting(&promised, model.fit.linear.residual.len(), sure);
+    let by_input = data.trace.is_on(Gate::InputLine);
     let mut trials: Vec<Trial> = parallel::map_indices(promised.len(), |i| {
         let (term, promised, starts) = &promised[i];
         let nothing = Comparison { gain: 0.0, ci95: [-1.0, 1.0], p_value: 1.0 };
@@ -139,7 +141,7 @@ pub(crate) fn round(
             .chain(known)
             .filter_map(|(structure, point)| fit(data, &structure, &point, scales, HEAT));
         let (following, others): (Vec<Fit>, Vec<Fit>) =
-            fits.partition(|fit| follows_input(data, fit, fit.structure.terms.len() - 1));
+            fits.partition(|fit| by_input && follows_input(data, fit, fit.structure.terms.len() - 1));
         let best = |fits: Vec<Fit>| fits.into_iter().min_by(|a, b| a.variance.total_cmp(&b.variance));
         trial.judged = best(others).map(|found| judge(data, found, scales));
         trial.follows_input = best(following).is_some_and(|found| judge(data, found, scales).score() > model.score());

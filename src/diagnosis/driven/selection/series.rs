@@ -8,7 +8,7 @@ use super::rivals::alike;
 
 /// Laws that may be named together: to say that a model left out more at once claims more than one
 /// recording can show.
-const MOST_LAWS: usize = 3;
+pub(crate) const MOST_LAWS: usize = 3;
 
 /// Terms that only together do the work of something that the library does not hold; whatever
 /// stands beside them was fitted to what they leave.

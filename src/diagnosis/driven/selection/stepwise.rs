@@ -6,8 +6,10 @@ use crate::control::{Control, Progress, Stopped};
 use crate::driven::identification::refined_scales::refined;
 use crate::driven::intake::data::Data;
 use crate::driven::intake::work::{Budget, Stage};
+use crate::gate::Gate;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
+use crate::trace::Step;
 
 use super::earned::{earned, pruned};
 use super::forms;
@@ -77,12 +79,18 @@ pub(crate) fn search(
         left_out: false,
         control,
     };
-    if !cut_short && let Some(simpler) = look.one_for_two(&chosen)? {
+    if !cut_short
+        && data.trace.is_on(Gate::OneForTwo)
+        && let Some(simpler) = look.one_for_two(&chosen)?
+    {
+        let lead = simpler.score() - chosen.score();
+        data.trace.acts(Step::of(Gate::OneForTwo, chosen.words(), simpler.words()).measured(lead, 0.0));
         chosen = simpler;
         rest = residual_structure(data, &chosen.fit).r_squared;
     }
     // What is far from explained needs no rivals: it will not be named.
-    let hopeless = chosen.fit.structure.terms.len() > 2 && rest > FAR_FROM_DONE;
+    let no_rivals = || Step::of(Gate::NoRivals, "compared", "not compared").measured(rest, FAR_FROM_DONE);
+    let hopeless = chosen.fit.structure.terms.len() > 2 && rest > FAR_FROM_DONE && data.trace.acts(no_rivals());
     let (alone, tried) = (steps.alone, steps.tried);
     let mut selection = Selection {
         base,
@@ -149,14 +157,17 @@ impl Stepwise<'_> {
         let base = self.base;
         let way = self.first_way(base, candidates, reach)?;
         let nearly_done = self.is_nearly_done(&way.chosen);
-        if !way.chosen.fit.structure.is_noisy() || way.predictable <= DONE || nearly_done || way.cut_short {
+        let done = !way.chosen.fit.structure.is_noisy() || way.predictable <= DONE || nearly_done || way.cut_short;
+        if done || !self.data.trace.is_on(Gate::PhysicsFirst) {
             return Ok(way);
         }
         let physics: Vec<Term> = candidates.iter().copied().filter(|t| t.noise().is_none()).collect();
         let other = self.forward(base.clone(), &physics)?;
         let other = if other.cut_short { other } else { self.forward(other.chosen, candidates)? };
         let better = other.predictable < way.predictable && other.chosen.score() > way.chosen.score();
-        Ok(if better { other } else { way })
+        let step = Step::of(Gate::PhysicsFirst, way.chosen.words(), other.chosen.words());
+        let step = step.measured(other.predictable, way.predictable);
+        Ok(if better && self.data.trace.acts(step) { other } else { way })
     }
 
     /// The way from the base model. Where the input tells nothing linear apart, a linear law takes
@@ -166,7 +177,8 @@ impl Stepwise<'_> {
         let way = self.forward(base.clone(), candidates)?;
         let terms = &way.chosen.fit.structure.terms;
         let alone = terms.len() == 1 && way.predictable <= DONE;
-        if !reach.tells_nothing_linear_apart() || alone || way.cut_short || !terms.iter().any(is_linear) {
+        let apart = !reach.tells_nothing_linear_apart() || !terms.iter().any(is_linear);
+        if apart || alone || way.cut_short || !self.data.trace.is_on(Gate::WithoutLinear) {
             return Ok(way);
         }
         let others: Vec<Term> = candidates.iter().copied().filter(|t| !is_linear(t) && t.noise().is_none()).collect();
@@ -174,7 +186,9 @@ impl Stepwise<'_> {
         let does = !other.cut_short
             && !other.chosen.fit.structure.terms.is_empty()
             && other.predictable <= way.predictable.max(DONE);
-        Ok(if does { other } else { way })
+        let step = Step::of(Gate::WithoutLinear, way.chosen.words(), other.chosen.words());
+        let step = step.measured(other.predictable, way.predictable.max(DONE));
+        Ok(if does && self.data.trace.acts(step) { other } else { way })
     }
 
     /// As far as these candidates lead.
@@ -207,9 +221,12 @@ impl Stepwise<'_> {
 
     /// Whether more terms will not explain what this model leaves.
     fn is_hopeless(&self, chosen: &Judged) -> bool {
-        chosen.fit.structure.terms.len() >= MANY
-            && !self.is_nearly_done(chosen)
-            && residual_structure(self.data, &chosen.fit).r_squared > HOPELESS
+        if chosen.fit.structure.terms.len() < MANY || self.is_nearly_done(chosen) {
+            return false;
+        }
+        let rest = residual_structure(self.data, &chosen.fit).r_squared;
+        let step = || Step::of(Gate::Hopeless, chosen.words(), "not extended").measured(rest, HOPELESS);
+        rest > HOPELESS && self.data.trace.acts(step())
     }
 
     /// The best model with one term more that earns it.
@@ -225,6 +242,9 @@ impl Stepwise<'_> {
             round(data, chosen, &open, &here, SURE, self.control)?
         };
         self.follows_input = trials.iter().any(|t| t.follows_input);
+        for trial in trials.iter().filter(|t| t.follows_input) {
+            data.trace.acts(Step::keeps_out(Gate::InputLine, Some(trial.term.id())));
+        }
         let rest = if chosen.fit.structure.terms.len() < 2 || self.is_nearly_done(chosen) {
             LEAST_OF_REST
         } else {
@@ -235,18 +255,35 @@ impl Stepwise<'_> {
             .filter_map(|t| t.judged.as_ref())
             // At the end of its plausible range a law is not what its name says: the others answer
             // without it.
-            .filter(|j| !j.fit.at_bound(self.scales))
+            .filter(|j| !(j.fit.at_bound(self.scales) && data.trace.acts(not_added(Gate::SearchBound, chosen, j))))
             .take(3)
             .filter_map(|j| Some((j, earned(data, chosen, j, self.scales, tried)?.gain)))
-            .filter(|(j, gain)| *gain > residual_structure(data, &j.fit).r_squared * rest)
+            .filter(|(j, gain)| {
+                let least = residual_structure(data, &j.fit).r_squared * rest;
+                let step = || not_added(Gate::PartOfRest, chosen, j).measured(*gain, least);
+                *gain > least || !data.trace.acts(step())
+            })
             .collect();
         // Where the fitted samples do not tell the best apart, the others do.
-        let most = qualifying.first().map_or(0.0, |(j, _)| j.score());
+        let likeliest = qualifying.first().map(|(j, _)| *j);
+        let most = likeliest.map_or(0.0, Judged::score);
         let equal = qualifying.into_iter().filter(|(j, _)| most - j.score() < TIE);
-        let best = equal.max_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(j, _)| j.clone());
+        let best = equal.max_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(j, _)| j);
+        let best = best.zip(likeliest).map(|(best, likeliest)| {
+            let step = || Step::of(Gate::HeldOutChoice, likeliest.words(), best.words());
+            let is_other = !std::ptr::eq(best, likeliest)
+                && data.trace.acts(step().measured(likeliest.score() - best.score(), TIE));
+            if is_other { best.clone() } else { likeliest.clone() }
+        });
         if first && self.alone.is_empty() {
             self.alone = trials;
         }
         Ok(best)
     }
+}
+
+/// That a gate keeps a candidate from being added to a model.
+fn not_added(gate: Gate, chosen: &Judged, with: &Judged) -> Step {
+    let added = with.fit.structure.terms.iter().find(|t| !chosen.has(t.id()));
+    Step::keeps_out(gate, added.map(Term::id))
 }

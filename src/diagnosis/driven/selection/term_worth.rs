@@ -12,6 +12,13 @@ use super::earned::without;
 use super::held_out::{Comparison, HeldOut, compare, held_out};
 use super::judged::{Judged, Rival, Selection};
 
+/// Mean square of the test error with a term over that without it from which the test samples speak
+/// against it.
+pub(crate) const WORSE: f64 = 1.02;
+
+/// Mean log-likelihood per sample that rounding must add to count.
+pub(crate) const LEAST_ROUNDING_GAIN: f64 = 0.01;
+
 /// A term of the final model and what it is worth.
 #[derive(Debug, Clone)]
 pub struct Named {
@@ -37,13 +44,13 @@ impl Named {
     /// Whether the test samples speak against it.
     pub fn worsens(&self, model: &Judged) -> bool {
         let term = model.fit.structure.terms[self.index];
-        term.noise().is_none() && model.held_out.free() > 1.02 * self.without.free()
+        term.noise().is_none() && model.held_out.free() > WORSE * self.without.free()
     }
 }
 
 /// Coarse rounding, where it explains what a model leaves.
 pub(crate) fn rounding(data: &Data, model: &Judged) -> Option<Lattice> {
-    lattice(&data.reading[data.hull.clone()], &model.fit.linear.residual).filter(|l| l.gain > 0.01)
+    lattice(&data.reading[data.hull.clone()], &model.fit.linear.residual).filter(|l| l.gain > LEAST_ROUNDING_GAIN)
 }
 
 /// Whether the samples that chose the terms have been fitted since.

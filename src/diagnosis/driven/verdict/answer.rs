@@ -143,6 +143,7 @@ pub fn answer(
         residual_after: c.remainder.whiteness(),
         findings,
         ranking,
+        trace: Vec::new(),
         repair,
         detail: answer::Detail::Driven(Box::new(detail)),
     }

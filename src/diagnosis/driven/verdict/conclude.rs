@@ -16,15 +16,17 @@ use crate::driven::selection::noise_character::{
 use crate::driven::selection::noise_scale::MassMotion;
 use crate::driven::selection::residual_structure::{EVEN, Residual, power_structure, residual_structure_of_noise};
 use crate::driven::selection::series::Series;
-use crate::driven::selection::term_worth::{Named, rounding};
+use crate::driven::selection::term_worth::{LEAST_ROUNDING_GAIN, Named, rounding};
 use crate::driven::simulation::run::trace;
 use crate::driven::verdict::dropped::{Dropped, LeftOut};
+use crate::gate::Gate;
 use crate::numerics::order;
 use crate::parallel;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 use crate::remainder::{REAL, Remainder, Size, Test};
 use crate::ruling::rule;
+use crate::trace::Step;
 use crate::verdict::Outcome;
 
 use super::draft::Draft;
@@ -90,7 +92,11 @@ pub(crate) fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> C
     let twins = draft.drop_twins();
     let series = draft.drop_series();
     order::sort_by_key(&mut draft.named, |n| -n.growth);
-    let lattice = rounding(data, &draft.model);
+    let named = |l: &Lattice| {
+        let step = Step::of(Gate::RoundedReadings, "not named", "named");
+        data.trace.acts(step.measured(l.gain, LEAST_ROUNDING_GAIN))
+    };
+    let lattice = rounding(data, &draft.model).filter(named);
     draft.departing = draft.departing.take().filter(|d| draft.names(d));
     let remainder = remainder(data, draft.departing.as_ref().map_or(&draft.model, |d| &d.judged), &draft.after);
     let outcome = rule(&draft.evidence(nameless, followed || twins || series.is_some(), lattice.is_some(), remainder));
@@ -177,14 +183,20 @@ fn remainder(data: &Data, model: &Judged, after: &Residual) -> Remainder {
     // Noise of the sensor's own keeps its strength whatever the sensor does; what does not is a
     // stand-in for physics.
     let power = model.fit.structure.is_noisy().then(|| power_structure(data, &model.fit));
-    let power =
-        power.map(|p| Test { p_value: QUESTIONS * p.p_value, size: Size::of(p.r_squared, EVEN, f64::INFINITY) });
+    let kept = |t: &Test, step: Step| t.found() == Size::Negligible || data.trace.acts(step);
+    let power = power.and_then(|p| {
+        let test = Test { p_value: QUESTIONS * p.p_value, size: Size::of(p.r_squared, EVEN, f64::INFINITY) };
+        let step = Step::of(Gate::NoisePower, "noise", "remainder").measured(p.r_squared, EVEN);
+        kept(&test, step).then_some(test)
+    });
     // A disturbance does not say that the library fails.
     let errors = &model.fit.linear.residual;
     let fresh = after.coloured.as_ref().map(|c| c.whitened(errors));
     let by_chance = QUESTIONS * disturbance_by_chance(fresh.as_ref().unwrap_or(errors));
     let disturbance = Test { p_value: by_chance, size: Size::Faint };
-    Remainder::of([structure, disturbance].into_iter().chain(power))
+    let step = Step::of(Gate::Disturbance, "noise", "faint remainder").measured(by_chance, REAL);
+    let disturbance = kept(&disturbance, step).then_some(disturbance);
+    Remainder::of([structure].into_iter().chain(disturbance).chain(power))
 }
 
 /// Uncertainty of a model's parameters, and whether laws with a corner have the profiles that they

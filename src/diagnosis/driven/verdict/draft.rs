@@ -7,15 +7,27 @@ use crate::driven::identification::step_length::enough;
 use crate::driven::intake::data::Data;
 use crate::driven::intake::work::{Budget, Stage};
 use crate::driven::selection::held_out::{held_out, ratio_interval};
+use crate::driven::selection::identifiability::FEWEST_CYCLES;
 use crate::driven::selection::judged::{Departing, Judged, Rival, Selection};
 use crate::driven::selection::residual_structure::{Residual, residual_structure_of_noise};
 use crate::driven::selection::term_worth::{Named, weighed};
 use crate::driven::verdict::dropped::{Dropped, LeftOut};
+use crate::gate::Gate;
 use crate::parallel;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 use crate::remainder::Remainder;
 use crate::ruling::Evidence;
+use crate::trace::Step;
+
+/// What speaks against a term.
+pub(super) struct Objection {
+    pub(super) reason: Dropped,
+    pub(super) step: Step,
+}
+
+/// For gates that compare no numbers.
+pub(super) const UNMEASURED: [f64; 2] = [f64::NAN; 2];
 
 /// A conclusion in the making.
 pub(super) struct Draft<'a> {
@@ -96,6 +108,30 @@ impl<'a> Draft<'a> {
         self.dropped.push((term, reason));
     }
 
+    /// Takes a term's name for what speaks against it.
+    pub(super) fn drop_for(&mut self, index: usize, objection: Objection) {
+        self.data.trace.acts(objection.step);
+        self.drop_term(index, objection.reason);
+    }
+
+    /// Whether a gate takes a term's name, with what was measured and its threshold.
+    pub(super) fn drops(&self, gate: Gate, named: &Named, [value, threshold]: [f64; 2]) -> bool {
+        self.data.trace.acts(Step::drops(gate, self.term(named.index).id()).measured(value, threshold))
+    }
+
+    /// What a gate has against a term, with what was measured and its threshold; nothing where it is
+    /// switched off.
+    pub(super) fn objects(
+        &self,
+        named: &Named,
+        gate: Gate,
+        reason: Dropped,
+        [value, threshold]: [f64; 2],
+    ) -> Option<Objection> {
+        let step = Step::drops(gate, self.term(named.index).id()).measured(value, threshold);
+        self.data.trace.is_on(gate).then_some(Objection { reason, step })
+    }
+
     /// Weighs every term of the model.
     pub(super) fn weigh(&mut self) {
         self.named = weighed(self.data, self.selection, &self.model, &self.scales, &self.rivals, &self.base);
@@ -110,13 +146,19 @@ impl<'a> Draft<'a> {
     /// input.
     fn tied(&self) -> usize {
         let class = self.selection.reach.class(&self.model.fit.structure.terms);
-        let in_class = |n: &Named| class.contains(&self.term(n.index).id());
+        let in_class = |n: &Named| {
+            let id = self.term(n.index).id();
+            let step = || Step { term: Some(id), ..Step::of(Gate::LinearClass, "told apart", "tied") };
+            class.contains(&id) && self.data.trace.acts(step())
+        };
         self.named.iter().filter(|n| !n.rivals.is_empty() || in_class(n)).count()
     }
 
     /// Whether the recording is long enough for the base model, where anything is named beside it.
     fn is_base_determined(&self) -> bool {
-        self.selection.reach.few_cycles.is_none() || self.named.is_empty()
+        let step = |cycles| Step::of(Gate::FewCycles, "determined", "not determined").measured(cycles, FEWEST_CYCLES);
+        let acts = |cycles| !self.named.is_empty() && self.data.trace.acts(step(cycles));
+        !self.selection.reach.few_cycles.is_some_and(acts)
     }
 
     /// What the verdict rests on; `nameless` is what is carried without a name, in variances of the

@@ -1,42 +1,53 @@
 //! What speaks against a term of the final model: the test samples, or its own parameters.
 
+use crate::driven::base::ZETA;
 use crate::driven::identification::interval;
 use crate::driven::selection::earned::without;
 use crate::driven::selection::held_out::held_out;
 use crate::driven::selection::input_line::follows_input;
 use crate::driven::selection::judged::Judged;
 use crate::driven::selection::residual_structure::residual_structure_of_noise;
-use crate::driven::selection::term_worth::Named;
+use crate::driven::selection::term_worth::{Named, WORSE};
 use crate::driven::verdict::dropped::{Dropped, LeftOut};
+use crate::gate::Gate;
 use crate::physics::scales::Coordinate;
 
-use super::draft::Draft;
-use super::second_resonance::{is_beside_the_first, is_second_resonance};
+use super::draft::{Draft, Objection, UNMEASURED};
+use super::second_resonance::{APERIODIC, is_beside_the_first, is_second_resonance};
 
 impl Draft<'_> {
     /// Why a term may not stay, if it may not: the test samples speak against it, it is not what
     /// its name says, or it may be nothing.
-    fn objection(&self, named: &Named) -> Option<Dropped> {
-        if named.worsens(&self.model) {
-            return Some(Dropped::Worsens);
-        }
-        self.misnamed(named)
+    fn objection(&self, named: &Named) -> Option<Objection> {
+        let worse = self.model.held_out.free() / named.without.free();
+        let worsens = named.worsens(&self.model);
+        let worsens = worsens.then(|| self.objects(named, Gate::Worsens, Dropped::Worsens, [worse, WORSE]));
+        worsens.flatten().or_else(|| self.misnamed(named))
     }
 
     /// Why a term is not what its name says in the model that it stands in, if it is not.
-    pub(super) fn misnamed(&self, named: &Named) -> Option<Dropped> {
+    pub(super) fn misnamed(&self, named: &Named) -> Option<Objection> {
         let fit = &self.model.fit;
-        if fit.term_at_bound(named.index, &self.scales) {
-            return Some(Dropped::AtBound);
+        let objects = |gate: Gate, reason: Dropped, measured: [f64; 2]| self.objects(named, gate, reason, measured);
+        if fit.term_at_bound(named.index, &self.scales)
+            && let Some(objection) = objects(Gate::Bound, Dropped::AtBound, UNMEASURED)
+        {
+            return Some(objection);
         }
         if self.is_noise(named) {
             return None;
         }
-        if follows_input(self.data, fit, named.index) {
-            return Some(Dropped::FollowsInput);
+        if follows_input(self.data, fit, named.index)
+            && let Some(objection) = objects(Gate::InputLine, Dropped::FollowsInput, UNMEASURED)
+        {
+            return Some(objection);
         }
-        if is_second_resonance(&self.term(named.index)) && !is_beside_the_first(fit) {
-            return Some(Dropped::NoSecondResonance);
+        let damping = [fit.point[ZETA], APERIODIC];
+        if is_second_resonance(&self.term(named.index))
+            && !is_beside_the_first(fit)
+            && let Some(objection) = objects(Gate::NoSecondResonance, Dropped::NoSecondResonance, damping)
+        {
+            return Some(objection);
         }
         // A law of several strengths is nothing only where each of them may be.
         let (first, spread) = (fit.structure.first[named.index], interval::spread(fit));
@@ -50,22 +61,24 @@ impl Draft<'_> {
             .filter(|(_, c)| !matches!(c, Coordinate::Log(..)))
             .map(|(j, _)| first + j)
             .collect();
-        let may_be_nothing = |place: &usize| {
+        let with_reach = |place: &usize| {
             let free = fit.free.iter().position(|f| f == place);
-            free.is_none_or(|f| fit.point[*place].abs() <= spread.reach[f][0] * fit.slopes[f].abs())
+            [fit.point[*place].abs(), free.map_or(f64::INFINITY, |f| spread.reach[f][0] * fit.slopes[f].abs())]
         };
-        let nothing = !strengths.is_empty() && strengths.iter().all(may_be_nothing);
-        nothing.then_some(Dropped::MayBeNothing)
+        let surest = strengths.iter().map(with_reach).max_by(|a, b| (a[0] - a[1]).total_cmp(&(b[0] - b[1])));
+        let nothing = surest.filter(|[strength, reach]| strength <= reach)?;
+        objects(Gate::MayBeNothing, Dropped::MayBeNothing, nothing)
     }
 
     /// A term against which something speaks goes, and the others are weighed again without it.
     pub(super) fn drop_what_cannot_stay(&mut self) {
         let worst = |draft: &Self| {
             let all = draft.named.iter().filter_map(|n| Some((n, draft.objection(n)?)));
-            all.min_by(|a, b| a.0.without.free().total_cmp(&b.0.without.free())).map(|(n, reason)| (n.index, reason))
+            let worst = all.min_by(|a, b| a.0.without.free().total_cmp(&b.0.without.free()));
+            worst.map(|(n, objection)| (n.index, objection))
         };
-        while let Some((index, reason)) = worst(self) {
-            self.drop_term(index, reason);
+        while let Some((index, objection)) = worst(self) {
+            self.drop_for(index, objection);
             if self.data.work.is_spent(self.budget) {
                 self.named.retain(|n| n.index != index);
                 self.left_out.push(LeftOut::WeighingAgain);

@@ -5,7 +5,9 @@ use crate::driven::selection::held_out::held_out;
 use crate::driven::selection::judged::Judged;
 use crate::driven::selection::residual_structure::residual_structure_of_noise;
 use crate::driven::verdict::dropped::Dropped;
+use crate::gate::Gate;
 use crate::numerics::moments::rms;
+use crate::trace::Step;
 
 use super::draft::Draft;
 
@@ -17,7 +19,8 @@ impl Draft<'_> {
         let is_noise = |draft: &Self, i: usize| draft.term(i).noise().is_some();
         let terms = self.model.fit.structure.terms.len();
         let noisy: Vec<usize> = (0..terms).rev().filter(|i| is_noise(self, *i)).collect();
-        if noisy.is_empty() || self.departing.is_some() || self.data.windows.is_some() {
+        let is_asked = self.data.windows.is_none() && self.data.trace.is_on(Gate::ColouredReadout);
+        if noisy.is_empty() || self.departing.is_some() || !is_asked {
             return;
         }
         let mut lean = self.model.clone();
@@ -28,10 +31,13 @@ impl Draft<'_> {
         let after = residual_structure_of_noise(self.data, &lean.fit);
         let Some(coloured) = &after.coloured else { return };
         let inside = rms(self.model.fit.linear.residual.iter().copied());
-        if rms(coloured.whitened(&lean.fit.linear.residual)) > inside {
+        let fresh = rms(coloured.whitened(&lean.fit.linear.residual));
+        if fresh > inside {
             return;
         }
         for index in noisy {
+            let step = Step::drops(Gate::ColouredReadout, self.term(index).id());
+            self.data.trace.acts(step.measured(fresh / inside, 1.0));
             self.drop_term(index, Dropped::Coloured);
             if index < self.rivals.len() {
                 self.rivals.remove(index);

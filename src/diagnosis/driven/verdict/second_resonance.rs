@@ -6,7 +6,7 @@ use crate::driven::identification::fit::Fit;
 use crate::physics::library::Term;
 
 /// Damping ratio from which a body does not ring: both poles are real.
-const APERIODIC: f64 = 1.0;
+pub(super) const APERIODIC: f64 = 1.0;
 /// Damping ratio from which a frequency response has no peak, 1/√2.
 const NO_PEAK: f64 = std::f64::consts::FRAC_1_SQRT_2;
 

@@ -4,14 +4,15 @@ use crate::driven::identification::fit::{Fit, fit as refitted};
 use crate::driven::selection::earned::{ITERATIONS, SMALLEST_GAIN, without};
 use crate::driven::selection::independence::{Explained, explained_by_known};
 use crate::driven::selection::rivals::alike;
-use crate::driven::selection::series::{Series, series};
+use crate::driven::selection::series::{MOST_LAWS, Series, series};
 use crate::driven::selection::smooth_course::is_smooth;
 use crate::driven::selection::term_worth::Named;
 use crate::driven::verdict::dropped::Dropped;
+use crate::gate::Gate;
 use crate::physics::law::Noise;
 use crate::physics::library::Term;
 
-use super::draft::Draft;
+use super::draft::{Draft, UNMEASURED};
 use super::form;
 
 /// With a remainder as structured as this, a term must stand far above it.
@@ -28,20 +29,22 @@ const LEAST_PART_OF_NOISE: f64 = 1e-5;
 /// be: as the square, the part of what a law removes that it may leave.
 const MOST_DEPARTURE: f64 = 0.1;
 
+/// Growth of the error without a term below which it is not above the noise.
+const FAINT: f64 = 1.0;
+
 impl Draft<'_> {
     /// Noise that follows what is known is no noise: a law is missing, and the noise has taken its
     /// place. Whether any does.
     pub(super) fn drop_noise_that_follows(&mut self) -> bool {
-        if self.data.windows.is_some() {
-            return false;
-        }
-        if !self.named.iter().any(|n| self.is_noise(n)) {
+        let is_asked = self.data.windows.is_none() && self.data.trace.is_on(Gate::KnownSignal);
+        if !is_asked || !self.named.iter().any(|n| self.is_noise(n)) {
             return false;
         }
         let lean = self.only_named();
         let follows = |n: &Named| {
             let noise = self.term(n.index).noise()?;
             let found = explained_by_known(self.data, &lean, noise).filter(Explained::is_real)?;
+            self.drops(Gate::KnownSignal, n, [found.r_squared, found.least()]);
             let percent = (100.0 * found.r_squared.min(1.0)).round() as u8;
             Some((n.index, Dropped::Dependent { by: found.by, percent, is_power: found.is_power }))
         };
@@ -56,12 +59,15 @@ impl Draft<'_> {
     /// A walk goes where a smooth course of time describes the same errors better: then a law of
     /// time is missing or not exact. Whether one went.
     pub(super) fn drop_walk_that_is_smooth(&mut self) -> bool {
-        let walk = self.named.iter().find(|n| self.term(n.index).noise() == Some(Noise::Walk)).map(|n| n.index);
-        let Some(index) = walk.filter(|_| self.data.windows.is_none()) else { return false };
+        let is_asked = self.data.windows.is_none() && self.data.trace.is_on(Gate::SmoothTrend);
+        let walk = self.named.iter().find(|n| self.term(n.index).noise() == Some(Noise::Walk));
+        let Some(walk) = walk.filter(|_| is_asked) else { return false };
+        let index = walk.index;
         let reduced = without(self.data, &self.model, index, &self.scales);
         if !reduced.is_some_and(|reduced| is_smooth(self.data, &reduced.fit, &self.model.fit)) {
             return false;
         }
+        self.drops(Gate::SmoothTrend, walk, UNMEASURED);
         self.drop_term(index, Dropped::SmoothCourse);
         self.named.retain(|n| n.index != index);
         true
@@ -82,7 +88,8 @@ impl Draft<'_> {
     /// What is known of rounded readings does not bear out what only follows the rounding.
     pub(super) fn drop_what_follows_rounding(&mut self) {
         let bar = (self.selection.tried.max(1) as f64).ln() + 3.0;
-        let holds = |n: &Named| n.rounded_lead.is_none_or(|lead| lead > bar);
+        let follows = |n: &Named, lead: f64| lead <= bar && self.drops(Gate::Rounding, n, [lead, bar]);
+        let holds = |n: &Named| n.rounded_lead.is_none_or(|lead| !follows(n, lead));
         let (holding, following): (Vec<Named>, Vec<Named>) = self.named.iter().cloned().partition(holds);
         self.named = holding;
         for n in following {
@@ -97,34 +104,46 @@ impl Draft<'_> {
         let need = SMALLEST_GAIN.max(if r_squared <= COLOURED { r_squared } else { FAR_ABOVE * r_squared });
         let removed = self.removed();
         let inexactness = self.inexactness();
-        let holds = |n: &Named| {
-            if self.is_noise(n) {
-                // Noise follows whatever is left: beside it, what is left must be next to nothing.
-                let least = (removed * LEAST_PART_OF_NOISE).max(inexactness);
-                return n.growth >= need.max(FAR_ABOVE * r_squared).max(least);
-            }
-            !self.pushes_along(n) && n.growth >= need.max(removed * LEAST_PART)
-        };
-        let (named, carried): (Vec<Named>, Vec<Named>) = self.named.iter().cloned().partition(holds);
-        self.named = named;
-        for n in &carried {
-            let reason = if self.pushes_along(n) {
-                Dropped::PushesAlong
-            } else if n.growth < need {
-                Dropped::SmallerThanTheRest
-            } else {
-                Dropped::WithinInexactness
+        let reason = |n: &Named| {
+            let below = |gate: Gate, least: f64| n.growth < least && self.drops(gate, n, [n.growth, least]);
+            // Noise follows whatever is left: beside it, what is left must be next to nothing.
+            let is_small = || match self.is_noise(n) {
+                true => below(Gate::NoiseBesideRest, need.max(FAR_ABOVE * r_squared)),
+                false => below(Gate::SmallerThanRest, need),
             };
-            self.drop_term(n.index, reason);
+            let is_detail = || match self.is_noise(n) {
+                true => below(Gate::Inexactness, (removed * LEAST_PART_OF_NOISE).max(inexactness)),
+                false => below(Gate::LeastPart, removed * LEAST_PART),
+            };
+            match () {
+                () if self.pushes_along(n) => Some(Dropped::PushesAlong),
+                () if is_small() => Some(Dropped::SmallerThanTheRest),
+                () if is_detail() => Some(Dropped::WithinInexactness),
+                () => None,
+            }
+        };
+        let reasons: Vec<Option<Dropped>> = self.named.iter().map(reason).collect();
+        let (mut carried, mut laws) = (Vec::new(), 0.0);
+        for (n, reason) in std::mem::take(&mut self.named).into_iter().zip(reasons) {
+            match reason {
+                None => self.named.push(n),
+                Some(reason) => carried.push((n, reason)),
+            }
         }
-        carried.iter().filter(|n| !self.is_noise(n)).map(|n| n.growth).sum()
+        for (n, reason) in carried {
+            self.drop_term(n.index, reason);
+            laws += if self.is_noise(&n) { 0.0 } else { n.growth };
+        }
+        laws
     }
 
     /// Whether a term is a friction that pushes along the velocity: it does the work of another law
     /// beside those named.
     fn pushes_along(&self, named: &Named) -> bool {
         let strength = self.model.fit.structure.of(named.index, &self.model.fit.point).first();
-        matches!(self.term(named.index), Term::CoulombFriction(_)) && strength.is_some_and(|f_c| *f_c < 0.0)
+        let is_friction = matches!(self.term(named.index), Term::CoulombFriction(_));
+        let force = strength.copied().filter(|f_c| is_friction && *f_c < 0.0);
+        force.is_some_and(|f_c| self.drops(Gate::PushesAlong, named, [f_c, 0.0]))
     }
 
     /// What the named laws may leave because they are not quite what their names say, in variances
@@ -149,9 +168,13 @@ impl Draft<'_> {
     /// Two terms that can be mistaken for each other, neither above the noise, are one thing that
     /// the library does not hold.
     pub(super) fn drop_twins(&mut self) -> bool {
-        let faint: Vec<usize> = self.named.iter().filter(|n| n.growth < 1.0).map(|n| n.index).collect();
-        let has_twin = |i: usize| faint.iter().any(|j| i != *j && alike(&self.term(i), &self.term(*j)));
-        let twins: Vec<usize> = faint.iter().copied().filter(|i| has_twin(*i)).collect();
+        let faint: Vec<&Named> = self.named.iter().filter(|n| n.growth < FAINT).collect();
+        let is_twin = |n: &Named| {
+            let mut others = faint.iter().filter(|other| other.index != n.index);
+            others.any(|other| alike(&self.term(n.index), &self.term(other.index)))
+                && self.drops(Gate::Twins, n, [n.growth, FAINT])
+        };
+        let twins: Vec<usize> = faint.iter().filter(|n| is_twin(n)).map(|n| n.index).collect();
         twins.iter().for_each(|i| self.drop_term(*i, Dropped::Twin));
         self.named.retain(|n| !twins.contains(&n.index));
         !twins.is_empty()
@@ -161,7 +184,12 @@ impl Draft<'_> {
     pub(super) fn drop_series(&mut self) -> Option<Series> {
         let terms: Vec<Term> = self.named.iter().map(|n| self.term(n.index)).collect();
         let found = series(&terms)?;
+        let gate = if found == Series::ManyLaws { Gate::ManyLaws } else { Gate::LookAlikes };
+        if !self.data.trace.is_on(gate) {
+            return None;
+        }
         for n in std::mem::take(&mut self.named) {
+            self.drops(gate, &n, [terms.len() as f64, MOST_LAWS as f64]);
             self.drop_term(n.index, Dropped::Series(found));
         }
         Some(found)

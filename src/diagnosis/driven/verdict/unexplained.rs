@@ -7,8 +7,10 @@ use crate::driven::selection::judged::Judged;
 use crate::driven::selection::residual_structure::residual_structure_of_noise;
 use crate::driven::selection::term_worth::Named;
 use crate::driven::verdict::dropped::Dropped;
+use crate::gate::Gate;
+use crate::trace::Step;
 
-use super::draft::Draft;
+use super::draft::{Draft, Objection, UNMEASURED};
 use super::second_resonance::{is_resolved, is_second_resonance};
 use super::standing::FAR_ABOVE;
 
@@ -19,8 +21,8 @@ impl Draft<'_> {
         self.drop_stand_ins(r_squared, tolerated);
         self.drop_beside_no_base();
         self.keep_what_is_named();
-        while let Some((index, reason)) = self.named.iter().find_map(|n| Some((n.index, self.stands_in(n)?))) {
-            self.drop_term(index, reason);
+        while let Some((index, objection)) = self.named.iter().find_map(|n| Some((n.index, self.stands_in(n)?))) {
+            self.drop_for(index, objection);
             self.named.retain(|n| n.index != index);
             self.keep_what_is_named();
         }
@@ -29,10 +31,11 @@ impl Draft<'_> {
     /// Over a base model that the recording does not follow, whatever bends takes up most of the
     /// error: a law that leaves some has no name.
     fn drop_beside_no_base(&mut self) {
-        if self.selection.base_follows {
+        if self.selection.base_follows || !self.data.trace.is_on(Gate::NoBase) {
             return;
         }
         for named in std::mem::take(&mut self.named) {
+            self.drops(Gate::NoBase, &named, UNMEASURED);
             self.drop_term(named.index, Dropped::StandIn);
         }
     }
@@ -40,9 +43,11 @@ impl Draft<'_> {
     /// Why a term cannot be told from what the library lacks, if it cannot: beside a misfit of the
     /// linear dynamics a mode takes up whatever is broad, and only a peak of its own is evidence of
     /// a resonance.
-    fn stands_in(&self, named: &Named) -> Option<Dropped> {
+    fn stands_in(&self, named: &Named) -> Option<Objection> {
         let blurred = is_second_resonance(&self.term(named.index)) && !is_resolved(&self.model.fit, named.index);
-        self.misnamed(named).or(blurred.then_some(Dropped::NoSecondResonance))
+        let gate = Gate::BlurredResonance;
+        let blurred = || blurred.then(|| self.objects(named, gate, Dropped::NoSecondResonance, UNMEASURED)).flatten();
+        self.misnamed(named).or_else(blurred)
     }
 
     /// The model of a verdict that explains nothing holds what it names and nothing else; and
@@ -64,7 +69,9 @@ impl Draft<'_> {
             self.model = Judged { held_out, fit: reduced.fit };
             self.named.iter_mut().filter(|n| n.index > index).for_each(|n| n.index -= 1);
         }
-        if self.named.is_empty() || self.model.held_out.free() > self.base.held_out.free() {
+        let ratio = self.model.held_out.free() / self.base.held_out.free();
+        let step = || Step::of(Gate::PredictsWorse, self.model.words(), "base model").measured(ratio, 1.0);
+        if self.named.is_empty() || ratio > 1.0 && self.data.trace.acts(step()) {
             self.named.clear();
             self.departing = None;
             self.model = self.base.clone();
@@ -81,14 +88,17 @@ impl Draft<'_> {
         // Noise takes up whatever the library lacks: beside it the remainder is no measure, only
         // the noise itself is.
         let noisy = self.model.fit.structure.is_noisy();
-        let dominates = |n: &Named| n.growth >= if noisy && !self.is_noise(n) { bar.max(FAR_ABOVE) } else { bar };
+        let least = |n: &Named| if noisy && !self.is_noise(n) { bar.max(FAR_ABOVE) } else { bar };
+        let dominates = |n: &Named| n.growth >= least(n) || !self.drops(Gate::StandIn, n, [n.growth, least(n)]);
         let (towering, others): (Vec<Named>, Vec<Named>) = self.named.iter().cloned().partition(dominates);
         for n in others {
             self.drop_term(n.index, Dropped::StandIn);
         }
         self.named = towering;
-        if self.named.iter().all(|n| self.is_noise(n)) {
-            self.named.clear();
+        if self.data.trace.is_on(Gate::NoiseAlone) && self.named.iter().all(|n| self.is_noise(n)) {
+            for named in std::mem::take(&mut self.named) {
+                self.drops(Gate::NoiseAlone, &named, UNMEASURED);
+            }
         }
     }
 }
