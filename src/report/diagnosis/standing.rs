@@ -55,7 +55,7 @@ fn fated(fate: &Fate) -> String {
 /// What the column of gains means for a kind of recording.
 pub(crate) fn meaning_of_gains(kind: Kind) -> &'static str {
     match kind {
-        Kind::Driven | Kind::Tumble | Kind::Trajectory => {
+        Kind::Driven | Kind::Tumble | Kind::Trajectory | Kind::Response => {
             "The gain is the fraction of the held-out error above the noise that the candidate removes (1 is all of \
              it), with its 95 % interval."
         }
