@@ -116,6 +116,7 @@ pub fn diagnose_all(recordings: Recordings<'_>, model: &Model, control: &Control
 
 /// Every candidate of every kind, in the order of each kind's list.
 pub fn library() -> impl Iterator<Item = &'static Candidate> {
-    let timed = driven::CANDIDATES.iter().chain(rest::CANDIDATES).chain(tumble::CANDIDATES).chain(trajectory::CANDIDATES);
+    let timed =
+        driven::CANDIDATES.iter().chain(rest::CANDIDATES).chain(tumble::CANDIDATES).chain(trajectory::CANDIDATES);
     timed.chain(response::CANDIDATES.iter())
 }

@@ -19,6 +19,7 @@ mod predicted;
 mod space;
 mod steady_state;
 mod system;
+mod values;
 
 pub use detail::Detail;
 pub use space::CANDIDATES;
@@ -63,10 +64,13 @@ pub fn diagnose(recording: &Recording, model: &model::Response, control: &Contro
     // Without seven steps in a row the base model itself must say it.
     let deviation = measured.unwrap_or_else(|| base.variance.sqrt()).max(least);
     let (search, base) = Search::begin(&system, deviation.powi(2), &base.point).ok_or_else(none)?;
-    control.go_on().map_err(|s| s.during(format!("could not finish {}", recording.path.display()), "start it again"))?;
+    control
+        .go_on()
+        .map_err(|s| s.during(format!("could not finish {}", recording.path.display()), "start it again"))?;
     work.rename("searching the library");
     let found = names::names(&search, base);
     drop(search);
-    let case = answer::Case { recording, model, system: &system, found: &found, deviation, is_measured: measured.is_some() };
+    let case =
+        answer::Case { recording, model, system: &system, found: &found, deviation, is_measured: measured.is_some() };
     Ok(case.conclude(findings))
 }

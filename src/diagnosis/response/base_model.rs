@@ -12,7 +12,8 @@ use crate::physics::scales::Scales;
 
 use super::intake::Sweeps;
 use super::space;
-use super::system::{OWN, Sizes, System};
+use super::system::{OWN, System};
+use super::values::Sizes;
 
 /// Widths at which a fit begins, in that of the band.
 const WIDTHS: [f64; 4] = [0.01, 0.04, 0.15, 0.5];

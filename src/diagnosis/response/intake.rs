@@ -106,7 +106,9 @@ pub(super) fn sweeps(recording: &Recording, model: &Response, findings: &mut Vec
             };
             if !in_degrees && !unit.contains("rad") {
                 let taken = if per_rad == 1.0 { "rad" } else { "°" };
-                findings.push(format!("`{phase}` states no unit and is taken in {taken}: its largest value is {largest:.4}"));
+                findings.push(format!(
+                    "`{phase}` states no unit and is taken in {taken}: its largest value is {largest:.4}"
+                ));
             }
             radius.into_iter().zip(angle).map(|(r, a)| Complex::from_polar(r, a * per_rad)).collect()
         }
@@ -133,10 +135,14 @@ pub(super) fn sweeps(recording: &Recording, model: &Response, findings: &mut Vec
         let cause = format!("step {k} has the frequency {} Hz", frequency_hz[k]);
         return fail(cause, "`frequency` must be above zero; is another column meant?");
     }
-    let counts: Vec<bool> = (0..n).map(|k| drive[k] > 0.0 && recording.filled.iter().all(|f| !f.contains(&k))).collect();
+    let counts: Vec<bool> =
+        (0..n).map(|k| drive[k] > 0.0 && recording.filled.iter().all(|f| !f.contains(&k))).collect();
     let used = counts.iter().filter(|c| **c).count();
     if used < n {
-        findings.push(format!("{} of {n} steps are not fitted: their drive is not above zero, or a cell is missing", n - used));
+        findings.push(format!(
+            "{} of {n} steps are not fitted: their drive is not above zero, or a cell is missing",
+            n - used
+        ));
     }
     if used < FEWEST {
         return fail(format!("{used} steps have a drive above zero"), "check the column `drive`");

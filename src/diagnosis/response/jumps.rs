@@ -36,7 +36,12 @@ pub(super) fn jumps(sweeps: &Sweeps, followed: &Predicted) -> Vec<Jump> {
         let change = |k: usize| (followed.amplitude[k + 1] - followed.amplitude[k]).abs();
         let is_jump = |k: &usize| {
             let around = [k.checked_sub(1), Some(k + 1)];
-            let other = around.into_iter().flatten().filter(|j| *j >= sweep.start && j + 1 < sweep.end).map(change).fold(0.0, f64::max);
+            let other = around
+                .into_iter()
+                .flatten()
+                .filter(|j| *j >= sweep.start && j + 1 < sweep.end)
+                .map(change)
+                .fold(0.0, f64::max);
             change(*k) > LEAST * most && change(*k) > JUMP * other && (followed.several[*k] || followed.several[k + 1])
         };
         let last = sweep.end.saturating_sub(1);

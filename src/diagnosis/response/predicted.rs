@@ -8,7 +8,7 @@ use crate::physics::library::Term;
 
 use super::intake::Sweeps;
 use super::steady_state::{Impedance, Table};
-use super::system::{Sizes, Values};
+use super::values::{Sizes, Values};
 
 /// Step in coordinates for the derivatives of laws: small beside any feature, large beside rounding.
 pub(super) const NUDGE: f64 = 1e-4;
@@ -208,9 +208,8 @@ impl Predicted {
             let own = moved.laws[*place].is_tabulated().then(|| table(sizes, moved));
             let other = own.as_ref().unwrap_or(&self.table);
             all.push(steps(&|k| {
-                let [from, to] = [(&self.table, values), (other, moved)].map(|(table, v)| {
-                    table.along(&v.mass, omega(k), linear(sweeps, v, k)).at(self.argument[k]).0
-                });
+                let [from, to] = [(&self.table, values), (other, moved)]
+                    .map(|(table, v)| table.along(&v.mass, omega(k), linear(sweeps, v, k)).at(self.argument[k]).0);
                 let turned = readout(sweeps, sizes, moved, k) - self.readout[k];
                 (by_z(k, to - from) + turned * self.motion[k]) / NUDGE
             }));
@@ -218,7 +217,11 @@ impl Predicted {
         for (i, column) in all.iter_mut().enumerate() {
             for sweep in sweeps.sweeps.iter().filter(|_| sweeps.is_ordered) {
                 for k in sweep.start + 1..sweep.end {
-                    let own = if i == settling { self.reading[k - 1] - self.settled[k] } else { column[k] * (1.0 - values.settling) };
+                    let own = if i == settling {
+                        self.reading[k - 1] - self.settled[k]
+                    } else {
+                        column[k] * (1.0 - values.settling)
+                    };
                     column[k] = own + column[k - 1] * values.settling;
                 }
             }

@@ -53,10 +53,7 @@ fn stated(with_time: bool) -> Vec<Term> {
 
 /// Laws with an exponent of their own.
 fn powers() -> [Term; 2] {
-    [
-        Term::PowerLawStiffness(PowerLawStiffness(Exponent::Free)),
-        Term::PowerLawDamping(PowerLawDamping(Exponent::Free)),
-    ]
+    [Term::PowerLawStiffness(PowerLawStiffness(Exponent::Free)), Term::PowerLawDamping(PowerLawDamping(Exponent::Free))]
 }
 
 /// All laws that sweeps of these sizes are tried against.

@@ -52,8 +52,7 @@ struct Answer<const N: usize> {
 impl Law {
     /// Its force on N masses at these displacements and velocities.
     fn at<const N: usize>(&self, mass: &Oscillator, [x, v]: [[f64; N]; 2], time_s: f64, own: [f64; 2]) -> Answer<N> {
-        let base =
-            Base { gain: [1.0; N], stiffness: [mass.omega_rad_s.powi(2); N], damping: [mass.damping_per_s; N] };
+        let base = Base { gain: [1.0; N], stiffness: [mass.omega_rad_s.powi(2); N], damping: [mass.damping_per_s; N] };
         let at = Instants { time: time_s, step: 0.0, input: [0.0; N], x, v, base: &base, environment: &[] };
         let mut p = [[0.0; N]; MOST_VALUES];
         p.iter_mut().zip(&self.values).for_each(|(p, v)| *p = [*v; N]);
@@ -175,8 +174,7 @@ pub(super) struct Table {
 impl Table {
     /// Tabulates laws for amplitudes up to `most` over a band of frequencies.
     pub(super) fn new(mass: &Oscillator, laws: &[Law], most: f64, band_rad_s: [f64; 2]) -> Self {
-        let acting: Vec<&Law> =
-            laws.iter().filter(|law| law.is_tabulated()).collect();
+        let acting: Vec<&Law> = laws.iter().filter(|law| law.is_tabulated()).collect();
         let [low, high] = band_rad_s;
         let at_rad_s = [low, 0.5 * (low + high), high];
         if acting.is_empty() {
@@ -201,7 +199,8 @@ impl Table {
         let [low, middle, high] = self.at_rad_s;
         let t = if high > low { (omega_rad_s - middle) / (high - middle) } else { 0.0 };
         let weights = [0.5 * t * (t - 1.0), 1.0 - t * t, 0.5 * t * (t + 1.0)];
-        let bare = Phasor::new(mass.omega_rad_s.powi(2) - omega_rad_s.powi(2), omega_rad_s * mass.damping_per_s) - linear;
+        let bare =
+            Phasor::new(mass.omega_rad_s.powi(2) - omega_rad_s.powi(2), omega_rad_s * mass.damping_per_s) - linear;
         Impedance { table: self, weights, bare }
     }
 }
@@ -283,7 +282,11 @@ impl Impedance<'_> {
             let chord = high - at_high * (high - low) / (at_high - at_low);
             let middle = if step % 3 == 2 || !(chord > low && chord < high) { 0.5 * (low + high) } else { chord };
             let value = miss(middle);
-            if value < 0.0 { (low, at_low) = (middle, value) } else { (high, at_high) = (middle, value) }
+            if value < 0.0 {
+                (low, at_low) = (middle, value)
+            } else {
+                (high, at_high) = (middle, value)
+            }
             if high - low < 1e-11 * high || value.abs() < 1e-12 * push {
                 return middle;
             }

@@ -9,12 +9,13 @@ use crate::engine::kind::{Argument, Form, Kind, Layout, Linearised, Point};
 use crate::numerics::order;
 use crate::physics::free_form::Freed;
 use crate::physics::library::Term;
-use crate::physics::scales::{Coordinate, Scales};
+use crate::physics::scales::Coordinate;
 
 use super::intake::Sweeps;
 use super::predicted::{Amplitude, Predicted, predicted};
 use super::space::{self, Member};
 use super::steady_state::{Law, Oscillator};
+use super::values::{Sizes, Values};
 
 /// Shared coordinates of the resonator and its lock-in: ω₀, Γ, size and angle of the gain, settling.
 pub(super) const OWN: usize = 5;
@@ -26,23 +27,6 @@ const JOINS: f64 = 0.05;
 const FOLLOWED: usize = 2;
 /// Part of a reading that the step before may hold.
 const SETTLING: [f64; 2] = [-0.3, 0.9];
-
-/// Sizes that coordinates are measured by.
-#[derive(Debug, Clone)]
-pub(super) struct Sizes {
-    /// Of the laws.
-    pub laws: Scales,
-    /// Γ of the resonance, 1/s.
-    pub damping_per_s: f64,
-    /// Largest reading.
-    pub reading: f64,
-    /// Largest displacement.
-    pub amplitude: f64,
-    /// Largest drive.
-    pub drive: f64,
-    /// Lowest and highest frequency, Hz.
-    pub band_hz: [f64; 2],
-}
 
 /// Sweeps and the laws that they are held against.
 #[derive(Clone)]
@@ -59,24 +43,6 @@ pub(super) struct System<'a> {
     pub amplitude: Amplitude,
     /// Complex numbers of the background.
     pub backgrounds: usize,
-}
-
-/// A model in its own units.
-#[derive(Debug, Clone)]
-pub(super) struct Values {
-    /// ω₀ and Γ.
-    pub mass: Oscillator,
-    /// Acceleration per unit of drive.
-    pub gain: f64,
-    /// Angle of the reading against the motion, rad.
-    pub angle_rad: f64,
-    /// Part of a reading that the step before holds.
-    pub settling: f64,
-    /// Background: constant, in proportion to distance in frequency; the same two per unit of drive
-    /// where drives differ.
-    pub background: Vec<Complex<f64>>,
-    /// Laws in the order of the set.
-    pub laws: Vec<Law>,
 }
 
 impl<'a> System<'a> {
@@ -109,13 +75,13 @@ impl<'a> System<'a> {
     /// The model of a set at a point.
     pub(super) fn values(&self, set: &[usize], point: &Point) -> Values {
         let (z, s) = (&point.shared, &self.sizes);
-        let background = (0..self.backgrounds)
-            .map(|i| Complex::new(z[OWN + 2 * i], z[OWN + 2 * i + 1]) * 0.1 * s.reading)
-            .collect();
+        let background =
+            (0..self.backgrounds).map(|i| Complex::new(z[OWN + 2 * i], z[OWN + 2 * i + 1]) * 0.1 * s.reading).collect();
         let laws = set.iter().enumerate().map(|(place, law)| {
             let term = self.members[*law].term;
             let own = &z[self.coordinates(set, place)];
-            let mut values: Vec<f64> = self.law_coordinates(&term).iter().zip(own).map(|(c, z)| value(*c, *z)).collect();
+            let mut values: Vec<f64> =
+                self.law_coordinates(&term).iter().zip(own).map(|(c, z)| value(*c, *z)).collect();
             values.resize(term.values(), 0.0);
             Law { term, values }
         });
@@ -318,8 +284,10 @@ impl Kind for System<'_> {
 
     fn strengths(&self, set: &[usize], place: usize) -> Vec<usize> {
         let first = self.coordinates(set, place).start;
-        let has_zero =
-            matches!(self.law_coordinates(&self.members[set[place]].term)[0], Coordinate::Linear(_) | Coordinate::Bounded(..));
+        let has_zero = matches!(
+            self.law_coordinates(&self.members[set[place]].term)[0],
+            Coordinate::Linear(_) | Coordinate::Bounded(..)
+        );
         if has_zero { vec![first] } else { Vec::new() }
     }
 }

@@ -5,6 +5,9 @@ use proofmass_diagnosis::response::detail::{Detail, Sweep};
 use super::exhibit::{Exhibit, Part};
 use crate::figure::{Axis, Chart, Ink, Mark, labelled};
 
+/// X and Y of every step, of one kind.
+type Steps = fn(&Sweep) -> &Vec<[f64; 2]>;
+
 /// Its figures; the amplitude is the opening.
 pub(super) fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     if detail.sweeps.is_empty() {
@@ -12,20 +15,20 @@ pub(super) fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     }
     let per_drive = labelled("amplitude over drive", &format!("{}/{}", detail.unit, detail.drive_unit));
     let frequency = || Axis::linear("frequency / Hz");
-    let size = |of: fn(&Sweep) -> &Vec<[f64; 2]>| {
+    let size = |of: Steps| {
         move |s: &Sweep| -> Vec<(f64, f64)> {
             s.frequency_hz.iter().zip(of(s)).map(|(f, [x, y])| (*f, x.hypot(*y) / s.drive)).collect()
         }
     };
-    let angle = |of: fn(&Sweep) -> &Vec<[f64; 2]>| {
+    let angle = |of: Steps| {
         move |s: &Sweep| -> Vec<(f64, f64)> {
             s.frequency_hz.iter().zip(of(s)).map(|(f, [x, y])| (*f, y.atan2(*x).to_degrees())).collect()
         }
     };
-    let circle = |of: fn(&Sweep) -> &Vec<[f64; 2]>| {
+    let circle = |of: Steps| {
         move |s: &Sweep| -> Vec<(f64, f64)> { of(s).iter().map(|[x, y]| (x / s.drive, y / s.drive)).collect() }
     };
-    let (read, model): (fn(&Sweep) -> &Vec<[f64; 2]>, fn(&Sweep) -> &Vec<[f64; 2]>) = (|s| &s.read, |s| &s.model);
+    let (read, model): (Steps, Steps) = (|s| &s.read, |s| &s.model);
     let all = |name: &str, part: Part, chart: Chart, caption: &str| Exhibit {
         part,
         name: name.into(),
@@ -36,21 +39,33 @@ pub(super) fn exhibits(detail: &Detail) -> Vec<Exhibit> {
         all(
             "amplitude",
             Part::Opening,
-            sweeps(Chart::new("Amplitude of the sweeps", frequency(), Axis::linear(&per_drive)), detail, [&size(read), &size(model)]),
+            sweeps(
+                Chart::new("Amplitude of the sweeps", frequency(), Axis::linear(&per_drive)),
+                detail,
+                [&size(read), &size(model)],
+            ),
             "Amplitude over drive as read, up and down, and as the model has it when the history of each sweep is \
              followed: a jump is where the motion that was followed ceases to be stable.",
         ),
         all(
             "phase",
             Part::Improvement,
-            sweeps(Chart::new("Phase of the sweeps", frequency(), Axis::linear("phase / °")), detail, [&angle(read), &angle(model)]),
+            sweeps(
+                Chart::new("Phase of the sweeps", frequency(), Axis::linear("phase / °")),
+                detail,
+                [&angle(read), &angle(model)],
+            ),
             "Phase of the same steps.",
         ),
         all(
             "nyquist",
             Part::Improvement,
             sweeps(
-                Chart::new("Nyquist diagram", Axis::linear(&per_drive.replacen("amplitude", "X", 1)), Axis::linear(&per_drive.replacen("amplitude", "Y", 1))),
+                Chart::new(
+                    "Nyquist diagram",
+                    Axis::linear(&per_drive.replacen("amplitude", "X", 1)),
+                    Axis::linear(&per_drive.replacen("amplitude", "Y", 1)),
+                ),
                 detail,
                 [&circle(read), &circle(model)],
             ),
@@ -84,7 +99,12 @@ pub(super) fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     if named {
         residual.add("with the named physics", Ink::Red, Mark::Dots(2), errors(1));
     }
-    out.push(all("residual", Part::Isolation, residual, "Error of each step over the measured noise; 1 is noise alone."));
+    out.push(all(
+        "residual",
+        Part::Isolation,
+        residual,
+        "Error of each step over the measured noise; 1 is noise alone.",
+    ));
     out
 }
 

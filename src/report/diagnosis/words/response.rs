@@ -26,7 +26,9 @@ pub(super) fn sentence(answer: &Answer, detail: &Detail) -> String {
                 true => String::new(),
                 false => format!("; {} removes part of it, too little to be named", detail.imitations.join(" with ")),
             };
-            format!("The sweeps depart from a linear resonance by {before}, and no law of the library explains it{imitations}.")
+            format!(
+                "The sweeps depart from a linear resonance by {before}, and no law of the library explains it{imitations}."
+            )
         }
         Outcome::Unexplained => format!(
             "The model left out {}, and something else: the error on held-out steps falls from {before} to {after} \
