@@ -174,6 +174,7 @@ impl Case<'_> {
             recordings: Vec::new(),
             log_score: None,
             one_step_rmse: None,
+            with_unnamed: None,
         }
     }
 

@@ -8,6 +8,9 @@ use crate::figure::{Axis, Chart, Ink, Mark, labelled};
 /// X and Y of every step, of one kind.
 type Steps = fn(&Sweep) -> &Vec<[f64; 2]>;
 
+/// Points of a sweep.
+type Curve<'a> = &'a dyn Fn(&Sweep) -> Vec<(f64, f64)>;
+
 /// Its figures; the amplitude is the opening.
 pub(super) fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     if detail.sweeps.is_empty() {
@@ -109,7 +112,7 @@ pub(super) fn exhibits(detail: &Detail) -> Vec<Exhibit> {
 }
 
 /// Steps as read, up and down, and lines of the model.
-fn sweeps(mut chart: Chart, detail: &Detail, [read, model]: [&dyn Fn(&Sweep) -> Vec<(f64, f64)>; 2]) -> Chart {
+fn sweeps(mut chart: Chart, detail: &Detail, [read, model]: [Curve<'_>; 2]) -> Chart {
     for (rises, name, ink) in [(true, "read, up", Ink::Blue), (false, "read, down", Ink::Orange)] {
         let points: Vec<(f64, f64)> = detail.sweeps.iter().filter(|s| s.rises == rises).flat_map(read).collect();
         if !points.is_empty() {
