@@ -9,7 +9,7 @@ use proofmass_diagnosis::candidate::{Candidate, Kind};
 /// Arguments of `candidates`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Only those of one kind of recording: driven, static, tumble or trajectory
+    /// Only those of one kind of recording: driven, static, tumble, trajectory or response
     #[arg(long, value_name = "KIND", value_parser = kind)]
     kind: Option<Kind>,
 }

@@ -168,7 +168,7 @@ fn outputs(arguments: &Arguments, model: &Model) -> output::Request {
         Model::Trajectory(model) => {
             model.reference.iter().flat_map(|r| [Some(r.file.clone()), r.times.clone()]).flatten().collect()
         }
-        Model::Driven(_) | Model::Static(_) => Vec::new(),
+        Model::Driven(_) | Model::Static(_) | Model::Response(_) => Vec::new(),
     };
     output::Request {
         command: "diagnose",

@@ -10,7 +10,7 @@ use super::say::sayln;
 use super::template::Kind;
 use proofmass_base::document::to_json;
 use proofmass_base::error::Result;
-use proofmass_diagnosis::model::{Driven, Static, Trajectory, Tumble};
+use proofmass_diagnosis::model::{Driven, Response, Static, Trajectory, Tumble};
 use proofmass_map::document::Document;
 use proofmass_study::file::File;
 
@@ -43,6 +43,7 @@ fn schema(kind: Kind) -> Schema {
         Kind::Static => model(schema_for!(Static), "static"),
         Kind::Tumble => model(schema_for!(Tumble), "tumble"),
         Kind::Trajectory => model(schema_for!(Trajectory), "trajectory"),
+        Kind::Response => model(schema_for!(Response), "response"),
         Kind::Map => titled(schema_for!(Document), "map.toml"),
     }
 }

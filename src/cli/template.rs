@@ -33,6 +33,9 @@ pub(super) enum Kind {
     /// model.toml for `diagnose`: an IMU in motion, next to a reference
     #[value(alias = "flight")]
     Trajectory,
+    /// model.toml for `diagnose`: stepped-sine sweeps of a resonator
+    #[value(alias = "sweeps")]
+    Response,
     /// map.toml for `map`
     Map,
 }
@@ -46,6 +49,7 @@ impl Kind {
             Self::Static => include_str!("template/static.toml"),
             Self::Tumble => include_str!("template/tumble.toml"),
             Self::Trajectory => include_str!("template/trajectory.toml"),
+            Self::Response => include_str!("template/response.toml"),
             Self::Map => include_str!("template/map.toml"),
         }
     }

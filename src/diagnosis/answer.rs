@@ -8,7 +8,7 @@ use super::trace::Step;
 use super::verdict::{
     DependsOn, Detectable, Effect, Estimate, Fit, Outcome, RecordingInfo, StateCell, Stretch, Whiteness,
 };
-use super::{driven, rest, trajectory, tumble};
+use super::{driven, response, rest, trajectory, tumble};
 
 /// The result of a diagnosis, before it is put into words.
 #[derive(Debug, Clone)]
@@ -70,6 +70,8 @@ pub enum Detail {
     Tumble(Box<tumble::detail::Detail>),
     /// An IMU in motion.
     Trajectory(Box<trajectory::detail::Detail>),
+    /// Sweeps of a resonator.
+    Response(Box<response::detail::Detail>),
 }
 
 impl Detail {
@@ -78,7 +80,7 @@ impl Detail {
     pub fn detectable(&self) -> &[Detectable] {
         match self {
             Self::Driven(detail) => &detail.detectable,
-            Self::Static(_) | Self::Tumble(_) | Self::Trajectory(_) => &[],
+            Self::Static(_) | Self::Tumble(_) | Self::Trajectory(_) | Self::Response(_) => &[],
         }
     }
 }

@@ -51,6 +51,7 @@ pub mod rectification;
 pub mod remainder;
 pub mod repair;
 pub mod repaired;
+pub mod response;
 pub mod rest;
 pub mod ruling;
 pub mod standing;
@@ -109,6 +110,7 @@ pub fn diagnose_all(recordings: Recordings<'_>, model: &Model, control: &Control
         }
         Model::Tumble(model) => tumble::diagnose(only()?, model, control)?,
         Model::Trajectory(model) => trajectory::diagnose(only()?, model, control)?,
+        Model::Response(model) => response::diagnose(only()?, model, control)?,
     };
     consistency::settle(&mut answer);
     Ok(answer)
@@ -116,5 +118,7 @@ pub fn diagnose_all(recordings: Recordings<'_>, model: &Model, control: &Control
 
 /// Every candidate of every kind, in the order of each kind's list.
 pub fn library() -> impl Iterator<Item = &'static Candidate> {
-    driven::CANDIDATES.iter().chain(rest::CANDIDATES).chain(tumble::CANDIDATES).chain(trajectory::CANDIDATES)
+    let timed =
+        driven::CANDIDATES.iter().chain(rest::CANDIDATES).chain(tumble::CANDIDATES).chain(trajectory::CANDIDATES);
+    timed.chain(response::CANDIDATES.iter())
 }

@@ -3,6 +3,7 @@
 
 mod asked;
 mod driven;
+mod response;
 mod rest;
 mod split;
 mod trajectory;
@@ -10,6 +11,7 @@ mod tumble;
 
 pub use asked::{Seconds, read_part, read_recording, requested};
 pub use driven::{Driven, DrivenColumns, Start};
+pub use response::{Output, Response, ResponseColumns};
 pub use rest::{Noise, Static, StaticColumns};
 pub use split::{Ranges, Split};
 pub use trajectory::{Half, InertialNoise, Reference, Trajectory, TrajectoryColumns};
@@ -45,6 +47,8 @@ pub enum Model {
     Tumble(Tumble),
     /// An IMU in motion.
     Trajectory(Box<Trajectory>),
+    /// Stepped-sine sweeps of a resonator.
+    Response(Response),
 }
 
 impl Model {
@@ -55,6 +59,7 @@ impl Model {
             Self::Static(m) => m.topic.as_ref(),
             Self::Tumble(m) => m.topic.as_ref(),
             Self::Trajectory(m) => m.topic.as_ref(),
+            Self::Response(m) => m.topic.as_ref(),
         }
     }
 
@@ -65,6 +70,8 @@ impl Model {
             Self::Static(m) => m.force_rate = true,
             Self::Tumble(m) => m.force_rate = true,
             Self::Trajectory(m) => m.force_rate = true,
+            // Its rows are steps, whatever the clock.
+            Self::Response(_) => {}
         }
         self
     }
@@ -85,6 +92,7 @@ impl Model {
             Self::Static(m) => &mut m.topic,
             Self::Tumble(m) => &mut m.topic,
             Self::Trajectory(m) => &mut m.topic,
+            Self::Response(m) => &mut m.topic,
         };
         *own = Some(topic.to_owned());
         self
@@ -113,6 +121,7 @@ pub fn parse(name: &str, text: &str) -> Result<Model> {
         Kind::Static => Model::Static(parse_toml(name, &rest)?),
         Kind::Tumble => Model::Tumble(parse_toml(name, &rest)?),
         Kind::Trajectory => Model::Trajectory(parse_toml(name, &rest)?),
+        Kind::Response => Model::Response(parse_toml(name, &rest)?),
     })
 }
 
@@ -131,6 +140,7 @@ pub fn of_table(name: &str, mut table: toml::Table) -> Result<Model> {
         Kind::Static => Model::Static(from_table(name, table)?),
         Kind::Tumble => Model::Tumble(from_table(name, table)?),
         Kind::Trajectory => Model::Trajectory(from_table(name, table)?),
+        Kind::Response => Model::Response(from_table(name, table)?),
     })
 }
 
@@ -144,7 +154,7 @@ pub fn read(path: &Path) -> Result<Model> {
     match &mut model {
         Model::Tumble(tumble) => tumble.poses = tumble.poses.take().map(|poses| folder.join(poses)),
         Model::Trajectory(model) => model.reference.iter_mut().for_each(|r| r.in_folder(folder)),
-        Model::Driven(_) | Model::Static(_) => {}
+        Model::Driven(_) | Model::Static(_) | Model::Response(_) => {}
     }
     Ok(model)
 }

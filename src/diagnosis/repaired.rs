@@ -10,7 +10,7 @@ use super::verdict::Verdict;
 pub fn document(repair: Option<&Repair>, detail: &Detail, verdict: &Verdict) -> Option<String> {
     match detail {
         Detail::Trajectory(detail) => detail.repaired.as_ref().map(|sensor| sensor.corrected().document(verdict)),
-        Detail::Driven(_) | Detail::Static(_) | Detail::Tumble(_) => {
+        Detail::Driven(_) | Detail::Static(_) | Detail::Tumble(_) | Detail::Response(_) => {
             repair.map(|repair| repair::study_document(repair, verdict))
         }
     }

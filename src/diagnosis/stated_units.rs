@@ -27,6 +27,10 @@ pub(super) fn check(recording: &Recording, model: &Model) -> Result<()> {
     };
     match model {
         Model::Driven(model) => model.unit.as_deref().map_or(Ok(()), |unit| in_words(&model.columns.output, unit)),
+        Model::Response(model) => {
+            let read = model.columns.x.as_ref().or(model.columns.amplitude.as_ref());
+            model.unit.as_deref().zip(read).map_or(Ok(()), |(unit, name)| in_words(name, unit))
+        }
         Model::Static(model) if model.unit.is_empty() => Ok(()),
         Model::Static(model) => model.columns.channels.iter().try_for_each(|name| in_words(name, &model.unit)),
         Model::Tumble(model) => sensors(&model.columns.gyro, Some(&model.columns.accelerometer)),

@@ -1,5 +1,5 @@
 //! A candidate: physics that a base model may have left out. Words and numbers only; how each is
-//! simulated and fitted lives with its kind (driven, static, tumble, trajectory). Ids are a public
+//! simulated and fitted lives with its kind (driven, static, tumble, trajectory, response). Ids are a public
 //! contract.
 
 /// The kind of recording a candidate belongs to.
@@ -14,11 +14,13 @@ pub enum Kind {
     Tumble,
     /// An IMU in motion.
     Trajectory,
+    /// Stepped-sine sweeps of a resonator.
+    Response,
 }
 
 impl Kind {
     /// Every kind of recording.
-    pub const ALL: [Self; 4] = [Self::Driven, Self::Static, Self::Tumble, Self::Trajectory];
+    pub const ALL: [Self; 5] = [Self::Driven, Self::Static, Self::Tumble, Self::Trajectory, Self::Response];
 
     /// Value of `kind` in model.toml.
     pub fn name(self) -> &'static str {
@@ -27,6 +29,7 @@ impl Kind {
             Kind::Static => "static",
             Kind::Tumble => "tumble",
             Kind::Trajectory => "trajectory",
+            Kind::Response => "response",
         }
     }
 }

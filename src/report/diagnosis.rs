@@ -12,6 +12,7 @@ mod fit;
 mod form;
 mod numbers;
 mod profile;
+mod response;
 mod rest;
 mod standing;
 mod trajectory;
@@ -25,6 +26,7 @@ pub use words::{Diagnosis, worded};
 use std::collections::HashSet;
 
 use proofmass_diagnosis::answer::Detail;
+use proofmass_diagnosis::candidate::Kind;
 use proofmass_diagnosis::driven::intake::notes::Broken;
 use proofmass_diagnosis::repair::Cost;
 use proofmass_diagnosis::standing::{Note, Ranked};
@@ -45,6 +47,7 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
         Detail::Static(detail) => rest::exhibits(detail),
         Detail::Tumble(detail) => tumble::exhibits(detail),
         Detail::Trajectory(detail) => trajectory::exhibits(detail),
+        Detail::Response(detail) => response::exhibits(detail),
     };
     // Headings that differ in what no file name holds (`a/b`, `a b`), or in case alone, would share
     // a file.
@@ -241,6 +244,9 @@ fn statements(effects: &[Effect]) -> Vec<String> {
 
 fn recorded(verdict: &Verdict) -> String {
     let (samples, rate_hz) = (verdict.recording.samples, verdict.recording.rate_hz);
+    if verdict.kind == Kind::Response {
+        return format!("{samples} steps");
+    }
     format!("{samples} samples at {} Hz: {}", rounded(rate_hz, 6), duration(samples as f64 / rate_hz))
 }
 

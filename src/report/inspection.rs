@@ -118,6 +118,7 @@ pub fn next(file: &str, seen: &Inspection) -> Option<String> {
             toml_string(file)
         )),
         Suited::Driven => Some(model("driven")),
+        Suited::Sweeps => Some(model("response")),
         Suited::Poses => Some(model("tumble")),
         Suited::Rest => Some(allan),
         Suited::RestFor(rest) => {

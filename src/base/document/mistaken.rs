@@ -8,7 +8,7 @@ pub(super) fn hint(name: &str, text: &str, line: Option<usize>, message: &str) -
     let kind = head.clone().find_map(|l| l.trim().strip_prefix("kind")?.trim_start().strip_prefix('='));
     let is_model = || {
         let kind = kind.unwrap_or_default();
-        ["\"driven\"", "\"static\"", "\"tumble\"", "\"trajectory\""].iter().any(|k| kind.contains(k))
+        ["\"driven\"", "\"static\"", "\"tumble\"", "\"trajectory\"", "\"response\""].iter().any(|k| kind.contains(k))
     };
     // A study has no kind outside its sections.
     if message.starts_with("unknown field") && message.contains("`members`") && is_model() {

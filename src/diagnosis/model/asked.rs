@@ -58,6 +58,8 @@ pub fn requested(path: &Path, model: &Model, seconds: Seconds) -> Result<Request
                 c.gyro.iter().flatten().chain(&c.accelerometer).chain(&c.environment).collect(),
             )
         }
+        // One row a step: its clock, if it has one, is a column like the others.
+        Model::Response(m) => (Some(1.0), &m.rows, &None, m.columns.all().collect()),
         // None named: the headings say it, and every column is read.
         Model::Trajectory(m) => (m.rate_hz, &m.rows, &m.columns.time, m.columns.readings().collect()),
     };
@@ -96,6 +98,7 @@ pub fn requested(path: &Path, model: &Model, seconds: Seconds) -> Result<Request
         Model::Static(m) => m.force_rate,
         Model::Tumble(m) => m.force_rate,
         Model::Trajectory(m) => m.force_rate,
+        Model::Response(_) => true,
     };
     if let Model::Static(m) = model {
         request.at_most = Some(MOST_AT_REST);

@@ -80,7 +80,7 @@ pub(crate) fn meaning_of_gains(kind: Kind) -> &'static str {
              removes (1 is all of it), with its 95 % interval; for a noise term, which no simulation predicts sample \
              by sample, what it adds to the log-likelihood per held-out sample."
         }
-        Kind::Tumble | Kind::Trajectory => {
+        Kind::Tumble | Kind::Trajectory | Kind::Response => {
             "The gain is the fraction of the held-out error above the noise that the candidate removes (1 is all of \
              it), with its 95 % interval."
         }

@@ -1,6 +1,7 @@
 //! From an answer to words, and with them to the public document.
 
 mod driven;
+mod response;
 mod rest;
 mod trajectory;
 mod tumble;
@@ -49,7 +50,7 @@ pub fn worded(answer: Answer) -> Diagnosis {
         Detail::Tumble(detail) => (detail.published.clone(), tumble::findings(&detail.account)),
         Detail::Trajectory(detail) => (detail.published.clone(), trajectory::findings(&detail.account)),
         Detail::Static(detail) => (None, rest::statements(&detail.statements, &detail.unit)),
-        Detail::Driven(_) => (None, Vec::new()),
+        Detail::Driven(_) | Detail::Response(_) => (None, Vec::new()),
     };
     let Answer {
         kind,
@@ -120,6 +121,11 @@ fn said(answer: &Answer) -> Said {
                 place,
             }
         }
+        Detail::Response(detail) => Said {
+            sentence: response::sentence(answer, detail),
+            place: response::place(answer, detail),
+            next_experiment: response::next_experiment(answer, detail),
+        },
         Detail::Trajectory(detail) => Said {
             sentence: trajectory::sentence(answer.outcome, detail),
             place: trajectory::place(detail),

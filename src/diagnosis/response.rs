@@ -1,0 +1,76 @@
+//! Stepped-sine sweeps of a resonator, as a lock-in amplifier records them: which physics the linear
+//! resonator leaves out.
+//!
+//! The base model is a linear oscillator with a complex gain, a background (constant and linear in
+//! frequency, and both in proportion to the drive) and what a lock-in's filter holds from the step
+//! before. Its laws are those of `physics`: their effect on the motion is computed from the laws' own
+//! force along it (`steady_state`). A motion with two stable states follows the history of the sweep:
+//! its jumps are predicted and compared. Not for time series: those are `driven`.
+
+mod answer;
+mod base_model;
+pub mod detail;
+mod effects;
+mod intake;
+mod jumps;
+mod location;
+mod noise;
+mod predicted;
+mod space;
+mod steady_state;
+mod system;
+mod values;
+
+pub use detail::Detail;
+pub use space::CANDIDATES;
+
+use super::answer::Answer;
+use super::model;
+use crate::control::Control;
+use crate::engine::names;
+use crate::engine::search::Search;
+use crate::error::{Error, Result};
+use crate::recording::Recording;
+use intake::Sweeps;
+
+/// Noise below this part of the largest reading cannot be told from what the tables of a force round
+/// off.
+const LEAST_NOISE: f64 = 1e-5;
+
+/// Diagnoses a recording of sweeps.
+///
+/// # Errors
+/// Columns that no sweep has, too few steps, no resonance in them; when stopped.
+pub fn diagnose(recording: &Recording, model: &model::Response, control: &Control) -> Result<Answer> {
+    let mut findings = recording.sentences();
+    let mut sweeps = intake::sweeps(recording, model, &mut findings)?;
+    let work = control.stage("fitting the resonance", 0);
+    let mirrored = Sweeps { reading: sweeps.reading.iter().map(nalgebra::Complex::conj).collect(), ..sweeps.clone() };
+    let variance = |s: &Sweeps| base_model::base(s).map_or(f64::INFINITY, |(_, f)| f.variance);
+    if variance(&mirrored) < variance(&sweeps) {
+        sweeps = mirrored;
+        findings.push("the phase rises through the resonance: Y is taken with its sign turned".into());
+    }
+    let none = || {
+        Error::new(
+            format!("could not diagnose {}", recording.path.display()),
+            "no resonance could be fitted to its sweeps",
+            "the steps must cover a resonance and both of its sides; check the columns under [columns]",
+        )
+    };
+    let (system, base) = base_model::base(&sweeps).ok_or_else(none)?;
+    let measured = noise::deviation(&sweeps);
+    let least = LEAST_NOISE * system.sizes.reading;
+    // Without seven steps in a row the base model itself must say it.
+    let deviation = measured.unwrap_or_else(|| base.variance.sqrt()).max(least);
+    let (search, base) = Search::begin(&system, deviation.powi(2), &base.point).ok_or_else(none)?;
+    control
+        .go_on()
+        .map_err(|s| s.during(format!("could not finish {}", recording.path.display()), "start it again"))?;
+    work.rename("searching the library");
+    let found = names::names(&search, base);
+    drop(search);
+    let case =
+        answer::Case { recording, model, system: &system, found: &found, deviation, is_measured: measured.is_some() };
+    Ok(case.conclude(findings))
+}

@@ -1,0 +1,253 @@
+//! The steps of a recording as numbers: frequency, drive, complex reading, and the sweeps that they
+//! form in the order in which they were taken.
+
+use std::f64::consts::{PI, TAU};
+use std::ops::Range;
+
+use nalgebra::Complex;
+
+use crate::error::{Error, Result};
+use crate::model::Response;
+use crate::recording::Recording;
+
+/// Steps of a recording at least.
+const FEWEST: usize = 16;
+/// Part of the drive by which it changes from sweep to sweep, and not by its own noise.
+const ANOTHER_DRIVE: f64 = 0.02;
+/// Steps of a sweep on average, fewer of which say that rows are in no order of frequency.
+const ORDERED: f64 = 4.0;
+/// Times that a jump exceeds the changes before and after it.
+const JUMP: f64 = 3.0;
+/// Largest angle in rad that a heading without a unit may hold.
+const TURN: f64 = 1.1 * PI;
+
+/// Steps in the order taken.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Sweeps {
+    /// Frequency of each step, Hz.
+    pub frequency_hz: Vec<f64>,
+    /// Amplitude of the drive.
+    pub drive: Vec<f64>,
+    /// Reading as X + iY, in the output's unit.
+    pub reading: Vec<Complex<f64>>,
+    /// Seconds after the first step, where they are recorded.
+    pub time_s: Option<Vec<f64>>,
+    /// Whether a step is fitted.
+    pub counts: Vec<bool>,
+    /// Steps of each sweep: one direction, one drive.
+    pub sweeps: Vec<Range<usize>>,
+    /// Steps after which the reading jumps.
+    pub jumps: Vec<usize>,
+    /// Whether neighbours in a sweep are neighbours in frequency.
+    pub is_ordered: bool,
+    /// Derivatives by time from displacement to the reading.
+    pub derivatives: i32,
+}
+
+impl Sweeps {
+    /// Number of steps.
+    pub(super) fn len(&self) -> usize {
+        self.frequency_hz.len()
+    }
+
+    /// Lowest and highest frequency, Hz.
+    pub(super) fn span_hz(&self) -> [f64; 2] {
+        let fold = |f: fn(f64, f64) -> f64, from: f64| self.frequency_hz.iter().copied().fold(from, f);
+        [fold(f64::min, f64::INFINITY), fold(f64::max, 0.0)]
+    }
+
+    /// Whether a sweep goes up.
+    pub(super) fn rises(&self, sweep: &Range<usize>) -> bool {
+        self.frequency_hz[sweep.end - 1] >= self.frequency_hz[sweep.start]
+    }
+
+    /// Drives that differ.
+    pub(super) fn drives(&self) -> usize {
+        let mut known: Vec<f64> = Vec::new();
+        for sweep in &self.sweeps {
+            let drive = self.drive[sweep.start];
+            if known.iter().all(|k| (k - drive).abs() > ANOTHER_DRIVE * drive) {
+                known.push(drive);
+            }
+        }
+        known.len()
+    }
+}
+
+/// Reads the steps of a recording, with what is to be said of them.
+///
+/// # Errors
+/// Columns that are missing or contradict each other, values that no sweep has, too few steps.
+pub(super) fn sweeps(recording: &Recording, model: &Response, findings: &mut Vec<String>) -> Result<Sweeps> {
+    let fail = |cause: String, hint: &str| {
+        Err(Error::new(format!("could not diagnose {}", recording.path.display()), cause, hint))
+    };
+    let column = |name: &String| {
+        recording.column(name).map(<[f64]>::to_vec).ok_or_else(|| {
+            let attempt = format!("could not diagnose {}", recording.path.display());
+            Error::new(attempt, format!("the column `{name}` was not read"), "check [columns] in the model")
+        })
+    };
+    let c = &model.columns;
+    let per_hz = hertz(&c.frequency, recording.stated(&c.frequency));
+    let frequency_hz: Vec<f64> = column(&c.frequency)?.iter().map(|f| f * per_hz).collect();
+    let reading: Vec<Complex<f64>> = match (&c.x, &c.y, &c.amplitude, &c.phase) {
+        (Some(x), Some(y), None, None) => {
+            column(x)?.into_iter().zip(column(y)?).map(|(x, y)| Complex::new(x, y)).collect()
+        }
+        (None, None, Some(amplitude), Some(phase)) => {
+            let (radius, angle) = (column(amplitude)?, column(phase)?);
+            let largest = angle.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+            let unit = recording.stated(phase).unwrap_or(phase).to_lowercase();
+            let in_degrees = unit.contains("deg") || unit.contains('°');
+            let per_rad = match in_degrees || (!unit.contains("rad") && largest > TURN) {
+                true => PI / 180.0,
+                false => 1.0,
+            };
+            if !in_degrees && !unit.contains("rad") {
+                let taken = if per_rad == 1.0 { "rad" } else { "°" };
+                findings.push(format!(
+                    "`{phase}` states no unit and is taken in {taken}: its largest value is {largest:.4}"
+                ));
+            }
+            radius.into_iter().zip(angle).map(|(r, a)| Complex::from_polar(r, a * per_rad)).collect()
+        }
+        _ => {
+            return fail(
+                "the model names neither `x` and `y` nor `amplitude` and `phase`, or some of both".into(),
+                "give one pair under [columns]: x = \"x_v\" and y = \"y_v\", or amplitude and phase",
+            );
+        }
+    };
+    let drive = match &c.drive {
+        Some(name) => column(name)?,
+        None => {
+            findings.push("no drive is given: it is taken as 1 for every step".into());
+            vec![1.0; frequency_hz.len()]
+        }
+    };
+    let time_s = c.time.as_ref().map(&column).transpose()?;
+    let n = frequency_hz.len();
+    if n < FEWEST {
+        return fail(format!("it has {n} steps"), "a resonance needs 16 steps at least, most of them within its width");
+    }
+    if let Some(k) = frequency_hz.iter().position(|f| !(f.is_finite() && *f > 0.0)) {
+        let cause = format!("step {k} has the frequency {} Hz", frequency_hz[k]);
+        return fail(cause, "`frequency` must be above zero; is another column meant?");
+    }
+    let counts: Vec<bool> =
+        (0..n).map(|k| drive[k] > 0.0 && recording.filled.iter().all(|f| !f.contains(&k))).collect();
+    let used = counts.iter().filter(|c| **c).count();
+    if used < n {
+        findings.push(format!(
+            "{} of {n} steps are not fitted: their drive is not above zero, or a cell is missing",
+            n - used
+        ));
+    }
+    if used < FEWEST {
+        return fail(format!("{used} steps have a drive above zero"), "check the column `drive`");
+    }
+    if frequency_hz.iter().all(|f| (f - frequency_hz[0]).abs() < 1e-9 * f) {
+        return fail(format!("every step is at {} Hz", frequency_hz[0]), "a response needs several frequencies");
+    }
+    let sweeps = in_sweeps(&frequency_hz, &drive);
+    let is_ordered = n as f64 > ORDERED * sweeps.len() as f64;
+    let sweeps = if is_ordered { sweeps } else { by_drive(&drive) };
+    if !is_ordered {
+        findings.push("the steps are in no order of frequency: no history is followed from one to the next".into());
+    }
+    let first_s = time_s.as_ref().map_or(0.0, |t| t[0]);
+    let mut all = Sweeps {
+        frequency_hz,
+        drive,
+        reading,
+        time_s: time_s.map(|t| t.iter().map(|v| v - first_s).collect()),
+        counts,
+        sweeps,
+        jumps: Vec::new(),
+        is_ordered,
+        derivatives: model.output_is.derivatives(),
+    };
+    all.jumps = if is_ordered { jumps(&all) } else { Vec::new() };
+    for k in &all.jumps {
+        (all.counts[*k], all.counts[k + 1]) = (false, false);
+    }
+    Ok(all)
+}
+
+/// Hertz in one unit of a frequency column.
+fn hertz(heading: &str, stated: Option<&str>) -> f64 {
+    let words = format!("{heading} {}", stated.unwrap_or_default()).to_lowercase();
+    let has = |unit: &str| words.contains(unit);
+    if has("rad/s") || has("rad_s") {
+        1.0 / TAU
+    } else if has("ghz") {
+        1e9
+    } else if has("mhz") {
+        1e6
+    } else if has("khz") {
+        1e3
+    } else {
+        1.0
+    }
+}
+
+/// Stretches of one direction and one drive.
+fn in_sweeps(frequency_hz: &[f64], drive: &[f64]) -> Vec<Range<usize>> {
+    let (mut all, mut start, mut way) = (Vec::new(), 0, 0.0f64);
+    for k in 1..frequency_hz.len() {
+        let step = frequency_hz[k] - frequency_hz[k - 1];
+        let other_drive = (drive[k] - drive[k - 1]).abs() > ANOTHER_DRIVE * drive[k - 1].abs();
+        if other_drive || step * way < 0.0 {
+            all.push(start..k);
+            (start, way) = (k, 0.0);
+        } else if step != 0.0 {
+            way = step;
+        }
+    }
+    all.push(start..frequency_hz.len());
+    all
+}
+
+/// Stretches of one drive.
+fn by_drive(drive: &[f64]) -> Vec<Range<usize>> {
+    let flat = vec![1.0; drive.len()];
+    in_sweeps(&flat, drive)
+}
+
+/// Steps after which the reading changes by several times as much as before and after.
+fn jumps(all: &Sweeps) -> Vec<usize> {
+    let change = |k: usize| (all.reading[k + 1] / all.drive[k + 1] - all.reading[k] / all.drive[k]).norm();
+    let mut found = Vec::new();
+    for sweep in all.sweeps.iter().filter(|s| s.len() >= 8) {
+        let last = sweep.end - 1;
+        for k in sweep.start + 1..last.saturating_sub(1) {
+            let around = [k.checked_sub(2), Some(k - 1), Some(k + 1), Some(k + 2)];
+            let others = around.into_iter().flatten().filter(|j| sweep.contains(j) && *j < last).map(change);
+            if change(k) > JUMP * others.fold(0.0, f64::max) {
+                found.push(k);
+            }
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turn_and_another_drive_begin_another_sweep() {
+        let frequency = [1.0, 2.0, 3.0, 3.0, 2.0, 1.0, 1.0, 2.0];
+        let drive = [1.0, 1.0, 1.01, 1.0, 1.0, 1.0, 3.0, 3.0];
+        assert_eq!(in_sweeps(&frequency, &drive), [0..4, 4..6, 6..8]);
+        assert_eq!(by_drive(&drive), [0..6, 6..8]);
+    }
+
+    #[test]
+    fn headings_say_the_unit_of_a_frequency() {
+        let of = |heading: &str| hertz(heading, None);
+        assert_eq!([of("f_kHz"), of("freq_MHz"), of("frequency_hz"), of("f")], [1e3, 1e6, 1.0, 1.0]);
+        assert_eq!([hertz("w", Some("rad/s")), hertz("f", Some("kHz"))], [1.0 / TAU, 1e3]);
+    }
+}

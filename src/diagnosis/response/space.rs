@@ -1,0 +1,117 @@
+//! The laws that a resonator may follow beside the base model: the library's, with exponents and free
+//! forms of their arguments.
+//!
+//! A quadratic spring is none of them: to a lock-in, which reads the fundamental alone, αx² is a cubic
+//! spring of β = −10α²/(9ω₀²) (Nayfeh & Mook, Nonlinear Oscillations, § 4.2), and it is reported with
+//! a softening one as what it cannot be told from. Nor is a spring with memory: the fundamental of its
+//! loop is that of a spring and a friction, whatever its form.
+
+use std::sync::LazyLock;
+
+use crate::candidate::{Candidate, Kind};
+use crate::engine::kind::{Argument, Form};
+use crate::physics::coulomb_friction::CoulombFriction;
+use crate::physics::coupled_mode::CoupledMode;
+use crate::physics::cubic_stiffness::CubicStiffness;
+use crate::physics::free_form::{Extent, FreeForm, Freed};
+use crate::physics::library::Term;
+use crate::physics::power::Exponent;
+use crate::physics::power_law_damping::PowerLawDamping;
+use crate::physics::power_law_stiffness::PowerLawStiffness;
+use crate::physics::quadratic_damping::QuadraticDamping;
+use crate::physics::readout_delay::ReadoutDelay;
+use crate::physics::readout_lowpass::ReadoutLowpass;
+use crate::physics::scales::Scales;
+use crate::physics::squeeze_film_damping::SqueezeFilmDamping;
+use crate::physics::stiffness_drift::StiffnessDrift;
+
+/// A law of the space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Member {
+    /// The law.
+    pub term: Term,
+    /// Its use in the search.
+    pub form: Form,
+}
+
+/// Laws with a name, in public order.
+fn stated(with_time: bool) -> Vec<Term> {
+    let mut all = vec![
+        Term::CubicStiffness(CubicStiffness),
+        Term::QuadraticDamping(QuadraticDamping),
+        Term::SqueezeFilmDamping(SqueezeFilmDamping),
+        Term::CoulombFriction(CoulombFriction::default()),
+        Term::CoupledMode(CoupledMode),
+        Term::ReadoutDelay(ReadoutDelay),
+        Term::ReadoutLowpass(ReadoutLowpass::default()),
+    ];
+    if with_time {
+        all.push(Term::StiffnessDrift(StiffnessDrift::default()));
+    }
+    all
+}
+
+/// Laws with an exponent of their own.
+fn powers() -> [Term; 2] {
+    [Term::PowerLawStiffness(PowerLawStiffness(Exponent::Free)), Term::PowerLawDamping(PowerLawDamping(Exponent::Free))]
+}
+
+/// All laws that sweeps of these sizes are tried against.
+pub(super) fn members(scales: &Scales, with_time: bool) -> Vec<Member> {
+    let free = |law: Freed, size: f64| Member {
+        term: Term::FreeForm(FreeForm { law, size, extent: Extent::Wide }),
+        form: Form::Free,
+    };
+    let (size, speed) = (2.0 * scales.output, 2.0 * scales.velocity);
+    let forms = [
+        free(Freed::CubicSpring, size),
+        free(Freed::Drag, speed),
+        free(Freed::Friction, speed),
+        free(Freed::Film, size),
+    ];
+    let stated = stated(with_time).into_iter().map(|term| Member { term, form: Form::Stated });
+    stated.chain(powers().map(|term| Member { term, form: Form::Exponent })).chain(forms).collect()
+}
+
+/// Quantity that a law depends on.
+pub(super) fn argument(term: &Term) -> Argument {
+    match term {
+        Term::QuadraticDamping(_) | Term::PowerLawDamping(_) | Term::CoulombFriction(_) => Argument::Velocity,
+        Term::SqueezeFilmDamping(_) => Argument::Both,
+        Term::StiffnessDrift(_) => Argument::Time,
+        Term::CoupledMode(_) | Term::ReadoutDelay(_) | Term::ReadoutLowpass(_) => Argument::Frequency,
+        Term::FreeForm(form) => match form.law {
+            Freed::Drag | Freed::Friction => Argument::Velocity,
+            Freed::Film => Argument::Both,
+            _ => Argument::Displacement,
+        },
+        _ => Argument::Displacement,
+    }
+}
+
+/// Whether two laws are forms of one another, of which a set holds at most one.
+pub(super) fn excludes(one: &Term, other: &Term) -> bool {
+    let group = |t: &Term| match t {
+        Term::CubicStiffness(_) | Term::PowerLawStiffness(_) => 1,
+        Term::QuadraticDamping(_) | Term::PowerLawDamping(_) => 2,
+        Term::SqueezeFilmDamping(_) => 3,
+        Term::CoulombFriction(_) => 4,
+        Term::FreeForm(form) => match form.law {
+            Freed::CubicSpring => 1,
+            Freed::Drag => 2,
+            Freed::Film => 3,
+            Freed::Friction => 4,
+            _ => 0,
+        },
+        // A phase in proportion to frequency, either way.
+        Term::ReadoutDelay(_) | Term::ReadoutLowpass(_) => 5,
+        _ => 0,
+    };
+    one.id() == other.id() || (group(one) != 0 && group(one) == group(other))
+}
+
+/// What can be named in sweeps.
+pub static CANDIDATES: LazyLock<Vec<Candidate>> = LazyLock::new(|| {
+    let all = stated(true).into_iter().chain(powers());
+    all.map(|term| Candidate { kind: Kind::Response, ..*term.candidate() }).collect()
+});

@@ -1,0 +1,293 @@
+//! Sweeps as the engine sees them: coordinates, laws and what each set of them predicts.
+
+use std::ops::Range;
+
+use nalgebra::Complex;
+
+use crate::engine::fit::{MOST_STEPS, fit};
+use crate::engine::kind::{Argument, Form, Kind, Layout, Linearised, Point};
+use crate::numerics::order;
+use crate::physics::free_form::Freed;
+use crate::physics::library::Term;
+use crate::physics::scales::Coordinate;
+
+use super::intake::Sweeps;
+use super::predicted::{Amplitude, Predicted, predicted};
+use super::space::{self, Member};
+use super::steady_state::{Law, Oscillator};
+use super::values::{Sizes, Values};
+
+/// Shared coordinates of the resonator and its lock-in: ω₀, Γ, size and angle of the gain, settling.
+pub(super) const OWN: usize = 5;
+/// Steps of a block.
+const BLOCK: usize = 5;
+/// Coordinate of a strength at which a law joins a model.
+const JOINS: f64 = 0.05;
+/// Beginnings of a law that are followed.
+const FOLLOWED: usize = 2;
+/// Part of a reading that the step before may hold.
+const SETTLING: [f64; 2] = [-0.3, 0.9];
+
+/// Sweeps and the laws that they are held against.
+#[derive(Clone)]
+pub(super) struct System<'a> {
+    /// The steps.
+    pub sweeps: &'a Sweeps,
+    /// Each step twice: X, then Y.
+    pub layout: Layout,
+    /// Sizes of the coordinates.
+    pub sizes: Sizes,
+    /// The space of laws.
+    pub members: Vec<Member>,
+    /// Where the amplitude of a motion comes from.
+    pub amplitude: Amplitude,
+    /// Complex numbers of the background.
+    pub backgrounds: usize,
+}
+
+impl<'a> System<'a> {
+    /// Sweeps with no law beside the base model yet.
+    pub(super) fn new(sweeps: &'a Sweeps, sizes: Sizes) -> Self {
+        let twice = |r: &Range<usize>| 2 * r.start..2 * r.end;
+        let counts = sweeps.counts.iter().flat_map(|c| [*c; 2]).collect();
+        let layout = Layout::new(sweeps.sweeps.iter().map(twice).collect(), 2 * BLOCK, counts);
+        let backgrounds = if sweeps.drives() > 1 { 4 } else { 2 };
+        Self { sweeps, layout, sizes, members: Vec::new(), amplitude: Amplitude::Nearest, backgrounds }
+    }
+
+    /// Shared coordinates of the base model.
+    pub(super) fn own(&self) -> usize {
+        OWN + 2 * self.backgrounds
+    }
+
+    /// Laws of a set.
+    pub(super) fn terms(&self, set: &[usize]) -> Vec<Term> {
+        set.iter().map(|law| self.members[*law].term).collect()
+    }
+
+    /// Coordinates of a law's parameters.
+    pub(super) fn law_coordinates(&self, term: &Term) -> Vec<Coordinate> {
+        let mut own = term.coordinates(&self.sizes.laws);
+        own.truncate(own.len() - term.unknown_beginnings());
+        own
+    }
+
+    /// The model of a set at a point.
+    pub(super) fn values(&self, set: &[usize], point: &Point) -> Values {
+        let (z, s) = (&point.shared, &self.sizes);
+        let background =
+            (0..self.backgrounds).map(|i| Complex::new(z[OWN + 2 * i], z[OWN + 2 * i + 1]) * 0.1 * s.reading).collect();
+        let laws = set.iter().enumerate().map(|(place, law)| {
+            let term = self.members[*law].term;
+            let own = &z[self.coordinates(set, place)];
+            let mut values: Vec<f64> =
+                self.law_coordinates(&term).iter().zip(own).map(|(c, z)| value(*c, *z)).collect();
+            values.resize(term.values(), 0.0);
+            Law { term, values }
+        });
+        Values {
+            mass: Oscillator {
+                omega_rad_s: s.laws.omega_rad_s + z[0] * s.damping_per_s,
+                damping_per_s: s.damping_per_s * z[1].exp(),
+            },
+            gain: z[2].exp() * s.amplitude * s.laws.omega_rad_s * s.damping_per_s / s.drive,
+            angle_rad: z[3],
+            settling: z[4],
+            background,
+            laws: laws.collect(),
+        }
+    }
+
+    /// What a set predicts at a point.
+    pub(super) fn predicted(&self, set: &[usize], point: &Point, amplitude: Amplitude) -> Predicted {
+        predicted(self.sweeps, &self.sizes, &self.values(set, point), amplitude)
+    }
+
+    fn residual(&self, predicted: &[Complex<f64>]) -> Vec<f64> {
+        let pairs = self.sweeps.reading.iter().zip(predicted);
+        pairs.flat_map(|(y, p)| [y.re - p.re, y.im - p.im]).collect()
+    }
+
+    /// Where a law may begin: as its starts say, and where it has no strength there, with a little.
+    fn beginnings(&self, term: &Term) -> Vec<Vec<f64>> {
+        let s = &self.sizes.laws;
+        let starts = match term {
+            Term::FreeForm(form) if form.law == Freed::Friction => {
+                [0.05, 0.3].map(|part| vec![0.0, part * s.velocity, 0.0, 0.3 * s.velocity]).to_vec()
+            }
+            Term::FreeForm(_) => vec![vec![0.0; term.values()]],
+            // Nearby alone does a second mass show.
+            Term::CoupledMode(_) => [-2.0, -0.7, 0.7, 2.0]
+                .map(|widths| vec![1e-5, s.omega_rad_s + widths * self.sizes.damping_per_s, s.zeta, 0.0, 0.0])
+                .to_vec(),
+            _ => term.starts(s),
+        };
+        let coordinates = self.law_coordinates(term);
+        let of = |start: Vec<f64>| {
+            let mut own: Vec<f64> = coordinates.iter().zip(&start).map(|(c, v)| z(*c, *v)).collect();
+            if start[0] == 0.0 {
+                own[0] = JOINS;
+            }
+            own
+        };
+        starts.into_iter().map(of).collect()
+    }
+}
+
+/// The value at a coordinate.
+pub(super) fn value(coordinate: Coordinate, z: f64) -> f64 {
+    match coordinate {
+        Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => z * scale,
+        Coordinate::Log(..) => z.exp(),
+        Coordinate::Held => z,
+    }
+}
+
+/// The coordinate of a value.
+fn z(coordinate: Coordinate, value: f64) -> f64 {
+    match coordinate {
+        Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => value / scale,
+        Coordinate::Log(low, high) => value.clamp(low, high).ln(),
+        Coordinate::Held => value,
+    }
+}
+
+impl Kind for System<'_> {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn laws(&self) -> usize {
+        self.members.len()
+    }
+
+    fn argument(&self, law: usize) -> Argument {
+        space::argument(&self.members[law].term)
+    }
+
+    fn form(&self, law: usize) -> Form {
+        self.members[law].form
+    }
+
+    fn excludes(&self, law: usize, other: usize) -> bool {
+        space::excludes(&self.members[law].term, &self.members[other].term)
+    }
+
+    /// Where the law fits best with the amplitudes that were read: a fit without branches, from which
+    /// the motion itself is followed.
+    fn joined(&self, set: &[usize], point: &Point, law: usize) -> Vec<Point> {
+        let mut larger = set.to_vec();
+        larger.push(law);
+        let read = Self { amplitude: Amplitude::Read, ..self.clone() };
+        let begin = |own: Vec<f64>| {
+            let mut point = point.clone();
+            point.shared.extend(own);
+            fit(&read, &larger, &point, MOST_STEPS)
+        };
+        let mut fits: Vec<_> = self.beginnings(&self.members[law].term).into_iter().filter_map(begin).collect();
+        order::sort_by_key(&mut fits, |f| f.variance);
+        fits.truncate(FOLLOWED);
+        fits.into_iter().map(|f| f.point).collect()
+    }
+
+    /// As it is: a beginning is fitted already.
+    fn strengthened(&self, _: &[usize], point: &Point, _: f64) -> Option<Point> {
+        Some(point.clone())
+    }
+
+    fn without(&self, set: &[usize], point: &Point, place: usize) -> Point {
+        let mut reduced = point.clone();
+        reduced.shared.drain(self.coordinates(set, place));
+        reduced
+    }
+
+    fn residuals(&self, set: &[usize], points: &[Point]) -> Vec<Option<Vec<f64>>> {
+        let of = |point: &Point| {
+            let residual = self.residual(&self.predicted(set, point, self.amplitude).reading);
+            residual.iter().all(|v| v.is_finite()).then_some(residual)
+        };
+        points.iter().map(of).collect()
+    }
+
+    fn linearise(&self, set: &[usize], point: &Point) -> Option<Linearised> {
+        let values = self.values(set, point);
+        let at = predicted(self.sweeps, &self.sizes, &values, self.amplitude);
+        let moved = |place: usize, i: usize| {
+            let mut moved = point.clone();
+            let coordinates = self.coordinates(set, place);
+            moved.shared[coordinates.start + i] += super::predicted::NUDGE;
+            (place, self.values(set, &moved))
+        };
+        let nudged: Vec<Option<(usize, Values)>> = (0..set.len())
+            .flat_map(|place| {
+                let coordinates = self.law_coordinates(&self.members[set[place]].term);
+                (0..coordinates.len()).map(move |i| (place, i, coordinates[i])).collect::<Vec<_>>()
+            })
+            .map(|(place, i, c)| (c != Coordinate::Held).then(|| moved(place, i)))
+            .collect();
+        let columns = at.derivatives(self.sweeps, &self.sizes, &values, &nudged);
+        let apart = |c: Vec<Complex<f64>>| c.iter().flat_map(|v| [v.re, v.im]).collect::<Vec<f64>>();
+        let shared: Vec<Vec<f64>> = columns.into_iter().map(apart).collect();
+        let residual = self.residual(&at.reading);
+        let finite = shared.iter().chain([&residual]).all(|c| c.iter().all(|v| v.is_finite()));
+        finite.then_some(Linearised { residual, shared, starts: Vec::new() })
+    }
+
+    fn confine(&self, set: &[usize], point: &mut Point) {
+        let s = &self.sizes;
+        let [low, high] = s.band_hz.map(|f| std::f64::consts::TAU * f);
+        let reach = 0.5 * (high - low);
+        let own = &mut point.shared;
+        let at = |omega: f64| (omega - s.laws.omega_rad_s) / s.damping_per_s;
+        own[0] = own[0].clamp(at((low - reach).max(0.1 * low)), at(high + reach));
+        own[1] = own[1].clamp(-7.0, 7.0);
+        own[2] = own[2].clamp(-30.0, 30.0);
+        own[4] = if self.sweeps.is_ordered { own[4].clamp(SETTLING[0], SETTLING[1]) } else { 0.0 };
+        for place in 0..set.len() {
+            let coordinates = self.law_coordinates(&self.members[set[place]].term);
+            let range = self.coordinates(set, place);
+            for (c, z) in coordinates.iter().zip(&mut point.shared[range]) {
+                match *c {
+                    Coordinate::Log(low, high) => *z = z.clamp(low.ln(), high.ln()),
+                    Coordinate::Bounded(scale, low, high) => *z = z.clamp(low / scale, high / scale),
+                    Coordinate::Linear(_) | Coordinate::Held => {}
+                }
+            }
+        }
+        point.shared.iter_mut().filter(|z| !z.is_finite()).for_each(|z| *z = 0.0);
+    }
+
+    fn at_bound(&self, set: &[usize], point: &Point) -> Vec<bool> {
+        let mut all = vec![false; point.shared.len()];
+        all[4] = !self.sweeps.is_ordered || point.shared[4] <= SETTLING[0] || point.shared[4] >= SETTLING[1];
+        for place in 0..set.len() {
+            let coordinates = self.law_coordinates(&self.members[set[place]].term);
+            for (i, c) in self.coordinates(set, place).zip(coordinates) {
+                let v = value(c, point.shared[i]);
+                all[i] = match c {
+                    Coordinate::Log(low, high) | Coordinate::Bounded(_, low, high) => {
+                        v <= low + 0.01 * low.abs() || v >= high - 0.01 * high.abs()
+                    }
+                    Coordinate::Linear(_) | Coordinate::Held => false,
+                };
+            }
+        }
+        all
+    }
+
+    fn coordinates(&self, set: &[usize], place: usize) -> Range<usize> {
+        let known = |t: &Term| t.values() - t.unknown_beginnings();
+        let terms = self.terms(&set[..=place]);
+        let first = self.own() + terms[..place].iter().map(known).sum::<usize>();
+        first..first + known(&terms[place])
+    }
+
+    fn strengths(&self, set: &[usize], place: usize) -> Vec<usize> {
+        let first = self.coordinates(set, place).start;
+        let has_zero = matches!(
+            self.law_coordinates(&self.members[set[place]].term)[0],
+            Coordinate::Linear(_) | Coordinate::Bounded(..)
+        );
+        if has_zero { vec![first] } else { Vec::new() }
+    }
+}
