@@ -66,6 +66,19 @@ impl Span {
         }
     }
 
+    /// Whether the asker finds for itself what of the poses is no motion, and leaves it out.
+    pub(super) fn leaves_out(&self) -> bool {
+        matches!(self, Self::Log { .. })
+    }
+
+    /// What becomes of the time in which poses are missing.
+    pub(super) fn of_holes(&self) -> &'static str {
+        match self {
+            Self::Study { .. } => "the motion there is only interpolated",
+            Self::Log { .. } => "that time is left out",
+        }
+    }
+
     /// How a stretch without a fault is chosen.
     pub(super) fn choose(&self) -> &'static str {
         match self {
