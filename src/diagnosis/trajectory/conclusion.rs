@@ -235,24 +235,20 @@ impl Examined<'_> {
             .collect();
         let hidden = selection.map_or(Vec::new(), |s| s.others.iter().filter_map(hidden).collect());
         let is_fitted = selection.is_some_and(|s| !s.named.is_empty());
-<<<<<<< HEAD
+        let louder = SENSORS.iter().zip(&self.vibration).filter_map(|(sensor, found)| {
+            let found = found.as_ref()?;
+            Some((*sensor, found.density / found.stated?))
+        });
         Account {
             named,
             is_fitted,
+            louder: louder.collect(),
             hidden,
             untold: None,
             absurd: Vec::new(),
             with_reference: selection.is_some(),
             held_out,
         }
-=======
-        let louder = SENSORS.iter().zip(&self.vibration).filter_map(|(sensor, found)| {
-            let found = found.as_ref()?;
-            Some((*sensor, found.density / found.stated?))
-        });
-        let louder = louder.collect();
-        Account { named, is_fitted, louder, hidden, untold: None, with_reference: selection.is_some(), held_out }
->>>>>>> origin/main
     }
 
     fn detail(&self, log: &Log, found: Option<(&Found<'_>, &Point, &Point)>, account: Account) -> Detail {
