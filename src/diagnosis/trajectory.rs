@@ -10,6 +10,7 @@
 //! (`strapdown`).
 
 pub mod account;
+mod alignment;
 mod along_gyro;
 mod attitude;
 mod blocks;
@@ -21,17 +22,21 @@ mod course;
 mod derivatives;
 pub mod detail;
 mod effects;
+mod faults;
 mod fit;
 mod intake;
 mod integral;
 mod judgement;
+mod left_out;
 mod log;
 mod mistaken;
 mod orientation;
 mod parameters;
 mod permutation;
+mod plausible;
 mod position;
 mod published;
+mod rates;
 pub mod repaired;
 mod rows;
 mod scatter;
@@ -85,14 +90,27 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     let names = intake::names(recording, model)?;
     let (log, began) = intake::log(recording, &names, &mut findings)?;
     intake::units(recording, &log)?;
-    let mut masked = vec![false; log.time_s.len()];
-    let limits = [clipping::limits(&log.rate, &mut masked), clipping::limits(&log.force, &mut masked)];
+    let mut held = vec![false; log.time_s.len()];
+    let mut masked = held.clone();
+    let limits = [clipping::limits(&log.rate, &mut held), clipping::limits(&log.force, &mut masked)];
     let vibration = conclusion::vibration(&log, model);
     let examined = Examined { recording, names, findings, limits, vibration, stated: model.noise };
     let Some(reference) = &model.reference else { return Ok(examined.without_reference(&log)) };
     let mut examined = examined;
     let motion = intake::motion(recording, reference, &log, began, &mut examined.findings)?;
     let gravity_m_s2 = gravity(model);
+    let (whole, mut left_out) = (motion, left_out::Found::default());
+    if whole.halves.attitude {
+        left_out = left_out::faults(&log, &mut examined.limits[0], &mut held, &whole);
+        examined.findings.extend(faults::words(&left_out.faults, &whole));
+    }
+    if whole.halves.position
+        && let Some((before, angle_rad)) = left_out.lost_bearings(&log, &held, &whole)
+    {
+        return Err(intake::lost_bearings(recording, reference, whole.row[before], angle_rad));
+    }
+    masked.iter_mut().zip(&held).for_each(|(masked, held)| *masked |= held);
+    let motion = faults::sound(&left_out.faults, &whole);
     let work = control.stage("aligning the clocks", 0);
     let as_given = Case {
         log: &log,
@@ -101,12 +119,14 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
         turned: UnitQuaternion::identity(),
         gravity_m_s2,
         masked: &masked,
+        cuts_s: &[],
         rule: Rule::Straight,
         anchor: Anchor::Reference,
     };
     let (start, anchor, least_turn_rad) = if motion.halves.attitude {
-        let start = start::start(&log, &motion, gravity_m_s2);
-        intake::alike(recording, reference, (&log, &motion), &start, gravity_m_s2)?;
+        let start = start::start(&log, &held, &motion, gravity_m_s2);
+        let kept = motion.time_s.len() as f64 / whole.time_s.len() as f64;
+        intake::alike(recording, reference, (&log, &held, &whole), (&start, kept), gravity_m_s2)?;
         (start, Anchor::Reference, f64::INFINITY)
     } else {
         let found = start_by_position::start(&as_given, control).map_err(stopped)?;
@@ -120,8 +140,10 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     let derivatives = motion.halves.attitude.then(|| Derivatives::of(&log));
     let motion = motion.within(&log, start.offset_s);
     work.rename("searching the library");
+    let cuts_s = left_out.cuts_s(&log, &held, &whole, start.offset_s);
     let case = Case {
         log: &log,
+        cuts_s: &cuts_s,
         derivatives: derivatives.as_ref(),
         motion: &motion,
         turned: start.turned,

@@ -10,6 +10,7 @@ mod flight;
 mod lowpass;
 mod one_half;
 mod repaired;
+mod spoiled;
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -44,6 +45,7 @@ pub fn tests() -> Vec<Trial> {
     .chain(lowpass::tests())
     .chain(one_half::tests())
     .chain(repaired::tests())
+    .chain(spoiled::tests())
     .chain(coverage::tests())
     .collect()
 }

@@ -21,9 +21,27 @@ pub struct Account {
     pub louder: Vec<(Sense, f64)>,
     /// Whether there is a reference.
     pub with_reference: bool,
+    /// Numbers that the fit needed and no IMU or reference has: the fit failed, and no fitted term is
+    /// named.
+    pub absurd: Vec<Absurd>,
     /// Root mean square of the base model's whitened residual on held-out blocks, and that with the
     /// named effects.
     pub held_out: [f64; 2],
+}
+
+/// A number beyond what is plausible.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Absurd {
+    /// "a bias of the gyro".
+    pub what: String,
+    /// Its size, in the unit.
+    pub value: f64,
+    /// The largest that there is, in the unit.
+    pub most: f64,
+    /// Unit of both.
+    pub unit: &'static str,
+    /// Where the largest is taken from.
+    pub source: &'static str,
 }
 
 /// What a reference without one half of a pose says nothing about.

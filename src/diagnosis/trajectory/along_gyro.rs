@@ -74,7 +74,7 @@ pub(super) fn along_gyro_rows(
         Some(all)
     };
     let slopes = parallel::map_indices(PARAMETERS, of);
-    rows((log, case.masked), bins, orders, &residual, &slopes)
+    rows(&case.left_out_s(point), bins, orders, &residual, &slopes)
 }
 
 /// What a parameter of the accelerometer takes from the specific force, in the IMU's axes.

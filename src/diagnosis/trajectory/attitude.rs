@@ -46,7 +46,7 @@ pub(super) fn attitude_rows(case: &Case<'_>, course: &Course, point: &Point, bin
         Some(places.iter().map(|at| between(&case.log.time_s, &all, &changes, *at)).collect())
     };
     let slopes = parallel::map_indices(PARAMETERS, of);
-    rows((case.log, case.masked), bins, ATTITUDE, &residual, &slopes)
+    rows(&case.left_out_s(point), bins, ATTITUDE, &residual, &slopes)
 }
 
 /// What a parameter takes from the rate felt, in the IMU's axes: E grows by its integral.

@@ -14,6 +14,7 @@ use super::judgement::{COLOUR, HeldOut, Standing};
 use super::log::Log;
 use super::parameters::Point;
 use super::permutation::Permutation;
+use super::plausible;
 use super::published::{self, Fitted};
 use super::rows::Row;
 use super::scatter;
@@ -127,11 +128,11 @@ impl Examined<'_> {
         let first = halves.lacks().map_or(Half::Attitude, other);
         let clipped = fit.residuals_at(first, &chosen.point).map_or(0.0, |all| lies_in_clipped(&all));
         let swap = [found.start.gyro, found.start.accelerometer];
+        let exchanged =
+            Evidence { held_out_gain: found.start.explained.max(0.0), p_value: found.start.chance_exchanged };
         let mut effects = effects::of_fit(selection, &chosen, |term| self.channels(term));
         let tied = effects.iter().filter(|e| !e.confusable_with.is_empty()).count();
         effects::mounted(&mut effects, found.start, &self.names);
-        let exchanged =
-            Evidence { held_out_gain: found.start.explained.max(0.0), p_value: found.start.chance_exchanged };
         effects.splice(0..0, self.of_readings([clipped; 2], swap, exchanged));
         let seated = fitted(&published::seated(&active, halves));
         let own = scatter::random_walks(found.log, self.stated);
@@ -146,9 +147,15 @@ impl Examined<'_> {
         let erring = effects::reference(attitude, position, halves);
         let errs = erring.is_some();
         effects.extend(erring);
+        let absurd = plausible::absurd(&chosen.point, attitude, selection);
+        let failed = !absurd.is_empty();
+        if failed {
+            effects = self.of_readings([clipped; 2], swap, exchanged);
+        }
         let remainder = remainder(fit, &chosen.point, &held);
         let named = effects.len();
         let outcome = rule(&ruling::Evidence {
+            base_determined: !failed,
             named,
             tied,
             remainder: remainder.size,
@@ -156,9 +163,10 @@ impl Examined<'_> {
             ..ruling::Evidence::default()
         });
         let mut account = self.account(&effects, Some(selection), held.rms());
+        account.absurd = absurd;
         account.untold = halves.lacks().map(|half| Untold { half, terms: untold(halves) });
         let mut detail = self.detail(found.log, Some((found, &before, &chosen.point)), account);
-        detail.published = published::calibration(&wide, swap);
+        detail.published = published::calibration(&wide, swap).filter(|_| !failed);
         let diagnosed = Diagnosed {
             case: found.case,
             start: found.start,
@@ -171,12 +179,13 @@ impl Examined<'_> {
             density: self.densities(found.log),
             errs,
         };
-        detail.repaired = Some(diagnosed.repaired());
+        detail.repaired = (!failed).then(|| diagnosed.repaired());
         // Noise and limits are named beside a model that they do not change.
-        let changed = named > 0 && active != small;
+        let changed = named > 0 && active != small && !failed;
         let scores = scores(found, [&before, &chosen.point], &held, changed);
-        let mut answer = self.answer(outcome, effects, scores, remainder, published::base(&seated, &wide), detail);
-        answer.ranking = ranking(&answer.effects, selection);
+        let base = if failed { Vec::new() } else { published::base(&seated, &wide) };
+        let mut answer = self.answer(outcome, effects, scores, remainder, base, detail);
+        answer.ranking = if failed { Vec::new() } else { ranking(&answer.effects, selection) };
         answer
     }
 
@@ -230,8 +239,16 @@ impl Examined<'_> {
             let found = found.as_ref()?;
             Some((*sensor, found.density / found.stated?))
         });
-        let louder = louder.collect();
-        Account { named, is_fitted, louder, hidden, untold: None, with_reference: selection.is_some(), held_out }
+        Account {
+            named,
+            is_fitted,
+            louder: louder.collect(),
+            hidden,
+            untold: None,
+            absurd: Vec::new(),
+            with_reference: selection.is_some(),
+            held_out,
+        }
     }
 
     fn detail(&self, log: &Log, found: Option<(&Found<'_>, &Point, &Point)>, account: Account) -> Detail {

@@ -26,6 +26,9 @@ pub(super) struct Case<'a> {
     pub gravity_m_s2: f64,
     /// Samples that are no reading (clipped, filled): their time is left out.
     pub masked: &'a [bool],
+    /// IMU's stamps, in order, at which the reckoning goes through the reference anew: in the middle
+    /// of what the gyro does not know, and of what the reference does not, s.
+    pub cuts_s: &'a [f64],
     /// What is taken to happen between readings.
     pub rule: Rule,
     /// The attitude that dead reckoning goes through.
@@ -88,6 +91,12 @@ impl Case<'_> {
     pub(super) fn stamp_s(&self, point: &Point, pose: usize) -> f64 {
         let t = self.motion.time_s[pose];
         t + clock_s(point) + point[DRIFT] * (t - self.motion.middle_s())
+    }
+
+    /// Times that are left out, on the clock of the poses, s.
+    pub(super) fn left_out_s(&self, point: &Point) -> Vec<f64> {
+        let all = self.log.time_s.iter().zip(self.masked);
+        all.filter(|(_, masked)| **masked).map(|(time_s, _)| time_s - clock_s(point)).collect()
     }
 
     /// C at a point.
@@ -179,20 +188,38 @@ impl Course {
             force.push(f);
         }
         let mut course = Self { attitude: reckoned(log, &rate, case.rule), rate, force, gyro };
-        let anchor = match case.anchor {
-            // In the middle, so that errors that grow are smallest.
-            Anchor::Reference => {
-                let middle = case.motion.time_s.len() / 2;
-                let imu = course.attitude_at(log, case.stamp_s(point, middle));
-                case.motion.attitude[middle] * case.mounting(point) * imu.inverse()
-            }
+        match case.anchor {
+            Anchor::Reference => course.through_reference(case, point),
             Anchor::Found { sample, attitude, .. } => {
                 let off = UnitQuaternion::from_scaled_axis(vector(point, ANCHOR.start));
-                off * attitude * course.attitude[sample].inverse()
+                let anchor = off * attitude * course.attitude[sample].inverse();
+                course.attitude.iter_mut().for_each(|q| *q = anchor * *q);
             }
-        };
-        course.attitude.iter_mut().for_each(|q| *q = anchor * *q);
+        }
         course
+    }
+
+    /// Lays each piece between two cuts through the reference, in its middle, so that errors that grow
+    /// are smallest.
+    fn through_reference(&mut self, case: &Case<'_>, point: &Point) {
+        let log = case.log;
+        let stamps: Vec<f64> = (0..case.motion.time_s.len()).map(|pose| case.stamp_s(point, pose)).collect();
+        let mut anchors = Vec::with_capacity(case.cuts_s.len() + 1);
+        let (mut samples, mut poses) = (0..0, 0..0);
+        for cut_s in case.cuts_s.iter().chain(&[f64::INFINITY]) {
+            samples = samples.end..log.time_s.partition_point(|t| t < cut_s);
+            poses = poses.end..stamps.partition_point(|t| t < cut_s);
+            // A piece without a pose is never asked for.
+            if !poses.is_empty() {
+                let middle = poses.start + poses.len() / 2;
+                let imu = self.attitude_at(log, stamps[middle]);
+                let anchor = case.motion.attitude[middle] * case.mounting(point) * imu.inverse();
+                anchors.push((samples.clone(), anchor));
+            }
+        }
+        for (samples, anchor) in anchors {
+            self.attitude[samples].iter_mut().for_each(|q| *q = anchor * *q);
+        }
     }
 
     /// The attitude at an IMU's stamp, which may lie between samples.

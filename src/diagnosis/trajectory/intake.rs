@@ -136,7 +136,7 @@ pub(super) fn motion(
         },
         span: Span::Log { start, ends_s: [first, last] },
     };
-    let Poses { poses, has_position, has_attitude, quaternion, turn, start: began, findings: found } =
+    let Poses { poses, rows, has_position, has_attitude, quaternion, turn, start: began, findings: found } =
         file::read(&request)?;
     findings.extend(found.iter().map(ToString::to_string));
     let shift_s = match (start, began) {
@@ -163,7 +163,8 @@ pub(super) fn motion(
         return Err(fail(recording, cause, "are they of one run, and stamped by one clock?"));
     }
     let inside = |t: f64| t >= first + 2.0 * log.interval_s && t <= last - 2.0 * log.interval_s;
-    let poses: Vec<_> = poses.into_iter().filter(|p| inside(p.time_s + shift_s)).collect();
+    let (poses, row): (Vec<_>, Vec<_>) =
+        poses.into_iter().zip(rows).filter(|(p, _)| inside(p.time_s + shift_s)).unzip();
     let covered_s = poses.last().map_or(0.0, |p| p.time_s) - poses.first().map_or(0.0, |p| p.time_s);
     let fewest = if has_attitude { FEWEST } else { FEWEST_ALONE };
     if covered_s < SHORTEST_S || poses.len() < fewest {
@@ -179,7 +180,17 @@ pub(super) fn motion(
     let position: Vec<Vector3<f64>> = poses.iter().map(|p| p.position_m).collect();
     let attitude: Vec<UnitQuaternion<f64>> = poses.iter().map(|p| p.attitude).collect();
     let halves = Halves { attitude: has_attitude, position: has_position };
-    Ok(Motion { time_s, position, attitude, interval_s, halves, zero_s: -shift_s, quaternion, turn })
+    Ok(Motion { time_s, position, attitude, row, interval_s, halves, zero_s: -shift_s, quaternion, turn })
+}
+
+/// That a reference goes on in another frame behind this row, turned by so much.
+pub(super) fn lost_bearings(recording: &Recording, reference: &Reference, row: usize, angle_rad: f64) -> Error {
+    let cause = format!(
+        "{}: attitude jumps by {}° behind row {row} and stays so, where the gyro does not turn",
+        reference.file.display(),
+        rounded(angle_rad.to_degrees(), 3)
+    );
+    fail(recording, cause, "choose a stretch without it: the IMU's rows, as rows = [[from, to]] in the model")
 }
 
 /// That readings do not agree with positions, and what is mistaken where that is known.
@@ -206,17 +217,19 @@ pub(super) fn not_alike(
     fail(recording, format!("{}: {cause}", reference.file.display()), hint)
 }
 
-/// Whether both move alike, in the same units and with the same hand.
+/// Whether both move alike, in the same units and with the same hand: all of the reference, where the
+/// search starts from its sound part, and what part of it that is.
 pub(super) fn alike(
     recording: &Recording,
     reference: &Reference,
-    (log, motion): (&Log, &Motion),
-    start: &Start,
+    (log, masked, motion): (&Log, &[bool], &Motion),
+    (start, kept): (&Start, f64),
     gravity_m_s2: f64,
 ) -> Result<()> {
     let turning = (log.rate.iter().map(Vector3::norm_squared).sum::<f64>() / log.rate.len() as f64).sqrt();
     // What hardly turns does not tell one reading of a quaternion from another.
-    let fault = if turning > TURNS { orientation::fault(log, motion, start, gravity_m_s2) } else { None };
+    let fault =
+        if turning > TURNS { orientation::fault((log, masked, motion), (start, kept), gravity_m_s2) } else { None };
     if let Some(fault) = fault {
         let (cause, hint) = fault.words();
         return Err(fail(recording, format!("{}: {cause}", reference.file.display()), &hint));

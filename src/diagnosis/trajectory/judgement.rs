@@ -39,6 +39,8 @@ pub(super) struct Standing {
     pub least_fall: f64,
     /// Whether its parameters lie where the library allows.
     pub plausible: bool,
+    /// The largest of them, as it is stated, SI.
+    pub largest: f64,
     /// Whether one of them is large enough to cost anything, and the fall is large enough to be no
     /// matter of the noise's colour.
     pub matters: bool,
@@ -110,6 +112,7 @@ pub(super) fn judge(question: &Question<'_>, tried: usize) -> Standing {
         fall,
         least_fall,
         plausible: value.iter().zip(&half_widths).all(|(v, half)| term.allows(*v, *half)),
+        largest: value.iter().map(|v| term.size(v.abs())).fold(0.0, f64::max),
         matters: value.iter().any(|v| term.matters(*v, tilt_rad, interval_s))
             && fall >= least_part * held.sums(usize::MAX).0,
         half_widths,

@@ -63,6 +63,8 @@ pub(super) struct Motion {
     pub position: Vec<Vector3<f64>>,
     /// From body axes to north-east-down; level where the reference has none.
     pub attitude: Vec<UnitQuaternion<f64>>,
+    /// Row of its file of each pose.
+    pub row: Vec<usize>,
     /// From one pose to the next, as a rule, s.
     pub interval_s: f64,
     /// What of each pose is in it.
@@ -100,6 +102,20 @@ impl Motion {
             time_s: self.time_s[from..to].to_vec(),
             position: self.position[from..to].to_vec(),
             attitude: self.attitude[from..to].to_vec(),
+            row: self.row[from..to].to_vec(),
+            ..*self
+        }
+    }
+
+    /// Without the poses in some ranges of places.
+    pub(super) fn without(&self, ranges: &[[usize; 2]]) -> Self {
+        let kept = |k: &usize| ranges.iter().all(|[from, to]| !(*from..*to).contains(k));
+        let places: Vec<usize> = (0..self.time_s.len()).filter(kept).collect();
+        Self {
+            time_s: places.iter().map(|k| self.time_s[*k]).collect(),
+            position: places.iter().map(|k| self.position[*k]).collect(),
+            attitude: places.iter().map(|k| self.attitude[*k]).collect(),
+            row: places.iter().map(|k| self.row[*k]).collect(),
             ..*self
         }
     }

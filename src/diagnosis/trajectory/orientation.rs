@@ -7,6 +7,7 @@
 
 use nalgebra::{Quaternion, UnitQuaternion};
 
+use super::faults;
 use super::log::{Log, Motion};
 use super::permutation::Permutation;
 use super::start::{Start, start};
@@ -69,27 +70,41 @@ fn others(motion: &Motion) -> Vec<(Fault, Motion)> {
 }
 
 /// What is wrong with the reference's attitudes, if another reading of them fits far better.
-pub(super) fn fault(log: &Log, motion: &Motion, said: &Start, gravity_m_s2: f64) -> Option<Fault> {
+///
+/// `motion` is all of the reference; `said` is what its sound part, so much of it, says as given: a
+/// wrong convention may agree for a while.
+pub(super) fn fault(
+    (log, masked, motion): (&Log, &[bool], &Motion),
+    (said, kept): (&Start, f64),
+    gravity_m_s2: f64,
+) -> Option<Fault> {
     let upside_down = said.turned.angle() > 3.0;
     let all_against = said.accelerometer == Permutation { axis: [0, 1, 2], turned: [true; 3] };
     if upside_down && all_against {
         return Some(Fault::Mirrored);
     }
     let as_given = [said.gyro, said.accelerometer].iter().all(|p| *p == Permutation::NONE);
-    if said.explained > SOUND && as_given && said.turned.angle() == 0.0 {
+    if kept * said.explained > SOUND && as_given && said.turned.angle() == 0.0 {
         return None;
     }
-    let read: Vec<(Fault, Start)> =
-        others(motion).iter().map(|(fault, motion)| (*fault, start(log, motion, gravity_m_s2))).collect();
-    let by_gyro = |s: &Start| s.explained > EXPLAINS && 1.0 - s.explained < FAR_BETTER * (1.0 - said.explained);
+    let of = |(fault, motion): &(Fault, Motion)| {
+        let faults = faults::find(log, masked, motion).map_or_else(Vec::new, |found| found.0);
+        let sound = faults::sound(&faults, motion);
+        let kept = sound.time_s.len() as f64 / motion.time_s.len() as f64;
+        (*fault, start(log, masked, &sound, gravity_m_s2), kept)
+    };
+    let read: Vec<(Fault, Start, f64)> = others(motion).iter().map(of).collect();
+    let by_gyro = |s: &Start, part: f64| {
+        s.explained > EXPLAINS && 1.0 - part * s.explained < FAR_BETTER * (1.0 - kept * said.explained)
+    };
     let by_force = |s: &Start| {
         motion.halves.position
             && s.explained > EXPLAINS.max(said.explained - AS_WELL)
             && s.force_square < FAR_BETTER * said.force_square
     };
-    let better = read.iter().filter(|(_, s)| by_gyro(s) || by_force(s));
+    let better = read.iter().filter(|(_, s, part)| by_gyro(s, *part) || by_force(s));
     // Readings that turn alike are told apart by the specific force.
-    better.min_by(|a, b| a.1.force_square.total_cmp(&b.1.force_square)).map(|(fault, _)| *fault)
+    better.min_by(|a, b| a.1.force_square.total_cmp(&b.1.force_square)).map(|(fault, ..)| *fault)
 }
 
 impl Fault {

@@ -53,7 +53,7 @@ pub(super) fn position_rows(case: &Case<'_>, course: &Course, point: &Point, bin
         Some(all)
     };
     let slopes = parallel::map_indices(PARAMETERS, of);
-    rows((log, case.masked), bins, POSITION, &residual, &slopes)
+    rows(&case.left_out_s(point), bins, POSITION, &residual, &slopes)
 }
 
 /// Where the IMU's stamp of each pose lies among its samples.

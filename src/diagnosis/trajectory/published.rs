@@ -9,7 +9,7 @@ use super::course::{accelerometer_matrix, gyro_matrix, vector};
 use super::log::Halves;
 use super::parameters::{
     DRIFT, FORCE_BIAS, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_SCALE, LEVER_ARM, LOWPASS, MOUNTING, OFFSET, Point, TILT,
-    lowpass_s, stated,
+    lowpass_s, stated, widths,
 };
 use super::permutation::Permutation;
 use super::selection::Selection;
@@ -98,8 +98,11 @@ pub(super) fn seated(active: &[usize], halves: Halves) -> Vec<usize> {
     active.iter().copied().chain(more).collect()
 }
 
-/// Numbers of the base model, and clock, mounting and lever arm of the wide one.
+/// Numbers of the base model, and clock, mounting and lever arm of the wide one; those that are known
+/// less well than before the recording are left out.
 pub(super) fn base(chosen: &Fitted, wide: &Fitted) -> Vec<Estimate> {
+    let widths = widths();
+    let is_known = |p: usize, e: &Estimate, per_si: f64| e.ci95[1] - e.ci95[0] <= 2.0 * widths[p] * per_si;
     let rows = [
         (chosen, GYRO_BIAS, ["gyro_bias_x", "gyro_bias_y", "gyro_bias_z"], "rad/s", 1.0),
         (chosen, FORCE_BIAS, ["accelerometer_bias_x", "accelerometer_bias_y", "accelerometer_bias_z"], "m/s^2", 1.0),
@@ -109,14 +112,19 @@ pub(super) fn base(chosen: &Fitted, wide: &Fitted) -> Vec<Estimate> {
     let mut all: Vec<Estimate> = rows
         .into_iter()
         .flat_map(|(fitted, range, names, unit, per_si)| {
-            range.zip(names).filter(|(p, _)| fitted.has(*p)).map(move |(p, n)| fitted.estimate(p, n, unit, per_si))
+            let there = range.zip(names).filter(|(p, _)| fitted.has(*p));
+            there.filter_map(move |(p, name)| {
+                let estimate = fitted.estimate(p, name, unit, per_si);
+                is_known(p, &estimate, per_si).then_some(estimate)
+            })
         })
         .collect();
     for (p, name) in TILT.zip(["gravity_north", "gravity_east"]).filter(|(p, _)| chosen.has(*p)) {
         all.push(chosen.estimate(p, name, "m/s^2", 1.0));
     }
-    all.push(wide.estimate(OFFSET, "time_offset", "s", 1.0));
-    all.push(wide.estimate(DRIFT, "clock_drift", "ppm", 1e6));
+    for (p, name, unit, per_si) in [(OFFSET, "time_offset", "s", 1.0), (DRIFT, "clock_drift", "ppm", 1e6)] {
+        all.extend(Some(wide.estimate(p, name, unit, per_si)).filter(|e| is_known(p, e, per_si)));
+    }
     all
 }
 

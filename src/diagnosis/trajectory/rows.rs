@@ -8,7 +8,6 @@
 
 use nalgebra::Vector3;
 
-use super::log::Log;
 use super::parameters::PARAMETERS;
 
 /// One vector of the residual, and its slopes.
@@ -70,11 +69,11 @@ impl Bins {
         sums.iter().zip(&self.count).map(|(sum, n)| sum / (*n).max(1) as f64).collect()
     }
 
-    /// Whether each bin has its poses, and no masked reading lies in it.
-    fn whole(&self, log: &Log, masked: &[bool]) -> Vec<bool> {
+    /// Whether each bin has its poses, and nothing that is left out lies in it.
+    fn whole(&self, left_out_s: &[f64]) -> Vec<bool> {
         let usual = crate::numerics::order::median(self.count.iter().map(|n| *n as f64).collect()).unwrap_or(1.0);
         let mut whole: Vec<bool> = self.count.iter().map(|n| *n as f64 >= (FULL * usual).max(1.0)).collect();
-        for (time_s, _) in log.time_s.iter().zip(masked).filter(|(_, masked)| **masked) {
+        for time_s in left_out_s {
             let bin = ((time_s - self.start_s) / self.width_s).floor();
             if bin >= 0.0
                 && let Some(whole) = whole.get_mut(bin as usize)
@@ -144,9 +143,10 @@ pub(super) fn differenced(means: &[Vector3<f64>], orders: Orders, bins: &Bins) -
     values
 }
 
-/// Rows out of a residual and its slopes, each given at the poses.
+/// Rows out of a residual and its slopes, each given at the poses; those do not hold that need a bin
+/// with a time that is left out, on the clock of the poses.
 pub(super) fn rows(
-    (log, masked): (&Log, &[bool]),
+    left_out_s: &[f64],
     bins: &Bins,
     orders: Orders,
     residual: &[Vector3<f64>],
@@ -155,7 +155,7 @@ pub(super) fn rows(
     let of = |values: &[Vector3<f64>]| differenced(&bins.means(values), orders, bins);
     let residual = of(residual);
     let slopes: Vec<Option<Vec<Vector3<f64>>>> = slopes.iter().map(|s| s.as_deref().map(of)).collect();
-    let whole = bins.whole(log, masked);
+    let whole = bins.whole(left_out_s);
     let order = orders.most();
     let row = |(k, residual): (usize, &Vector3<f64>)| Row {
         time_s: bins.start_s + (k as f64 + 0.5 * (order + 1) as f64) * bins.width_s,

@@ -12,13 +12,11 @@ use super::integral::{Rule, between, cumulative, place};
 use super::judgement::FALSE_NAME;
 use super::log::{Log, Motion};
 use super::permutation::{Permutation, SIGNED};
+use super::rates::{Rates, SHIFTS_S, WINDOW_S};
 use super::scatter::beyond;
 use crate::numerics::order;
 
-/// Window over which rates are compared, s, and the shifts that are tried, s: up to, in steps of.
-const WINDOW_S: f64 = 0.1;
-pub(super) const SHIFTS_S: (f64, f64) = (2.0, 0.02);
-/// Most windows of rates that are compared.
+/// Most windows of specific forces that are compared.
 const MOST: usize = 3000;
 /// Square error by which the better of two ways to hold the axes must be smaller.
 const BETTER: f64 = 0.5;
@@ -135,36 +133,12 @@ impl Pairs {
     }
 }
 
-/// Windows of poses: first and last.
-fn windows(motion: &Motion) -> Vec<(usize, usize)> {
-    let reach = ((WINDOW_S / motion.interval_s).round() as usize).max(1);
-    let last = motion.time_s.len().saturating_sub(reach);
-    let every = (last / MOST).max(reach / 2).max(1);
-    let is_short = |k: &usize| motion.time_s[k + reach] - motion.time_s[*k] < 3.0 * reach as f64 * motion.interval_s;
-    (0..last).step_by(every).filter(is_short).map(|k| (k, k + reach)).collect()
-}
-
-/// Lays one on the other.
-pub(super) fn start(log: &Log, motion: &Motion, gravity_m_s2: f64) -> Start {
-    let windows = windows(motion);
-    let integral = cumulative(&log.time_s, &log.rate, Rule::Straight);
-    let rates: Vec<(f64, f64, Vector3<f64>)> = windows
-        .iter()
-        .map(|(a, b)| {
-            let (from, to) = (motion.time_s[*a], motion.time_s[*b]);
-            let turn = motion.attitude[*a].inverse() * motion.attitude[*b];
-            (from, to, turn.scaled_axis() / (to - from))
-        })
-        .collect();
+/// Lays one on the other; masked readings are left out.
+pub(super) fn start(log: &Log, masked: &[bool], motion: &Motion, gravity_m_s2: f64) -> Start {
+    let rates = Rates::some(log, masked, motion);
     let at = |shift_s: f64| -> Pairs {
-        let inside = |t: f64| t >= log.time_s[0] && t <= log.time_s[log.time_s.len() - 1];
-        let held = rates.iter().filter(|(from, to, _)| inside(from + shift_s) && inside(to + shift_s));
-        let (mut reference, mut read) = (Vec::new(), Vec::new());
-        for (from, to, rate) in held {
-            let end = |t: f64| between(&log.time_s, &integral, &log.rate, place(&log.time_s, t + shift_s));
-            reference.push(*rate);
-            read.push((end(*to) - end(*from)) / (to - from));
-        }
+        let both = rates.windows.iter().filter_map(|w| Some((w.rate, rates.read(w, shift_s)?)));
+        let (reference, read) = both.unzip();
         Pairs { reference, read }
     };
     let score = |shift_s: f64| at(shift_s).regression().2;

@@ -14,7 +14,8 @@ use super::fit::Fit;
 use super::integral::{Rule, between, cumulative, place};
 use super::log::{Log, Motion};
 use super::parameters::{ANCHOR, FORCE_BIAS, GYRO_BIAS, PARAMETERS, Point};
-use super::start::{SHIFTS_S, Start, nearest, refined};
+use super::rates::SHIFTS_S;
+use super::start::{Start, nearest, refined};
 use crate::control::{Control, Stopped};
 
 /// Over which positions are differenced twice, s: from one to the next. The longer ones for

@@ -55,6 +55,8 @@ pub struct Request<'a> {
 pub struct Poses {
     /// The poses, in order of time.
     pub poses: Vec<Pose>,
+    /// Row of the file of each, as messages count them.
+    pub rows: Vec<usize>,
     /// Says whether the file says where the body is; every position is zero where it does not.
     pub has_position: bool,
     /// Says whether the file says how the body is turned; every attitude is level where it does
@@ -114,7 +116,7 @@ pub fn read(request: &Request<'_>) -> Result<Poses> {
     if !has_attitude {
         poses.iter_mut().for_each(|pose| pose.attitude = UnitQuaternion::identity());
     }
-    Ok(Poses { poses, has_position, has_attitude, quaternion: said, turn, start, findings })
+    Ok(Poses { poses, rows: places, has_position, has_attitude, quaternion: said, turn, start, findings })
 }
 
 /// From the file's reference to north, east and down, and what is to be said of it.

@@ -102,7 +102,40 @@ pub fn read(truth: &Truth, seed: u64) -> Flight {
     flight
 }
 
+/// A body turned by hand for a minute, about a point that stays where it is: these rates in its own
+/// axes, rad/s, a hundred readings and poses per second, integrated here in steps of 0.5 ms, with
+/// the noise of the made-up flights and no bias.
+pub fn by_hand(rate_at: impl Fn(f64) -> Three, seed: u64) -> Flight {
+    const STEPS: usize = 20;
+    let mut random = Philox::new(seed, 13, Stream::Host);
+    let mut flight = Flight { stamps_ns: Vec::new(), rate: Vec::new(), force: Vec::new(), poses: Vec::new() };
+    let mut attitude = UnitQuaternion::identity();
+    for k in 0..6000 {
+        let time_s = 0.01 * f64::from(k);
+        let stamp = 1_600_000_000_000_000_000 + i64::from(k) * 10_000_000;
+        let up = attitude.inverse() * Vector3::z() * proofmass::units::STANDARD_GRAVITY_M_S2;
+        let mut noise = |value: f64, deviation: f64| value + deviation * random.normal();
+        flight.stamps_ns.push(stamp);
+        flight.rate.push(rate_at(time_s).map(|w| noise(w, 1.2e-3)));
+        flight.force.push([up.x, up.y, up.z].map(|a| noise(a, 1.4e-2)));
+        flight.poses.push((stamp, Vector3::zeros(), attitude));
+        for step in 0..STEPS {
+            let h = 0.01 / STEPS as f64;
+            let middle = rate_at(time_s + (step as f64 + 0.5) * h);
+            attitude *= UnitQuaternion::from_scaled_axis(Vector3::from(middle) * h);
+        }
+    }
+    flight
+}
+
 impl Flight {
+    /// The IMU mounted so that this rotation makes body axes of its own.
+    pub fn mounted(&self, body_of_imu: UnitQuaternion<f64>) -> Self {
+        let turned = |v: &Three| -> Three { (body_of_imu.inverse() * Vector3::from(*v)).into() };
+        let [rate, force] = [&self.rate, &self.force].map(|all| all.iter().map(turned).collect());
+        Self { rate, force, ..self.clone() }
+    }
+
     /// The IMU's stamps moved.
     pub fn shifted(&self, shift_s: f64) -> Self {
         let shift = (shift_s * 1e9).round() as i64;

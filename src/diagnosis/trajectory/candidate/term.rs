@@ -56,14 +56,15 @@ impl Term {
     }
 
     /// The largest size that such a sensor or mounting has, as the library states it, SI.
-    fn largest(&self) -> f64 {
+    pub fn largest(&self) -> f64 {
         self.candidate.parameters.iter().map(|p| p.range.1).fold(0.0, f64::max) / self.unit.per_si
     }
 
-    /// Whether a parameter of the fit with the half width of its interval may be such a sensor's.
+    /// Whether a parameter of the fit with the half width of its interval may be such a sensor's; what
+    /// is known less well than to the largest size says nothing.
     pub(in crate::trajectory) fn allows(&self, value: f64, half_width: f64) -> bool {
         match self.measure {
-            Measure::Plain => value.abs() - half_width <= self.largest(),
+            Measure::Plain => value.abs() - half_width <= self.largest() && half_width <= self.largest(),
             Measure::Time => value > half_width && value - half_width <= self.largest().powi(2),
         }
     }

@@ -2,7 +2,7 @@
 
 use proofmass_base::number::short;
 use proofmass_diagnosis::model::Half;
-use proofmass_diagnosis::trajectory::account::{Account, Hidden, Manoeuvre, NamedEffect, Untold};
+use proofmass_diagnosis::trajectory::account::{Absurd, Account, Hidden, Manoeuvre, NamedEffect, Untold};
 use proofmass_diagnosis::trajectory::candidate::Measure;
 use proofmass_diagnosis::trajectory::detail::Detail;
 use proofmass_diagnosis::verdict::Outcome;
@@ -20,6 +20,14 @@ pub(super) fn sentence(outcome: Outcome, detail: &Detail) -> String {
             }
             false => format!("Without a reference: the readings show {}.", names.join(", ")),
         };
+    }
+    if !account.absurd.is_empty() {
+        let one = |a: &Absurd| {
+            let [value, most] = [a.value, a.most].map(short);
+            format!("{} of {value} {unit} where there is {most} {unit} at most ({})", a.what, a.source, unit = a.unit)
+        };
+        let all: Vec<String> = account.absurd.iter().map(one).collect();
+        return format!("The fit failed, and nothing fitted is named: it needs {}.", all.join(", and "));
     }
     match outcome {
         Outcome::Adequate => {
@@ -103,6 +111,10 @@ pub(super) fn findings(account: &Account) -> Vec<String> {
             Measure::Plain => "is known only to ±",
             Measure::Time => "may be as long as ",
         };
+        // No number that is wider than all there is.
+        if h.half_width >= h.term.largest() * h.term.unit.per_si {
+            return format!("this motion says nothing of {}; {} would", h.term.phrase(), manoeuvre(h.manoeuvre));
+        }
         format!(
             "this motion does not determine {}: it {known}{} {}; {} would determine it",
             h.term.phrase(),
@@ -147,6 +159,11 @@ pub(super) fn next_experiment(outcome: Outcome, account: &Account) -> String {
     if !account.with_reference {
         return "Record a reference of the motion with it (motion capture, GNSS/INS, another IMU), and name it under \
                 [reference]."
+            .into();
+    }
+    if !account.absurd.is_empty() {
+        return "Check that readings and reference are of one run, in the units and axes that their headings say, and \
+                use rows in which both work."
             .into();
     }
     let hidden = account.hidden.first().map(|h| manoeuvre(h.manoeuvre));

@@ -36,12 +36,16 @@ pub enum Finding {
         /// First row left out.
         first_row: usize,
     },
-    /// Poses are missing, and the motion was carried on through the hole.
+    /// Poses are missing, and what becomes of that time.
     Bridged {
         /// Number of holes in the poses.
         holes: usize,
         /// The longest, s.
         longest_s: f64,
+        /// The last row before the longest.
+        after_row: usize,
+        /// What becomes of the time without poses.
+        so: &'static str,
     },
     /// Poses come so rarely that little of the motion is in them.
     Slow {
@@ -110,11 +114,11 @@ impl fmt::Display for Finding {
             Self::Repeated { rows, first_row } => {
                 write!(f, "{rows} rows repeat the stamp before them and were left out, the first is row {first_row}")
             }
-            Self::Bridged { holes, longest_s } => write!(
-                f,
-                "poses are missing in {holes} places, up to {} s long: the motion there is only interpolated",
-                rounded(longest_s, 3)
-            ),
+            Self::Bridged { holes, longest_s, after_row, so } => {
+                let s = if holes == 1 { "" } else { "s" };
+                let length = rounded(longest_s, 3);
+                write!(f, "poses are missing in {holes} place{s}, up to {length} s long (after row {after_row}): {so}")
+            }
             Self::Slow { rate_hz } => write!(
                 f,
                 "the poses come at {} Hz: motion faster than {} Hz is neither in them nor in the simulated readings",

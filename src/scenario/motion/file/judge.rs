@@ -1,5 +1,8 @@
 //! Checks whether poses in order of time can be one motion: holes, jumps, poses that come too
 //! rarely.
+//!
+//! A study has nothing but the poses and needs all of them. Beside a log, holes and turns that no
+//! body makes are for the asker to leave out, who has a gyro to judge them by.
 
 use nalgebra::Vector3;
 
@@ -25,6 +28,8 @@ const UNUSUAL: [f64; 2] = [30.0, 10.0];
 /// A jump that the spline may smooth, m or rad: references do that when they find their bearings
 /// again.
 const SURVIVED: f64 = 0.3;
+/// Share of turns too wide to follow from which on the poses themselves are too few.
+const MOST_WIDE: f64 = 0.1;
 
 /// Judges poses, whose rows these are.
 ///
@@ -44,8 +49,8 @@ pub(super) fn judge(poses: &[Pose], rows: &[usize], span: &Span) -> Result<Vec<F
     let holes = intervals.iter().filter(|dt| **dt > HOLE.0 * usual);
     let longest_s = intervals.iter().fold(0.0f64, |a, b| a.max(*b));
     let holes = holes.count();
-    if longest_s > HOLE.1.max(HOLE.0 * usual) {
-        let at = intervals.iter().position(|dt| *dt >= longest_s).unwrap_or_default();
+    let at = intervals.iter().position(|dt| *dt >= longest_s).unwrap_or_default();
+    if longest_s > HOLE.1.max(HOLE.0 * usual) && !span.leaves_out() {
         let cause = format!(
             "no pose for {} s after row {} (at {} s {})",
             rounded(longest_s, 3),
@@ -56,7 +61,7 @@ pub(super) fn judge(poses: &[Pose], rows: &[usize], span: &Span) -> Result<Vec<F
         return Err(refusal(cause, span.choose()));
     }
     if holes > 0 {
-        findings.push(Finding::Bridged { holes, longest_s });
+        findings.push(Finding::Bridged { holes, longest_s, after_row: rows[at], so: span.of_holes() });
     }
     let way = |p: &[Pose]| p[1].position_m - p[0].position_m;
     let turn = |p: &[Pose]| (p[0].attitude.inverse() * p[1].attitude).scaled_axis();
@@ -74,12 +79,17 @@ pub(super) fn judge(poses: &[Pose], rows: &[usize], span: &Span) -> Result<Vec<F
             at_s: poses[at].time_s,
             since: span.of_what(),
         };
+        if size > SURVIVED && matches!(finding, Finding::Jumps { largest: Leap::Radians(_), .. }) && span.leaves_out() {
+            continue;
+        }
         if size > SURVIVED {
             return Err(refusal(finding.to_string(), span.choose()));
         }
         findings.push(finding);
     }
-    if let Some(at) = poses.windows(2).position(|p| turn(p).norm() > TURN_RAD) {
+    let wide: Vec<usize> = (0..intervals.len()).filter(|k| turn(&poses[*k..k + 2]).norm() > TURN_RAD).collect();
+    let most = if span.leaves_out() { (MOST_WIDE * intervals.len() as f64) as usize } else { 0 };
+    if let Some(at) = wide.first().copied().filter(|_| wide.len() > most) {
         let cause = format!(
             "poses at {} Hz are too far apart: it turns by {}° between rows {} and {}",
             rounded(1.0 / usual, 3),

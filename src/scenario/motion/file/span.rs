@@ -66,6 +66,19 @@ impl Span {
         }
     }
 
+    /// Says whether the asker finds for itself what of the poses is no motion, and leaves it out.
+    pub(super) fn leaves_out(&self) -> bool {
+        matches!(self, Self::Log { .. })
+    }
+
+    /// Names what becomes of the time in which poses are missing.
+    pub(super) fn of_holes(&self) -> &'static str {
+        match self {
+            Self::Study { .. } => "the motion there is only interpolated",
+            Self::Log { .. } => "that time is left out",
+        }
+    }
+
     /// Says how a stretch without a fault is chosen.
     pub(super) fn choose(&self) -> &'static str {
         match self {
