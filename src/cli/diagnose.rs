@@ -4,14 +4,15 @@ use std::path::PathBuf;
 
 use super::numbers;
 use super::say::{remark, sayln, screen};
+use proofmass_base::control::Control;
 use proofmass_base::document::to_json;
 use proofmass_base::error::Result;
 use proofmass_base::output::{self, Folder};
 use proofmass_base::progress;
 use proofmass_diagnosis::model::{self, Model};
 use proofmass_diagnosis::recordings::Recordings;
-use proofmass_diagnosis::{self as diagnosis, consequence, repair, repaired};
-use proofmass_recording::Recording;
+use proofmass_diagnosis::{self as diagnosis, consequence, proposal, repair, repaired};
+use proofmass_recording::{Recording, Request, inspection};
 use proofmass_report::diagnosis::{self as page, Diagnosis};
 
 /// Arguments of `diagnose`.
@@ -24,9 +25,19 @@ pub struct Arguments {
     /// Recordings of the same sensor used for validation only, never fitted (kind = "driven")
     #[arg(long, value_name = "RECORDING", num_args = 1..)]
     pub test: Vec<PathBuf>,
-    /// What was recorded and the model to be tested (model.toml)
+    /// What was recorded and the model to be tested (model.toml); absent: chosen by the recording's
+    /// headings and said first
     #[arg(long)]
-    pub model: PathBuf,
+    pub model: Option<PathBuf>,
+    /// Heading of the force on a proof mass, where no model is given
+    #[arg(long, value_name = "COLUMN", conflicts_with = "model")]
+    pub input: Option<String>,
+    /// Heading of its reading, where no model is given
+    #[arg(long, value_name = "COLUMN", conflicts_with = "model")]
+    pub output: Option<String>,
+    /// Sampling rate of a recording without a clock, where no model is given, Hz
+    #[arg(long, value_name = "F", conflicts_with = "model", allow_negative_numbers = true)]
+    pub rate_hz: Option<f64>,
     /// Topic, message or array to read, if a recording has several; also `topic` in the model
     #[arg(long, value_name = "TOPIC")]
     pub topic: Option<String>,
@@ -56,14 +67,21 @@ pub struct Arguments {
 /// # Errors
 /// A recording or model that cannot be read or judged; a folder that cannot be written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
-    let mut model = model::read(&arguments.model)?;
+    let control = progress::terminal();
+    let (mut model, proposal) = match &arguments.model {
+        Some(path) => (model::read(path)?, None),
+        None => {
+            let text = proposed(arguments, &control)?;
+            remark!("no model was given; this one was chosen:\n{}", text.trim_end());
+            (proposal::parsed(&text)?, Some(text))
+        }
+    };
     if let Some(topic) = &arguments.topic {
         model = model.of_topic(topic);
     }
     if arguments.force_rate {
         model = model.with_forced_rate();
     }
-    let control = progress::terminal();
     let seconds = model::Seconds { from_s: arguments.from_s, to_s: arguments.to_s };
     let read = |paths: &[PathBuf]| -> Result<Vec<Recording>> {
         paths.iter().map(|path| model::read_part(path, &model, seconds, &control)).collect()
@@ -74,11 +92,16 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     let outputs = || outputs(arguments, &model);
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs())).transpose()?;
-    let diagnosis = page::worded(diagnosis::diagnose_all(Recordings { train: &train, test: &test }, &model, &control)?);
+    let mut diagnosis =
+        page::worded(diagnosis::diagnose_all(Recordings { train: &train, test: &test }, &model, &control)?);
+    if let Some(text) = &proposal {
+        let words = text.lines().map(str::trim).filter(|line| *line != "[columns]").collect::<Vec<_>>().join(", ");
+        diagnosis.verdict.findings.insert(0, format!("no model was given; it was chosen by the headings: {words}"));
+    }
     let costs = consequence::costs(diagnosis.repair.as_ref(), &control)
         .map_err(|s| s.during("could not state the cost in metres", "start it again"))?;
     // The answer of long work is said even where its report cannot be written.
-    let written = folder.map_or(Ok(()), |folder| write(folder, &diagnosis, &costs));
+    let written = folder.map_or(Ok(()), |folder| write(folder, &diagnosis, &costs, proposal.as_deref()));
     if json {
         sayln!("{}", to_json(&diagnosis.verdict)?)?;
     } else {
@@ -96,6 +119,28 @@ const VERDICT: &str = "verdict.json";
 const REPAIRED: &str = "repaired.toml";
 /// The same sensor with the constants that a navigator subtracts left in.
 const UNCORRECTED: &str = "uncorrected.toml";
+/// The model that was chosen where none was given: to be edited and given with --model.
+const PROPOSED: &str = "proposed.toml";
+
+/// The model that the first recording suits.
+fn proposed(arguments: &Arguments, control: &Control) -> Result<String> {
+    let path = &arguments.recordings[0];
+    let request = Request {
+        topic: arguments.topic.clone(),
+        from_s: arguments.from_s,
+        to_s: arguments.to_s,
+        rate_hz: arguments.rate_hz,
+        control: control.clone(),
+        ..Request::default()
+    };
+    let seen = inspection::inspect(path, &request)?;
+    let named = proposal::Named {
+        input: arguments.input.clone(),
+        output: arguments.output.clone(),
+        rate_hz: arguments.rate_hz,
+    };
+    proposal::proposed(&path.display().to_string(), &seen, &named)
+}
 
 fn outputs(arguments: &Arguments, model: &Model) -> output::Request {
     let reads = match model {
@@ -107,9 +152,9 @@ fn outputs(arguments: &Arguments, model: &Model) -> output::Request {
     };
     output::Request {
         command: "diagnose",
-        inputs: arguments.recordings.iter().chain(&arguments.test).chain([&arguments.model]).cloned().collect(),
+        inputs: arguments.recordings.iter().chain(&arguments.test).chain(&arguments.model).cloned().collect(),
         reads,
-        writes: [REPORT, VERDICT, REPAIRED, UNCORRECTED]
+        writes: [REPORT, VERDICT, REPAIRED, UNCORRECTED, PROPOSED]
             .map(str::to_owned)
             .into_iter()
             .chain(numbers::files(arguments.parquet))
@@ -119,10 +164,13 @@ fn outputs(arguments: &Arguments, model: &Model) -> output::Request {
     }
 }
 
-fn write(mut folder: Folder, diagnosis: &Diagnosis, costs: &[repair::Cost]) -> Result<()> {
+fn write(mut folder: Folder, diagnosis: &Diagnosis, costs: &[repair::Cost], proposal: Option<&str>) -> Result<()> {
     let exhibits = page::exhibits(&diagnosis.detail);
     for exhibit in &exhibits {
         folder.write(&format!("{}.svg", exhibit.name), exhibit.figure.file_svg().as_bytes())?;
+    }
+    if let Some(text) = proposal {
+        folder.write(PROPOSED, text.as_bytes())?;
     }
     folder.write(VERDICT, to_json(&diagnosis.verdict)?.as_bytes())?;
     let study = repaired::document(diagnosis.repair.as_ref(), &diagnosis.detail, &diagnosis.verdict);

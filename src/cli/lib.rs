@@ -60,7 +60,8 @@ const EXAMPLES: &str = "Examples:
   proofmass inspect flight.ulg                      what a recording contains, and what to run next
   proofmass allan log.csv --rate-hz 100             noise coefficients of a static log
   proofmass export sensor.toml --to kalibr          its noise as the configuration of an estimator
-  proofmass diagnose log.csv --model model.toml     what the model of a recording leaves out
+  proofmass diagnose log.csv                        what the usual model of this recording leaves out
+  proofmass diagnose log.csv --model model.toml     what your own model of it leaves out
   proofmass validate                                check this build against laws and closed forms
 
 Scope of a study: one axis, small tilt, flat non-rotating Earth, until it is given a trajectory.";

@@ -175,6 +175,7 @@ mod tests {
                 test_ranges: Vec::new(),
                 recordings: Vec::new(),
                 log_score: None,
+                with_unnamed: None,
                 one_step_rmse: None,
             },
             residual_after: Whiteness { white: true, p_value: 0.5 },

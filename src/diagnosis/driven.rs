@@ -200,7 +200,7 @@ impl Course {
     ) -> Result<(), Stopped> {
         let clause = match (self.notes.bent.take(), free) {
             (Some(clause), _) => clause,
-            (None, Err(NoOscillator::Poor { explains, .. })) if !self.notes.broken => {
+            (None, Err(NoOscillator::Poor { explains, .. })) if self.notes.broken.is_none() => {
                 format!("the output depends on its input, but by no linear law: the best oscillator {explains}")
             }
             _ => return Ok(()),
@@ -251,7 +251,7 @@ impl Course {
     /// leaves much.
     fn chaotic(&mut self, free: Option<&Fit>) -> Option<(Fit, Scales)> {
         let follows = free.is_some_and(|fit| fit.variance < start::POOR * self.power());
-        if follows || self.notes.broken || !self.filled.is_empty() || !self.data.breaks.is_empty() {
+        if follows || self.notes.broken.is_some() || !self.filled.is_empty() || !self.data.breaks.is_empty() {
             return None;
         }
         let chaos = chaos::chaos(&self.narrow)?;
@@ -312,7 +312,7 @@ impl Course {
         // A window begins from a displacement and a velocity: what has states beside them begins
         // unknown each time.
         let begins = |t: &Term| self.data.windows.is_none() || (t.states() == 0 && t.noise().is_none());
-        all.into_iter().filter(|t| !self.notes.broken && begins(t) && !t.starts(scales).is_empty()).collect()
+        all.into_iter().filter(|t| self.notes.broken.is_none() && begins(t) && !t.starts(scales).is_empty()).collect()
     }
 
     /// The base model fitted to what is rare, where that lies in samples that were to judge: others

@@ -44,6 +44,7 @@ pub mod detection;
 pub mod driven;
 mod engine;
 pub mod model;
+pub mod proposal;
 pub mod recordings;
 pub mod rectification;
 pub mod remainder;

@@ -21,6 +21,12 @@ pub enum Gain {
         /// Its 95 % interval, where there is one.
         ci95: Option<[f64; 2]>,
     },
+    /// Log-likelihood per held-out sample that a noise term adds; no simulation predicts noise sample
+    /// by sample.
+    LogScore {
+        /// Difference of the mean log-likelihoods.
+        value: f64,
+    },
     /// The share of the fitted error that one linear step removes: a promise, not a test.
     InSample {
         /// Fraction of the fitted error.
@@ -34,10 +40,20 @@ impl Gain {
         Self::HeldOut { value, ci95: Some(ci95).filter(|c| c.iter().all(|v| v.is_finite())) }
     }
 
-    /// The share, whatever it was measured on.
+    /// The order of its kind in a list: shares of the held-out error first, then noise, then what no
+    /// held-out sample has judged.
+    pub fn rank(self) -> f64 {
+        match self {
+            Self::HeldOut { .. } => 0.0,
+            Self::LogScore { .. } => 1.0,
+            Self::InSample { .. } => 2.0,
+        }
+    }
+
+    /// The number, whatever it was measured on.
     pub fn value(self) -> f64 {
         match self {
-            Self::HeldOut { value, .. } | Self::InSample { value } => value,
+            Self::HeldOut { value, .. } | Self::LogScore { value } | Self::InSample { value } => value,
         }
     }
 
@@ -45,7 +61,7 @@ impl Gain {
     pub fn ci95(self) -> Option<[f64; 2]> {
         match self {
             Self::HeldOut { ci95, .. } => ci95,
-            Self::InSample { .. } => None,
+            Self::LogScore { .. } | Self::InSample { .. } => None,
         }
     }
 }
@@ -85,8 +101,10 @@ pub enum Note {
     BesideNamed,
     /// Its parameter was in the model, but holds no more than the lag of this named effect (its id).
     LagOf(&'static str),
-    /// It was in the model but is not named.
+    /// It was in the model and was removed.
     Dropped(Dropped),
+    /// It stays in the repaired model, so that it does not bias the named terms, and has no name.
+    Unnamed(Dropped),
     /// In the poses of an IMU that was turned by hand.
     InPoses {
         /// The residual it is judged by.

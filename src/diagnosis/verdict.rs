@@ -296,7 +296,22 @@ pub struct Noise {
     pub how: String,
 }
 
-/// Errors of the models on fitted and held-out samples.
+/// Errors of the repaired model where it also holds terms without a name.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WithUnnamed {
+    /// Ids of the terms that are in the repaired model and are not named.
+    pub terms: Vec<String>,
+    /// Root-mean-square error on the fitted samples.
+    pub train_rmse: f64,
+    /// Root-mean-square error on the held-out samples.
+    pub test_rmse: f64,
+    /// The same on each range of them, in the order of `test_ranges`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub test_ranges_rmse: Vec<f64>,
+}
+
+/// Errors of the models on fitted and held-out samples. What is called "after" is the base model with
+/// the named effects and nothing else.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fit {
     /// Unit of the errors.
@@ -316,6 +331,9 @@ pub struct Fit {
     /// Each recording of a driven sensor, in the order given, those that only judge last.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub recordings: Vec<RecordingScore>,
+    /// Errors of the repaired model, where that holds more than what is named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub with_unnamed: Option<WithUnnamed>,
     /// Log-likelihood per held-out sample, where noise terms are judged.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub log_score: Option<LogScore>,

@@ -23,6 +23,7 @@ pub use words::{Diagnosis, worded};
 use std::collections::HashSet;
 
 use proofmass_diagnosis::answer::Detail;
+use proofmass_diagnosis::driven::intake::notes::Broken;
 use proofmass_diagnosis::repair::{Cost, Repair, Row};
 use proofmass_diagnosis::standing::{Note, Ranked};
 use proofmass_diagnosis::verdict::{Detectable, Effect, Outcome, Verdict, named};
@@ -79,7 +80,7 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
     let verdict = &diagnosis.verdict;
     let file = std::path::Path::new(&verdict.recording.file);
     let name = file.file_name().map_or(verdict.recording.file.clone(), |n| n.to_string_lossy().into_owned());
-    let mut page = Page::new(&format!("{}: {name}", headline(verdict)), &verdict.sentence);
+    let mut page = Page::new(&format!("{}: {name}", headline(diagnosis)), &verdict.sentence);
     let mut first = Table::new(&["", ""]);
     answers(diagnosis, costs).into_iter().for_each(|(question, answer)| first.row([question.to_owned(), answer]));
     page.table(&first);
@@ -87,7 +88,7 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
 
     page.section("What was left out");
     match verdict.effects.is_empty() {
-        true => page.paragraph(nothing_named(verdict.verdict)),
+        true => page.paragraph(nothing_named(diagnosis)),
         false => {
             statements(&verdict.effects).iter().for_each(|s| page.paragraph(s));
             page.table(&effects_table(&verdict.effects));
@@ -164,7 +165,21 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
     page
 }
 
-fn headline(verdict: &Verdict) -> &'static str {
+/// Why the columns of a driven recording do not belong together, if they do not.
+fn broken(diagnosis: &Diagnosis) -> Option<&Broken> {
+    match &diagnosis.detail {
+        Detail::Driven(detail) => detail.account.broken.as_ref(),
+        _ => None,
+    }
+}
+
+fn headline(diagnosis: &Diagnosis) -> &'static str {
+    let verdict = &diagnosis.verdict;
+    match broken(diagnosis) {
+        Some(Broken::Exchanged { .. }) => return "The columns look swapped",
+        Some(Broken::Rescaled { .. }) => return "A column changes its size",
+        None => {}
+    }
     match verdict.verdict {
         Outcome::Unexplained if !verdict.effects.is_empty() => "Not all missing physics could be identified",
         Outcome::Adequate => "Nothing is missing",
@@ -174,8 +189,11 @@ fn headline(verdict: &Verdict) -> &'static str {
     }
 }
 
-fn nothing_named(outcome: Outcome) -> &'static str {
-    match outcome {
+fn nothing_named(diagnosis: &Diagnosis) -> &'static str {
+    if broken(diagnosis).is_some() {
+        return "Nothing was tried, because input and output do not belong together as they stand.";
+    }
+    match diagnosis.verdict.verdict {
         Outcome::Adequate => "Nothing that this recording could show.",
         Outcome::Explained | Outcome::Unexplained => {
             "No candidate in the library explains the mismatch, so none is named."
@@ -188,7 +206,7 @@ fn nothing_named(outcome: Outcome) -> &'static str {
 fn answers(diagnosis: &Diagnosis, costs: &[Cost]) -> Vec<(&'static str, String)> {
     let verdict = &diagnosis.verdict;
     let what = match verdict.effects.as_slice() {
-        [] => nothing_named(verdict.verdict).to_owned(),
+        [] => nothing_named(diagnosis).to_owned(),
         effects => statements(effects).join(" "),
     };
     let mut out = vec![("recording", recorded(verdict)), ("left out", what)];

@@ -5,19 +5,13 @@ use serde_json::{Value, json};
 use super::table::Table;
 use proofmass_base::document::toml_string;
 use proofmass_base::number::{duration, rounded, short};
+use proofmass_diagnosis::proposal::{Suited, is_turned, longest, suited, total_s};
 use proofmass_recording::finding::sentences;
-use proofmass_recording::inspection::{Inspection, Rows, Stretch};
+use proofmass_recording::inspection::{Inspection, Rows};
 use proofmass_recording::unit::Quantity;
 
 /// Parts shown on a terminal.
 const SHOWN: usize = 40;
-/// Share of its time that a sensor at rest is still.
-const AT_REST: f64 = 0.8;
-/// Directions of gravity in which a sensor rests that is turned on purpose: the faces of a box.
-const FACES: usize = 6;
-/// Rests shorter than this tell little of noise, s.
-const WORTHWHILE_S: f64 = 60.0;
-
 /// The tables: what parts there are, what the columns hold.
 pub fn tables(seen: &Inspection) -> Vec<Table> {
     let mut out = Vec::new();
@@ -44,14 +38,6 @@ pub fn tables(seen: &Inspection) -> Vec<Table> {
         out.push(table);
     }
     out
-}
-
-fn total_s(still: &[Stretch]) -> f64 {
-    still.iter().map(|s| s.to_s - s.from_s).sum()
-}
-
-fn longest(still: &[Stretch]) -> Option<&Stretch> {
-    still.iter().max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s)))
 }
 
 /// What is to be said of the file, a sentence a line.
@@ -89,7 +75,7 @@ pub fn notes(seen: &Inspection) -> Vec<String> {
     } else if rows.sensors.iter().any(|places| !places.is_empty()) && rows.rate_hz.is_some() {
         out.push("never still for two seconds".to_owned());
     }
-    if rows.poses >= FACES {
+    if is_turned(rows) {
         out.push(format!("it rests with gravity in {} directions: poses of a calibration", rows.poses));
     }
     let around: Vec<&str> = rows.columns.iter().filter(|c| c.is_environment).map(|c| c.name.as_str()).collect();
@@ -116,33 +102,28 @@ fn quoted(word: &str) -> String {
 /// suits.
 pub fn next(file: &str, seen: &Inspection) -> Option<String> {
     let rows = seen.rows.as_ref()?;
-    let rate_hz = rows.rate_hz?;
     let several = seen.parts.iter().filter(|p| p.is_imu).count() > 1 || seen.parts.iter().all(|p| !p.is_imu);
     let topic = seen.part.as_ref().filter(|_| several).map_or(String::new(), |t| format!(" --topic {}", quoted(t)));
     let allan = format!("proofmass allan {}{topic}", quoted(file));
-    let whole_s = rows.samples as f64 / rate_hz;
-    let [gyros, accelerometers] = [0, 1].map(|sensor| rows.sensors[sensor].len());
     let model = |kind: &str| {
         format!(
             "proofmass diagnose {}{topic} --model model.toml, where model.toml begins with kind = \"{kind}\"",
             quoted(file)
         )
     };
-    match longest(&rows.still) {
-        _ if gyros + accelerometers == 0 && rows.is_pose => Some(format!(
+    match suited(rows)? {
+        Suited::Reference => Some(format!(
             "proofmass diagnose IMU.csv --model model.toml, where model.toml begins with kind = \"trajectory\" and its \
              [reference] has file = {}",
             toml_string(file)
         )),
-        _ if gyros + accelerometers == 0 => Some(model("driven")),
-        _ if rows.poses >= FACES => Some(model("tumble")),
-        Some(_) if total_s(&rows.still) >= AT_REST * whole_s => Some(allan),
-        Some(rest) if rest.to_s - rest.from_s >= WORTHWHILE_S => {
+        Suited::Driven => Some(model("driven")),
+        Suited::Poses => Some(model("tumble")),
+        Suited::Rest => Some(allan),
+        Suited::RestFor(rest) => {
             Some(format!("{allan} --from-s {} --to-s {}", rounded(rest.from_s, 4), rounded(rest.to_s, 4)))
         }
-        _ if gyros == 3 && accelerometers == 3 => Some(model("trajectory")),
-        // In motion, a sensor alone says nothing of itself.
-        _ => None,
+        Suited::Motion => Some(model("trajectory")),
     }
 }
 

@@ -46,8 +46,9 @@ fn absent_files() -> Result<(), Failed> {
     let bench = Bench::new()?;
     let log = bench.file("log.csv", "t,x\n0,1\n1,2\n")?.display().to_string();
     let absent = bench.path("nowhere.file").display().to_string();
-    let lines: [&[&str]; 6] = [
+    let lines: [&[&str]; 7] = [
         &["study", &absent],
+        &["diagnose", &absent],
         &["allan", &absent, "--rate-hz", "100"],
         &["diagnose", &log, "--model", &absent],
         &["diagnose", &absent, "--model", &absent],
@@ -70,7 +71,7 @@ fn nonsense() -> Result<(), Failed> {
         (&["study", "--members", "many"], "'many'"),
         (&["study", "--members", "0"], "`members` = 0"),
         (&["adapters", "--jsn"], "'--json'"),
-        (&["diagnose", "log.csv"], "--model"),
+        (&["diagnose"], "<RECORDING>"),
     ];
     for (line, words) in lines {
         run(program().args(line))?.refuses(&line.join(" "), words)?;

@@ -13,6 +13,7 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("inspect: forty files get the command that suits them", forty),
         test("inspect: what was assumed of units and surroundings is reported", assumed),
+        test("diagnose: without a model a recording is read by its headings, and two readings are refused", unmodelled),
     ]
 }
 
@@ -217,6 +218,46 @@ fn files() -> Vec<(&'static str, String, &'static str)> {
         ("a ring-down", driven("t_s,x_um", false), DRIVEN),
         ("a ring-down in volts", driven("t_s,reading_V", false), DRIVEN),
     ]
+}
+
+/// Findings of a diagnosis without a model, or what it is refused with, and the names of the files that
+/// it wrote.
+fn diagnosed(text: &str, options: &[&str]) -> Result<(String, Vec<String>), Failed> {
+    let folder = tempfile::tempdir()?;
+    std::fs::write(folder.path().join("file.csv"), text)?;
+    let command = ["diagnose", "file.csv", "--json", "--out", "out"];
+    let output = program().current_dir(folder.path()).args(command).args(options).output()?;
+    if output.status.code() == Some(2) {
+        return Ok((String::from_utf8_lossy(&output.stderr).into_owned(), Vec::new()));
+    }
+    let document: Value = serde_json::from_slice(&output.stdout)
+        .map_err(|error| format!("{error}: {}", String::from_utf8_lossy(&output.stderr)))?;
+    let files = std::fs::read_dir(folder.path().join("out"))?.flatten();
+    let files = files.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    Ok((format!("{}: {}", document["kind"], document["findings"]), files))
+}
+
+fn unmodelled() -> Result<(), Failed> {
+    let has = |said: &str, words: &str| check(said.contains(words), format!("need {words}, got {said}"));
+    let (shaken, files) = diagnosed(&driven("t_s,force_m_s2,x_um", true), &[])?;
+    has(&shaken, "driven")?;
+    has(&shaken, "input = \\\"force_m_s2\\\"")?;
+    check(files.iter().any(|f| f == "proposed.toml"), format!("{files:?}"))?;
+    let circuit = driven("t_s,V1_V,V2_V", true);
+    let (refused, _) = diagnosed(&circuit, &[])?;
+    has(&refused, "--input V1_V --output V2_V, or proofmass diagnose file.csv --input V2_V --output V1_V")?;
+    let (named, _) = diagnosed(&circuit, &["--input", "V1_V"])?;
+    has(&named, "output = \\\"V2_V\\\"")?;
+    let moving = table("t_s,gx,gy,gz,ax,ay,az", &inertial(&flight()), SI, false, "");
+    has(&diagnosed(&moving, &[])?.0, "[reference]")?;
+    // Control: with a model of one's own nothing is chosen.
+    let folder = tempfile::tempdir()?;
+    std::fs::write(folder.path().join("file.csv"), &circuit)?;
+    let model = "kind = \"driven\"\n[columns]\ninput = \"V1_V\"\noutput = \"V2_V\"\n";
+    std::fs::write(folder.path().join("model.toml"), model)?;
+    let command = ["diagnose", "file.csv", "--model", "model.toml"];
+    let output = program().current_dir(folder.path()).args(command).output()?;
+    check(!String::from_utf8_lossy(&output.stderr).contains("no model was given"), "a model was chosen")
 }
 
 fn inspected(text: &str) -> Result<(String, Value), Failed> {

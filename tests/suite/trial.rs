@@ -147,6 +147,7 @@ fn adequate(files: &Files) -> Verdict {
             test_ranges: Vec::new(),
             recordings: Vec::new(),
             log_score: None,
+            with_unnamed: None,
             one_step_rmse: None,
         },
         residual_after: verdict::Whiteness { white: true, p_value: 0.5 },

@@ -20,5 +20,6 @@ mod readout_memory;
 mod second_resonance;
 pub(in crate::driven) mod sensor;
 mod standing;
+mod stated;
 pub mod surface;
 mod unexplained;

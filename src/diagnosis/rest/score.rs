@@ -47,6 +47,7 @@ pub(super) fn fit(
         test_ranges: Vec::new(),
         recordings: Vec::new(),
         log_score: Some(LogScore { before: score(before), after: score(after) }),
+        with_unnamed: None,
         one_step_rmse: None,
     }
 }

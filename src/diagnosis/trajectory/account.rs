@@ -3,6 +3,7 @@
 
 use super::candidate::Term;
 use crate::model::Half;
+use crate::sensor::Sense;
 
 /// What the verdict's sentence and the next experiment rest on.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +17,8 @@ pub struct Account {
     /// Whether one of them is a fitted term; noise, limits and exchanged columns of the readings
     /// are none.
     pub is_fitted: bool,
+    /// Noise density in motion over the one stated, of each sensor that vibrates more than stated.
+    pub louder: Vec<(Sense, f64)>,
     /// Whether there is a reference.
     pub with_reference: bool,
     /// Root mean square of the base model's whitened residual on held-out blocks, and that with the

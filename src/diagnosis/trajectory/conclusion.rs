@@ -105,6 +105,7 @@ impl Examined<'_> {
             test_ranges: Vec::new(),
             recordings: Vec::new(),
             log_score: None,
+            with_unnamed: None,
             one_step_rmse: None,
         };
         let detail = self.detail(log, None, account);
@@ -145,7 +146,7 @@ impl Examined<'_> {
         let erring = effects::reference(attitude, position, halves);
         let errs = erring.is_some();
         effects.extend(erring);
-        let remainder = remainder(fit, &chosen.point, held.rms()[1]);
+        let remainder = remainder(fit, &chosen.point, &held);
         let named = effects.len();
         let outcome = rule(&ruling::Evidence {
             named,
@@ -171,7 +172,9 @@ impl Examined<'_> {
             errs,
         };
         detail.repaired = Some(diagnosed.repaired());
-        let scores = scores(found, [&before, &chosen.point], &held, named > 0);
+        // Noise and limits are named beside a model that they do not change.
+        let changed = named > 0 && active != small;
+        let scores = scores(found, [&before, &chosen.point], &held, changed);
         let mut answer = self.answer(outcome, effects, scores, remainder, published::base(&seated, &wide), detail);
         answer.ranking = ranking(&answer.effects, selection);
         answer
@@ -223,7 +226,12 @@ impl Examined<'_> {
             .collect();
         let hidden = selection.map_or(Vec::new(), |s| s.others.iter().filter_map(hidden).collect());
         let is_fitted = selection.is_some_and(|s| !s.named.is_empty());
-        Account { named, is_fitted, hidden, untold: None, with_reference: selection.is_some(), held_out }
+        let louder = SENSORS.iter().zip(&self.vibration).filter_map(|(sensor, found)| {
+            let found = found.as_ref()?;
+            Some((*sensor, found.density / found.stated?))
+        });
+        let louder = louder.collect();
+        Account { named, is_fitted, louder, hidden, untold: None, with_reference: selection.is_some(), held_out }
     }
 
     fn detail(&self, log: &Log, found: Option<(&Found<'_>, &Point, &Point)>, account: Account) -> Detail {
@@ -312,12 +320,10 @@ fn lies_in_clipped(at: &[(Vector3<f64>, bool)]) -> f64 {
 
 /// What the chosen model leaves: more than everything together would, or a colour that was not
 /// seen.
-fn remainder(fit: &Fit, chosen: &Point, held_out_rms: f64) -> Remainder {
-    let square = held_out_rms * held_out_rms;
-    let mut tests = vec![Test {
-        p_value: if square > TOLERATED[0] { 0.0 } else { 1.0 },
-        size: Size::of(square, TOLERATED[0], TOLERATED[1]),
-    }];
+fn remainder(fit: &Fit, chosen: &Point, held: &HeldOut) -> Remainder {
+    let size = Size::of(held.rms()[1].powi(2), TOLERATED[0], TOLERATED[1]);
+    // Of three tests: this one and the colour of each half of the pose.
+    let mut tests = vec![Test { p_value: 3.0 * held.chance_after(TOLERATED[0]), size }];
     for (residuals, sums) in fit.residuals.iter().zip(&fit.linear.sensors) {
         let from = &fit.linear.point;
         let white = |k: usize| {
@@ -364,6 +370,7 @@ fn scores(found: &Found<'_>, [before, after]: [&Point; 2], held: &HeldOut, named
         test_ranges: Vec::new(),
         recordings: Vec::new(),
         log_score: None,
+        with_unnamed: None,
         one_step_rmse: None,
     }
 }

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use super::blocks::{BLOCKS, Linear};
 use super::candidate::Term;
 use super::parameters::Point;
-use crate::numerics::special::{f_survival, t_quantile};
+use crate::numerics::special::{chi_squared_survival, f_survival, t_quantile};
 use crate::remainder::REAL;
 
 /// Chance of a false name that is accepted, over all candidates together: what every kind calls
@@ -138,7 +138,7 @@ fn chance(value: &DVector<f64>, covariance: &DMatrix<f64>, blocks: usize) -> f64
     let unit = value.component_div(&scale);
     let square = unit.dot(&(inverse * &unit));
     if blocks == usize::MAX {
-        return crate::numerics::special::chi_squared_survival(square, k);
+        return chi_squared_survival(square, k);
     }
     let n = blocks as f64;
     if n <= k { 1.0 } else { f_survival(square * (n - k) / (k * (n - 1.0)), k, n - k) }
@@ -197,6 +197,13 @@ impl HeldOut {
         let deviation = (each.iter().map(|v| (v - mean).powi(2)).sum::<f64>() * (n - 1.0) / n).sqrt();
         let half = t_quantile(0.975, (n - 1.0).max(1.0)) * deviation;
         (value, [value - half, value + half])
+    }
+
+    /// Probability that noise of this mean square leaves as much after, by the χ² of all held-out rows:
+    /// they are whitened, so each counts.
+    pub(super) fn chance_after(&self, mean_square: f64) -> f64 {
+        let (_, after, rows) = self.sums(usize::MAX);
+        chi_squared_survival(after / mean_square, rows)
     }
 
     /// 95 % interval of the ratio of root mean squares.

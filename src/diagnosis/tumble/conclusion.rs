@@ -105,6 +105,7 @@ impl Case<'_> {
             recordings: Vec::new(),
             test: score(both.map(|f| self.held_out_rms(f)), Some(self.ratio_interval(selection))),
             log_score: None,
+            with_unnamed: None,
             one_step_rmse: None,
         }
     }

@@ -21,7 +21,7 @@ const POINTS: usize = 1500;
 pub(crate) fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     let mut all = vec![zoom(detail), zoomed_errors(detail), errors(detail), spectra(detail), states(detail)];
     all.extend(surfaces(detail));
-    if !detail.candidates.is_empty() {
+    if detail.candidates.iter().any(|(_, gain, _)| matches!(gain, Gain::HeldOut { .. })) {
         all.push(candidates(detail));
     }
     all.extend(super::form::exhibits(&detail.forms));
@@ -236,14 +236,14 @@ fn surfaces(detail: &Detail) -> Vec<Exhibit> {
 }
 
 fn candidates(detail: &Detail) -> Exhibit {
-    // What was screened out by a linear step on fitted samples has no held-out gain.
+    // What was screened out by a linear step has no held-out gain, and noise no error that it removes.
     let held_out = detail.candidates.iter().filter(|(_, gain, _)| matches!(gain, Gain::HeldOut { .. }));
     let shown: Vec<_> = held_out.take(12).collect();
     let place = |i: usize| (shown.len() - i) as f64;
     let clip = |v: f64| v.clamp(-0.2, 1.0);
     let names = shown.iter().enumerate().map(|(i, (id, ..))| (place(i), id.to_string())).collect();
     let mut chart = Chart::new(
-        "Fraction of the held-out one-step error that each candidate removes",
+        "Fraction of the held-out error above the noise that each candidate removes",
         Axis::linear("gain on validation samples").within(-0.22, 1.02),
         Axis::linear("best first").named(names).within(0.3, shown.len() as f64 + 0.7),
     );

@@ -101,6 +101,17 @@ pub(crate) fn fit_table(verdict: &Verdict) -> Table {
         let name = format!("held-out samples {} to {}", r.from, r.to);
         table.row([name, significant(r.rmse_before, 3), after(r.rmse_after)]);
     }
+    if let Some(repaired) = &fit.with_unnamed {
+        let with = format!("with corrections that are not named ({})", repaired.terms.join(", "));
+        let parts = [("fitted data", repaired.train_rmse), ("held-out data", repaired.test_rmse)];
+        for (name, rmse) in parts {
+            table.row([format!("{name}, {with}"), String::new(), significant(rmse, 3)]);
+        }
+        for (r, rmse) in fit.test_ranges.iter().zip(&repaired.test_ranges_rmse) {
+            let name = format!("held-out samples {} to {}, with these", r.from, r.to);
+            table.row([name, String::new(), significant(*rmse, 3)]);
+        }
+    }
     let several = fit.recordings.len() > 1 || fit.recordings.iter().any(|r| r.force_error_before.is_some());
     for r in fit.recordings.iter().filter(|_| several) {
         let path = std::path::Path::new(&r.file).file_name();

@@ -1,7 +1,7 @@
 //! A candidate's standing in words.
 
 use super::words::residual;
-use proofmass_base::number::short;
+use proofmass_base::number::{short, significant};
 use proofmass_diagnosis::candidate::Kind;
 use proofmass_diagnosis::driven::verdict::findings::dropped;
 use proofmass_diagnosis::standing::{Gain, Note};
@@ -20,7 +20,8 @@ pub(crate) fn note(note: &Note) -> String {
         ),
         Note::LagOf(id) => format!("its lag is that of {id}"),
         Note::BesideNamed => "what it adds to the other named effects".into(),
-        Note::Dropped(reason) => format!("dropped: {}", dropped(*reason)),
+        Note::Dropped(reason) => format!("tried and removed: {}", dropped(*reason)),
+        Note::Unnamed(reason) => format!("stays in the repaired model, not named: {}", dropped(*reason)),
         Note::InPoses { judged, fate } => format!("scored by {}{}", residual(*judged), fated(fate)),
         Note::OnePose => "cannot be separated from biases and scale factors in one pose; see the findings".into(),
         Note::Indistinguishable => "cannot be separated from the common scale by any pose: both multiply |f|".into(),
@@ -55,7 +56,12 @@ fn fated(fate: &Fate) -> String {
 /// What the column of gains means for a kind of recording.
 pub(crate) fn meaning_of_gains(kind: Kind) -> &'static str {
     match kind {
-        Kind::Driven | Kind::Tumble | Kind::Trajectory => {
+        Kind::Driven => {
+            "The gain is the fraction of the held-out error of free simulation above the noise that the candidate \
+             removes (1 is all of it), with its 95 % interval; for a noise term, which no simulation predicts sample \
+             by sample, what it adds to the log-likelihood per held-out sample."
+        }
+        Kind::Tumble | Kind::Trajectory => {
             "The gain is the fraction of the held-out error above the noise that the candidate removes (1 is all of \
              it), with its 95 % interval."
         }
@@ -72,6 +78,7 @@ pub(crate) fn gain(gain: Gain) -> [String; 2] {
         gain.ci95().map_or("–".to_owned(), |[low, high]| format!("{} to {}", fraction(low), fraction(high)));
     let value = match gain {
         Gain::HeldOut { value, .. } => fraction(value),
+        Gain::LogScore { value } => format!("{} (log-likelihood)", significant(value, 3)),
         Gain::InSample { value } => format!("{} (fitted data)", fraction(value)),
     };
     [value, interval]
@@ -91,6 +98,7 @@ mod tests {
         let held_out = gain(Gain::held_out(0.5, [0.4, 0.6]));
         assert_eq!(held_out, ["0.500", "0.400 to 0.600"]);
         assert_eq!(gain(Gain::held_out(0.5, [f64::NEG_INFINITY, f64::INFINITY])), ["0.500", "–"]);
+        assert_eq!(gain(Gain::LogScore { value: 0.5 }), ["0.500 (log-likelihood)", "–"]);
         assert_eq!(gain(Gain::InSample { value: 0.5 }), ["0.500 (fitted data)", "–"]);
     }
 }

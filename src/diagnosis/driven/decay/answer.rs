@@ -88,6 +88,7 @@ pub(crate) fn answer(asked: &Asked<'_>, data: &Data, decay: &Decay, mut notes: N
         place,
         at_noise,
         doubts: notes.doubts,
+        broken: notes.broken,
         predictable: rest.r_squared,
         is_structured: remainder.size > Size::Negligible,
         detectable_r_squared: rest.detectable_r_squared,
@@ -239,6 +240,7 @@ impl Decay {
             test_ranges: Vec::new(),
             recordings: recordings.collect(),
             log_score: None,
+            with_unnamed: None,
             one_step_rmse: None,
         }
     }

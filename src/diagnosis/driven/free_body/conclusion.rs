@@ -50,7 +50,7 @@ struct Models<'a> {
 /// The answer; `None` where the force cannot be fitted at all.
 pub fn answer(asked: &Asked<'_>, data: &Data, own_test: bool, mut notes: Notes) -> Option<Answer> {
     let motion = MotionAndForce::of(data, asked.pieces)?;
-    let selection = if notes.broken { None } else { Some(search(data, &motion)?) };
+    let selection = if notes.broken.is_some() { None } else { Some(search(data, &motion)?) };
     let selection = selection.unwrap_or(Selection { chosen: Vec::new(), alone: Vec::new() });
     let fitted: Vec<Range<usize>> =
         if own_test { data.train.iter().chain(&data.validation).cloned().collect() } else { data.train.clone() };
@@ -98,7 +98,7 @@ impl Models<'_> {
             "the force that the motion requires differs from the input by {} % of it",
             short(100.0 * self.base.force_error(self.motion, &hull))
         );
-        let ranking = self.ranking(&channels);
+        let ranking = self.ranking(fitted, &channels);
         let detail = Detail {
             output: columns.output.clone(),
             unit: output_unit,
@@ -114,6 +114,7 @@ impl Models<'_> {
             account: Account {
                 place,
                 doubts: notes.doubts,
+                broken: notes.broken,
                 has_input: true,
                 predictable: r_squared,
                 is_structured: r_squared >= WHITE,
@@ -215,15 +216,20 @@ impl Models<'_> {
         compare(&reduced, &judged(&self.model))
     }
 
-    fn ranking(&self, channels: &Channels) -> Vec<Ranked> {
-        let named = |id: &str| self.selection.chosen.iter().any(|law| law.candidate().id == id);
-        let of = |t: &super::selection::Trial| Ranked {
-            id: t.law.candidate().id,
-            channels: vec![channels.output.clone()],
-            gain: Gain::held_out(t.comparison.gain, t.comparison.ci95),
-            p_value: t.comparison.p_value,
-            named: named(t.law.candidate().id),
-            note: if named(t.law.candidate().id) { Note::BesideNamed } else { Note::Alone },
+    /// Every law that was tried: a named one by what it adds to the others, as its effect states.
+    fn ranking(&self, fitted: &[Range<usize>], channels: &Channels) -> Vec<Ranked> {
+        let of = |t: &super::selection::Trial| {
+            let id = t.law.candidate().id;
+            let named = self.selection.chosen.iter().find(|law| law.candidate().id == id);
+            let comparison = named.map_or(t.comparison, |law| self.without(*law, fitted));
+            Ranked {
+                id,
+                channels: vec![channels.output.clone()],
+                gain: Gain::held_out(comparison.gain, comparison.ci95),
+                p_value: comparison.p_value,
+                named: named.is_some(),
+                note: if named.is_some() { Note::BesideNamed } else { Note::Alone },
+            }
         };
         self.selection.alone.iter().map(of).collect()
     }
@@ -266,6 +272,7 @@ impl Models<'_> {
             test_ranges: Vec::new(),
             recordings: pieces.iter().map(recording).collect(),
             log_score: None,
+            with_unnamed: None,
             one_step_rmse: None,
             noise: None,
         }

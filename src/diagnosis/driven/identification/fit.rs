@@ -216,6 +216,15 @@ impl Fit {
         (ModelStructure::over(&terms, self.structure.further), point)
     }
 
+    /// The same model with the terms at these places alone.
+    pub fn only(&self, kept: &[usize]) -> (ModelStructure, Vec<f64>) {
+        let dropped = (0..self.structure.terms.len()).rev().filter(|i| !kept.contains(i));
+        let mut point = self.point.clone();
+        dropped.for_each(|i| drop(point.drain(self.structure.block(i))));
+        let terms: Vec<Term> = kept.iter().map(|i| self.structure.terms[*i]).collect();
+        (ModelStructure::over(&terms, self.structure.further), point)
+    }
+
     /// Whether a law's parameter lies at the end of its plausible range, where the law is not what
     /// its name says.
     pub fn at_bound(&self, scales: &Scales) -> bool {

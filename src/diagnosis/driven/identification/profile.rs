@@ -88,7 +88,9 @@ pub fn profiles(
     for effect in effects {
         let simulated = |t: &Term| t.id() == effect.id && t.noise().is_none();
         let Some(index) = fit.structure.terms.iter().position(simulated) else { continue };
-        for (j, stated) in effect.parameters.iter().enumerate() {
+        // A force restated in the unit of the input is no parameter of the model.
+        let own = fit.structure.terms[index].candidate().parameters.len();
+        for (j, stated) in effect.parameters.iter().take(own).enumerate() {
             let place = fit.structure.first[index] + j;
             let Some(free) = fit.free.iter().position(|f| *f == place) else { continue };
             let label = format!("{} {}", effect.id, stated.name);

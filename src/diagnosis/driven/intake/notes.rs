@@ -4,6 +4,29 @@ use super::data::Data;
 use super::defects;
 use super::input::Input;
 
+/// Why input and output do not belong together as they stand. No candidate is tried then.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Broken {
+    /// The input responds to the output as an oscillator responds to a force.
+    Exchanged {
+        /// Heading of the input column.
+        input: String,
+        /// Heading of the output column.
+        output: String,
+    },
+    /// One of them changes its size from a row on.
+    Rescaled {
+        /// Heading of the input column.
+        input: String,
+        /// Heading of the output column.
+        output: String,
+        /// Row at which it changes.
+        row: usize,
+        /// Size of the output over that of the input after this row, over that before.
+        factor: f64,
+    },
+}
+
 /// Findings about the recording, apart from its physics.
 #[derive(Debug, Clone, Default)]
 pub struct Notes {
@@ -11,8 +34,9 @@ pub struct Notes {
     pub findings: Vec<String>,
     /// What a reader of the verdict must know, as clauses.
     pub doubts: Vec<String>,
-    /// Whether the columns do not belong together as they stand, so that no physics may be blamed.
-    pub broken: bool,
+    /// Why the columns do not belong together as they stand, so that no physics may be blamed, if they
+    /// do not.
+    pub broken: Option<Broken>,
     /// How the reading depends on its input without a linear law that can be seen, as a clause; a
     /// doubt only where the base model bears it out.
     pub bent: Option<String>,

@@ -19,7 +19,7 @@ use super::defects;
 use super::dependence::depends;
 use super::input::{Input, Interpolation, REACH};
 use super::lines;
-use super::notes::Notes;
+use super::notes::{Broken, Notes};
 use super::refusal::Refusal;
 use super::shift::Shift;
 use super::stretches::{Stretches, interleaved, merged, minus, sorted};
@@ -203,16 +203,7 @@ impl Columns<'_> {
         let Self { model, reading, control } = *self;
         let (output, name) = (&model.columns.output, model.columns.input.as_deref().unwrap_or("the input"));
         if let Some((row, factor)) = defects::rescaled(input, reading, ends) {
-            let clause = format!(
-                "the size of {output} relative to {name} changes by a factor of about {} near row {row}",
-                short(factor)
-            );
-            notes.doubt(
-                clause,
-                ": a column that changed its unit or range? No candidate was tried: cut the recording there, or correct \
-                 the column",
-            );
-            notes.broken = true;
+            notes.broken = Some(Broken::Rescaled { input: name.to_owned(), output: output.clone(), row, factor });
         }
         if lines::are_all(&input[ends.clone()]) {
             return Ok(None);
@@ -222,16 +213,10 @@ impl Columns<'_> {
             && let Some(backward) = align(reading, input, ends)
             && alignment::exchanged(&forward, &backward)
         {
-            let clause =
-                format!("the columns look swapped: {name} responds to {output} as an oscillator responds to a force");
-            notes.doubt(
-                clause,
-                ", not the other way round; no candidate was tried: exchange input and output in the model file",
-            );
-            notes.broken = true;
+            notes.broken = Some(Broken::Exchanged { input: name.to_owned(), output: output.clone() });
             return Ok(None);
         }
-        if forward.is_chance() && !notes.broken {
+        if forward.is_chance() && notes.broken.is_none() {
             let explains = format!(
                 "explains {} % of the power of {output} from {name}, no more than with the input shifted in time",
                 short(100.0 * (1.0 - forward.residual))

@@ -218,7 +218,7 @@ impl Joined {
         let named = |sentence: &String| format!("{}: {sentence}", name(part.recording));
         self.notes.findings.extend(notes.findings.iter().map(named));
         self.notes.doubts.extend(notes.doubts.iter().map(named));
-        self.notes.broken |= notes.broken;
+        self.notes.broken = self.notes.broken.take().or_else(|| notes.broken.clone());
         self.notes.bent = self.notes.bent.take().or_else(|| notes.bent.clone());
         from..self.reading.len()
     }

@@ -9,7 +9,7 @@ use crate::parallel;
 use crate::physics::scales::Scales;
 
 use super::earned::without;
-use super::held_out::{Comparison, compare, held_out};
+use super::held_out::{Comparison, HeldOut, compare, held_out};
 use super::judged::{Judged, Rival, Selection};
 
 /// A term of the final model and what it is worth.
@@ -22,8 +22,8 @@ pub struct Named {
     pub growth: f64,
     /// Comparison with the model without it, on validation samples.
     pub comparison: Comparison,
-    /// Mean squared error of free simulation on the test samples without it.
-    pub free_without: f64,
+    /// Errors on the test samples without it.
+    pub without: HeldOut,
     /// Mean log-likelihood per test sample without it.
     pub log_score_without: f64,
     /// Log-likelihood that it gains where readings are known to be rounded, less the penalty of its
@@ -37,7 +37,7 @@ impl Named {
     /// Whether the test samples speak against it.
     pub fn worsens(&self, model: &Judged) -> bool {
         let term = model.fit.structure.terms[self.index];
-        term.noise().is_none() && model.held_out.free() > 1.02 * self.free_without
+        term.noise().is_none() && model.held_out.free() > 1.02 * self.without.free()
     }
 }
 
@@ -77,8 +77,8 @@ pub(crate) fn weighed(
                 .max(judged.free() / model.held_out.free().max(1e-300))
                 - 1.0,
             comparison,
-            free_without: judged.free(),
             log_score_without: judged.log_score(reduced.fit.variance),
+            without: judged,
             rounded_lead: rounded.and_then(|l| {
                 let without = lattice(&data.reading[data.hull.clone()], &reduced.fit.linear.residual)?;
                 let rows = data.train_len() as f64;

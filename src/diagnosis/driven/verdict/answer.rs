@@ -12,7 +12,7 @@ use crate::driven::intake::notes::Notes;
 use crate::driven::intake::reading_noise::{ReadingNoise, Sample, reading_noise};
 use crate::driven::intake::several::Piece;
 use crate::driven::selection::held_out::{Block, HeldOut, at_rest, ratio_interval, settled};
-use crate::driven::selection::judged::Selection;
+use crate::driven::selection::judged::{Judged, Selection};
 use crate::driven::selection::term_worth::Named;
 use crate::driven::simulation::filter::States;
 use crate::driven::simulation::run::{Run, trace};
@@ -20,7 +20,7 @@ use crate::numerics::moments;
 use crate::physics::library::{CANDIDATES, Term};
 use crate::physics::scales::Scales;
 use crate::verdict::{
-    Fit as Fitted, Form, LogScore, Noise, Outcome, RangeScore, RecordingInfo, RecordingScore, Role, Score,
+    Fit as Fitted, Form, LogScore, Noise, Outcome, RangeScore, RecordingInfo, RecordingScore, Role, Score, WithUnnamed,
 };
 
 use super::asked::Asked;
@@ -28,12 +28,14 @@ use super::conclude::Conclusion;
 use super::conclude::WHITE;
 use super::detail::{Account, Detail, Shown};
 use super::detectable::{Limits, limits};
+use super::dropped::Dropped;
 use super::effects::{self, Channels};
 use super::findings;
 use super::form::{self, Freely};
 use super::isolation::{Compared, locate};
 use super::noise_words::how;
 use super::sensor::repair;
+use super::stated::{stated, unnamed};
 use super::surface::{FreeRun, Surface, surface};
 
 /// Periods of the resonance that a look at both models spans, and the samples that it has at least
@@ -63,7 +65,7 @@ pub fn answer(
     let channels = Channels { output: output.clone(), output_unit: output_unit.clone(), input_unit, environment_units };
     let forms = forms(data, c, scales);
     let named = effects::effects(data, c, selection, scales, &channels, &forms);
-    let ranking = effects::ranking(c, selection, &channels);
+    let ranking = effects::ranking(data, c, selection, &channels);
     let free = |fit: &Fit| trace(data, &fit.structure, &at_rest(data, fit, scales), &fit.run(data, false));
     let (before, states) = free(&c.base.fit);
     let (after, repaired) = free(&c.model.fit);
@@ -76,7 +78,7 @@ pub fn answer(
     let errors = [before.as_slice(), after.as_slice()];
     let noise = reading_noise(&Sample::of(data));
     let (places, place, at_noise) = located(data, errors, noise, &states.x, &surfaces[0], &output_unit);
-    let Notes { mut findings, doubts, .. } = notes;
+    let Notes { mut findings, doubts, broken, .. } = notes;
     findings.extend(doubtful(c));
     findings.extend(findings::noise(&c.noise, data.rate_hz));
     findings.extend(findings::reach(&selection.reach));
@@ -87,6 +89,7 @@ pub fn answer(
         place,
         at_noise,
         doubts,
+        broken,
         has_input: data.input.is_some(),
         predictable: c.after.r_squared,
         neighbour: c.noise.memory.map(|m| m.neighbour),
@@ -101,9 +104,10 @@ pub fn answer(
     let (profiles, left_out) = profile::profiles(data, &c.model.fit, scales, &named, &c.spread, c.budget);
     findings.extend(left_out.iter().map(|l| format!("{l}: profile not finished, its work limit was reached")));
     findings.extend(profiles.iter().filter_map(profile::Profile::finding));
-    let recordings = recording_scores(data, c, pieces, errors);
+    let stated = stated(data, c, scales).map(|model| (free(&model.fit).0, model));
+    let recordings = recording_scores(data, c, pieces, &before, stated.as_ref());
     let noise = noise.map(|n| Noise { value: n.deviation, unit: output_unit.clone(), how: how(n.how) });
-    let fit = Fitted { recordings, noise, ..scores(data, c, errors, judging, &output_unit) };
+    let fit = Fitted { recordings, noise, ..scores(data, c, errors, stated.as_ref(), judging, &output_unit) };
     let base = effects::base(c, scales, &channels);
     let detail = Detail {
         profiles,
@@ -181,12 +185,17 @@ fn located(
     (Places { state_cells: surface.strongest(CELLS_SHOWN), ..places }, words, at_noise)
 }
 
-/// What was dropped and why, and which names rest on fitted samples alone.
+/// Terms that have no name, those of one reason together, and names that rest on fitted samples alone.
 fn doubtful(c: &Conclusion) -> Vec<String> {
-    let dropped = c
-        .dropped
-        .iter()
-        .map(|(term, reason)| format!("{} was tried and dropped: {}", term.id(), findings::dropped(*reason)));
+    let mut groups: Vec<(Dropped, bool, Vec<&str>)> = Vec::new();
+    for (term, reason) in &c.dropped {
+        let stays = c.model.has(term.id());
+        match groups.iter_mut().find(|(r, s, _)| r == reason && *s == stays) {
+            Some((.., ids)) => ids.push(term.id()),
+            None => groups.push((*reason, stays, vec![term.id()])),
+        }
+    }
+    let dropped = groups.iter().map(|(reason, stays, ids)| findings::nameless(*reason, *stays, ids));
     let unconfirmed = c.named.iter().filter(|n| n.comparison.p_value > 0.05).map(|named| {
         let id = c.model.fit.structure.terms[named.index].id();
         format!(
@@ -204,44 +213,70 @@ fn seen(data: &Data, c: &Conclusion, selection: &Selection, scales: &Scales, cha
     limits(data, &c.base.fit, scales, &candidates, channels)
 }
 
-/// Errors of both models on fitted and on held-out samples.
-fn scores(data: &Data, c: &Conclusion, [before, after]: [&[f64]; 2], test: &[[usize; 2]], unit: &str) -> Fitted {
-    let noisy = c.model.fit.structure.is_noisy();
+/// The model that the verdict states, with its errors of free simulation.
+type Stated<'a> = Option<&'a (Vec<f64>, Judged)>;
+
+/// Errors of the base model, of the model stated, and where that holds less, of the repaired one.
+fn scores(
+    data: &Data,
+    c: &Conclusion,
+    [before, repaired]: [&[f64]; 2],
+    stated: Stated<'_>,
+    test: &[[usize; 2]],
+    unit: &str,
+) -> Fitted {
     let rmse = |errors: &[f64]| {
         let rows = data.train.iter().flat_map(|r| r.clone()).map(|k| errors[k - data.hull.start].powi(2));
         (rows.sum::<f64>() / data.train_len().max(1) as f64).sqrt()
     };
+    let (base, model) = (&c.base.held_out, stated.map(|(_, model)| model));
+    let noisy = model.filter(|m| m.fit.structure.is_noisy());
+    let unnamed = unnamed(c);
+    let with_unnamed = (!unnamed.is_empty()).then(|| WithUnnamed {
+        terms: unnamed,
+        train_rmse: rmse(repaired),
+        test_rmse: c.model.held_out.free().sqrt(),
+        test_ranges_rmse: judged_ranges(test).filter_map(|r| Some(within(&c.model.held_out, &r)?.0)).collect(),
+    });
     Fitted {
         unit: unit.to_owned(),
         noise_floor: effects::noise_floor(data, &c.model.fit),
         noise: None,
-        train: Score { rmse_before: rmse(before), rmse_after: Some(rmse(after)), ratio_ci95: None, share: None },
-        test: Score {
-            rmse_before: c.base.held_out.free().sqrt(),
-            rmse_after: Some(c.model.held_out.free().sqrt()),
-            ratio_ci95: Some(ratio_interval(&c.base.held_out, &c.model.held_out)),
+        train: Score {
+            rmse_before: rmse(before),
+            rmse_after: stated.map(|(errors, _)| rmse(errors)),
+            ratio_ci95: None,
             share: None,
         },
-        test_ranges: range_scores(test, &c.base.held_out, &c.model.held_out),
+        test: Score {
+            rmse_before: base.free().sqrt(),
+            rmse_after: model.map(|m| m.held_out.free().sqrt()),
+            ratio_ci95: model.map(|m| ratio_interval(base, &m.held_out)),
+            share: None,
+        },
+        test_ranges: range_scores(test, base, model.map(|m| &m.held_out)),
         recordings: Vec::new(),
-        log_score: noisy.then(|| LogScore {
-            before: c.base.held_out.log_score(c.base.fit.variance),
-            after: c.model.held_out.log_score(c.model.fit.variance),
+        with_unnamed,
+        log_score: noisy.map(|m| LogScore {
+            before: base.log_score(c.base.fit.variance),
+            after: m.held_out.log_score(m.fit.variance),
         }),
-        one_step_rmse: noisy.then(|| [c.base.held_out.one_step().sqrt(), c.model.held_out.one_step().sqrt()]),
+        one_step_rmse: noisy.map(|m| [base.one_step().sqrt(), m.held_out.one_step().sqrt()]),
     }
 }
 
+/// The ranges that judge, where there are several.
+fn judged_ranges(ranges: &[[usize; 2]]) -> impl Iterator<Item = Range<usize>> {
+    ranges.iter().filter(|_| ranges.len() > 1).map(|&[from, to]| from..to)
+}
+
 /// Errors on each range that judges, where there are several.
-fn range_scores(ranges: &[[usize; 2]], before: &HeldOut, after: &HeldOut) -> Vec<RangeScore> {
-    if ranges.len() < 2 {
-        return Vec::new();
-    }
-    let score = |&[from, to]: &[usize; 2]| {
-        let ((rmse_before, _), (rmse_after, _)) = within(before, &(from..to)).zip(within(after, &(from..to)))?;
-        Some(RangeScore { from, to, rmse_before, rmse_after: Some(rmse_after) })
+fn range_scores(ranges: &[[usize; 2]], before: &HeldOut, after: Option<&HeldOut>) -> Vec<RangeScore> {
+    let score = |range: Range<usize>| {
+        let rmse_after = after.and_then(|after| Some(within(after, &range)?.0));
+        Some(RangeScore { from: range.start, to: range.end, rmse_before: within(before, &range)?.0, rmse_after })
     };
-    ranges.iter().filter_map(score).collect()
+    judged_ranges(ranges).filter_map(score).collect()
 }
 
 /// Root-mean-square error of free simulation on the judged blocks within a range, and their
@@ -257,25 +292,27 @@ fn recording_scores(
     data: &Data,
     c: &Conclusion,
     pieces: &[Piece],
-    [before, after]: [&[f64]; 2],
+    before: &[f64],
+    stated: Stated<'_>,
 ) -> Vec<RecordingScore> {
     let fitted = |errors: &[f64], range: &Range<usize>| {
         let inside = range.start.max(data.hull.start) - data.hull.start..range.end.min(data.hull.end) - data.hull.start;
         let count = inside.len();
-        Some(((errors[inside].iter().map(|e| e * e).sum::<f64>() / count.max(1) as f64).sqrt(), count))
+        ((errors[inside].iter().map(|e| e * e).sum::<f64>() / count.max(1) as f64).sqrt(), count)
     };
     let score = |piece: &Piece| {
-        let ((rmse_before, samples), (rmse_after, _)) = match piece.role {
-            Role::Train => fitted(before, &piece.range).zip(fitted(after, &piece.range)),
-            Role::Test => within(&c.base.held_out, &piece.range).zip(within(&c.model.held_out, &piece.range)),
-        }?;
-        let rmse_after = (!c.named.is_empty()).then_some(rmse_after);
+        let of = |errors: &[f64], held_out: &HeldOut| match piece.role {
+            Role::Train => Some(fitted(errors, &piece.range)),
+            Role::Test => within(held_out, &piece.range),
+        };
+        let (rmse_before, samples) = of(before, &c.base.held_out)?;
+        let after = stated.filter(|_| !c.named.is_empty());
         Some(RecordingScore {
             file: piece.file.clone(),
             role: piece.role,
             samples,
             rmse_before,
-            rmse_after,
+            rmse_after: after.and_then(|(errors, model)| Some(of(errors, &model.held_out)?.0)),
             force_error_before: None,
             force_error_after: None,
         })

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::driven::identification::profile::Profile;
+use crate::driven::intake::notes::Broken;
 use crate::driven::selection::series::Series;
 use crate::standing::Gain;
 use crate::verdict::{Detectable, Form};
@@ -61,6 +62,8 @@ pub struct Account {
     pub at_noise: bool,
     /// What a reader of the verdict must know, as clauses.
     pub doubts: Vec<String>,
+    /// Why input and output do not belong together as they stand, if they do not.
+    pub broken: Option<Broken>,
     /// Whether it was driven; else it is a free ring-down.
     pub has_input: bool,
     /// Fraction of the variance of what is left that is predictable from its past, the input and

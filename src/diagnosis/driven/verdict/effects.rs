@@ -5,10 +5,11 @@ use crate::driven::base::{GAIN, OFFSET, OMEGA, ZETA};
 use crate::driven::identification::fit::Fit;
 use crate::driven::identification::interval;
 use crate::driven::intake::data::Data;
+use crate::driven::selection::held_out::{HeldOut, ratio_interval};
 use crate::driven::selection::judged::{Selection, Trial};
 use crate::driven::selection::term_worth::Named;
 use crate::driven::simulation::structure::coordinates;
-use crate::driven::verdict::dropped::Dropped;
+use crate::numerics::order;
 use crate::physics::law::Noise;
 use crate::physics::library::Term;
 use crate::physics::readout_quantisation;
@@ -248,7 +249,7 @@ pub fn effects(
             parameters: estimates(data, c, scales, named.index, channels),
             channels: vec![channels.output.clone()],
             form: forms.iter().find(|(index, _)| *index == named.index).map(|(_, form)| form.clone()),
-            evidence: Evidence { held_out_gain: gain(c, named, floor), p_value: named.comparison.p_value },
+            evidence: Evidence { held_out_gain: gain(c, named, floor).value(), p_value: named.comparison.p_value },
             share: None,
             confusable_with: alike(named),
         });
@@ -273,7 +274,7 @@ pub fn effects(
                 parameters: estimates(data, &there, scales, index, channels),
                 channels: vec![channels.output.clone()],
                 form: None,
-                evidence: Evidence { held_out_gain: gain(c, named, floor), p_value: named.comparison.p_value },
+                evidence: Evidence { held_out_gain: gain(c, named, floor).value(), p_value: named.comparison.p_value },
                 share: None,
                 confusable_with: vec![id.to_owned()],
             });
@@ -309,52 +310,78 @@ pub fn effects(
     effects
 }
 
-/// Share of the held-out error beyond the noise that a term removes; for a noise term, what it adds
-/// to the log-score.
-fn gain(c: &Conclusion, named: &Named, floor: f64) -> f64 {
-    if c.model.fit.structure.terms[named.index].noise().is_some() {
-        return c.model.held_out.log_score(c.model.fit.variance) - named.log_score_without;
+/// What a named term adds to the others on held-out samples.
+fn gain(c: &Conclusion, named: &Named, floor: f64) -> Gain {
+    let term = c.model.fit.structure.terms[named.index];
+    if term.noise().is_some() {
+        let with = c.model.held_out.log_score(c.model.fit.variance);
+        return Gain::LogScore { value: with - named.log_score_without };
     }
-    let beyond = named.free_without - floor.min(c.model.held_out.free());
-    ((named.free_without - c.model.held_out.free()) / beyond.max(1e-300)).clamp(-1.0, 1.0)
+    removed(&named.without, &c.model.held_out, floor)
 }
 
-pub(crate) fn ranking(c: &Conclusion, selection: &Selection, channels: &Channels) -> Vec<Ranked> {
+/// Part of the error of free simulation beyond the noise that goes away, with its interval from the
+/// scatter between blocks.
+fn removed(without: &HeldOut, with: &HeldOut, floor: f64) -> Gain {
+    let whole = without.free().max(1e-300);
+    let beyond = (1.0 - floor.min(with.free()) / whole).max(1e-12);
+    let part = |ratio: f64| ((1.0 - ratio * ratio) / beyond).clamp(-1.0, 1.0);
+    let [low, high] = ratio_interval(without, with);
+    Gain::held_out(part((with.free() / whole).sqrt()), [part(high), part(low)])
+}
+
+/// Every candidate: named terms by what each adds to the others, then the others alone on the base
+/// model, best first.
+pub(crate) fn ranking(data: &Data, c: &Conclusion, selection: &Selection, channels: &Channels) -> Vec<Ranked> {
+    let floor = noise_floor(data, &c.model.fit).powi(2);
     let mut ranked: Vec<Ranked> = Vec::new();
     for named in &c.named {
         ranked.push(Ranked {
             id: c.model.fit.structure.terms[named.index].id(),
             channels: vec![channels.output.clone()],
-            gain: Gain::held_out(named.comparison.gain, named.comparison.ci95),
+            gain: gain(c, named, floor),
             p_value: named.comparison.p_value,
             named: true,
             note: Note::BesideNamed,
         });
     }
+    let mut others: Vec<Ranked> = Vec::new();
     for trial in &selection.alone {
         let id = trial.term.id();
-        if ranked.iter().any(|r| r.id == id) {
+        if ranked.iter().chain(&others).any(|r| r.id == id) {
             continue;
         }
         let dropped = c.dropped.iter().find(|(t, _)| t.id() == id).map(|(_, reason)| *reason);
-        ranked.push(alone(trial, selection.tried, dropped, channels));
+        let fate = match dropped {
+            Some(reason) if c.model.has(id) => Note::Unnamed(reason),
+            Some(reason) => Note::Dropped(reason),
+            None if trial.judged.is_some() => Note::Alone,
+            None => Note::Screened,
+        };
+        others.push(alone(data, trial, selection, fate, channels));
     }
+    order::sort_by_key(&mut others, |r| -r.gain.value());
+    order::sort_by_key(&mut others, |r| r.gain.rank());
+    ranked.extend(others);
     ranked
 }
 
-fn alone(trial: &Trial, tried: usize, dropped: Option<Dropped>, channels: &Channels) -> Ranked {
-    let note = match (dropped, &trial.judged) {
-        (Some(reason), _) => Note::Dropped(reason),
-        (None, Some(_)) => Note::Alone,
-        (None, None) => Note::Screened,
+/// A candidate alone on the base model.
+fn alone(data: &Data, trial: &Trial, selection: &Selection, note: Note, channels: &Channels) -> Ranked {
+    let base = &selection.base;
+    let gain = match &trial.judged {
+        Some(with) if trial.term.noise().is_some() => Gain::LogScore {
+            value: with.held_out.log_score(with.fit.variance) - base.held_out.log_score(base.fit.variance),
+        },
+        Some(with) => removed(&base.held_out, &with.held_out, noise_floor(data, &with.fit).powi(2)),
+        None if trial.promised.is_finite() => Gain::InSample { value: (1.0 - trial.promised).clamp(0.0, 1.0) },
+        None => Gain::InSample { value: 0.0 },
     };
-    let promised = if trial.promised.is_finite() { (1.0 - trial.promised).clamp(0.0, 1.0) } else { 0.0 };
-    let c = &trial.comparison;
     Ranked {
         id: trial.term.id(),
         channels: vec![channels.output.clone()],
-        gain: if trial.judged.is_some() { Gain::held_out(c.gain, c.ci95) } else { Gain::InSample { value: promised } },
-        p_value: (c.p_value * tried as f64).min(1.0),
+        gain,
+        p_value: (trial.comparison.p_value * selection.tried as f64).min(1.0),
         named: false,
         note,
     }

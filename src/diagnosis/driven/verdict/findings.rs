@@ -8,48 +8,52 @@ use crate::number::short;
 
 use super::dropped::{Dropped, LeftOut};
 
+/// Terms without a name for one reason, and whether they stay in the repaired model, as a clause.
+pub(crate) fn nameless(reason: Dropped, stays: bool, ids: &[&str]) -> String {
+    let (ids, one) = (ids.join(", "), ids.len() == 1);
+    let fate = match (stays, one) {
+        (true, true) => "stays in the repaired model, not named",
+        (true, false) => "stay in the repaired model, not named",
+        (false, true) => "was tried and removed",
+        (false, false) => "were tried and removed",
+    };
+    format!("{ids} {fate}: {}", dropped(reason))
+}
+
 /// Why a term has no name, as a clause.
 pub fn dropped(reason: Dropped) -> String {
     match reason {
         Dropped::AtBound => {
-            "one of its parameters is at the bound of its plausible range, where it no longer is what its name says"
-                .into()
+            "a parameter is at the bound of its plausible range, where the law no longer is what its name says".into()
         }
         Dropped::MayBeNothing => "the 95 % interval of its strength includes zero".into(),
-        Dropped::Worsens => "made the prediction of held-out samples worse".into(),
+        Dropped::Worsens => "the prediction of held-out samples became worse".into(),
         Dropped::FollowsInput => {
             "its frequency is that of a line of the input, of a harmonic or of a mixed frequency: the input may cause it"
                 .into()
         }
-        Dropped::FollowsRounding => "follows only the rounding of the readings; kept in the model, not named".into(),
-        Dropped::SmallerThanTheRest => "smaller than the unexplained residual; kept in the model, not named".into(),
+        Dropped::FollowsRounding => "it follows only the rounding of the readings".into(),
+        Dropped::SmallerThanTheRest => "the improvement is smaller than the unexplained residual".into(),
         Dropped::WithinInexactness => {
-            "too small, compared with what the other terms explain, to be distinguished from their modelling error; \
-             kept in the model, not named"
-                .into()
+            "the improvement is too small to be distinguished from the modelling error of the other terms".into()
         }
-        Dropped::Twin => "only together with another that it can be confused with".into(),
-        Dropped::Series(series) => format!("only in a series: {}", series.words()),
-        Dropped::PushesAlong => {
-            "no friction: fitted, it pushes along the velocity instead of opposing it; kept in the model, not named"
-                .into()
-        }
+        Dropped::Twin => "it acts only together with another that it can be confused with".into(),
+        Dropped::Series(series) => format!("it acts only in a series: {}", series.words()),
+        Dropped::PushesAlong => "not friction: the fitted force accelerates the mass".into(),
         Dropped::NoSecondResonance => "no second resonance: its peak does not stand apart from the first".into(),
         Dropped::SmoothCourse => {
-            "not a walk: a smooth course of time describes it better, so a law of time is missing or not exact".into()
+            "not a random walk: a smooth trend fits better, so a time-dependent effect is missing or misspecified".into()
         }
-        Dropped::Coloured => {
-            "no noise inside the sensor: readout noise whose neighbours are correlated describes it as well".into()
-        }
+        Dropped::Coloured => "autocorrelated readout noise explains this as well as process noise does".into(),
         Dropped::Dependent { by, percent, is_power } => {
-            let by = match by {
-                Known::Input => "the input",
-                Known::Motion => "displacement and velocity",
-                Known::Time => "time",
-                Known::Environment => "the environment",
+            let predicts = match by {
+                Known::Input => "the input predicts",
+                Known::Motion => "displacement and velocity predict",
+                Known::Time => "time predicts",
+                Known::Environment => "the environment predicts",
             };
-            let what = if is_power { "of the variance of its power" } else { "of what it takes up" };
-            format!("not independent: {percent} % {what} follows from {by}, so a law is missing")
+            let what = if is_power { "the variance of its power" } else { "this noise" };
+            format!("{predicts} {percent} % of {what}: it is not noise, and an effect is missing")
         }
         Dropped::StandIn => "an approximation only: it does not bring the residual to the noise".into(),
     }

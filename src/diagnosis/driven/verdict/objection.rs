@@ -62,7 +62,7 @@ impl Draft<'_> {
     pub(super) fn drop_what_cannot_stay(&mut self) {
         let worst = |draft: &Self| {
             let all = draft.named.iter().filter_map(|n| Some((n, draft.objection(n)?)));
-            all.min_by(|a, b| a.0.free_without.total_cmp(&b.0.free_without)).map(|(n, reason)| (n.index, reason))
+            all.min_by(|a, b| a.0.without.free().total_cmp(&b.0.without.free())).map(|(n, reason)| (n.index, reason))
         };
         while let Some((index, reason)) = worst(self) {
             self.drop_term(index, reason);

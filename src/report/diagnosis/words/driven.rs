@@ -2,12 +2,16 @@
 
 use proofmass_base::number::{short, with_uncertainty};
 use proofmass_diagnosis::answer::Answer;
+use proofmass_diagnosis::driven::intake::notes::Broken;
 use proofmass_diagnosis::driven::verdict::detail::{Account, Detail};
 use proofmass_diagnosis::verdict::{DependsOn, Effect, Estimate, Outcome};
 
 /// One or two plain sentences.
 pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
     let (account, effects, unit) = (&detail.account, &answer.effects, &detail.unit);
+    if let Some(broken) = &account.broken {
+        return format!("{} No candidate was tried.{}", apart(broken), doubts(&account.doubts));
+    }
     let before = answer.fit.test.rmse_before;
     let fall = fall(answer, unit);
     let named: Vec<String> = effects
@@ -128,6 +132,21 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
     sentence + &doubts(&account.doubts)
 }
 
+/// Why input and output do not belong together as they stand, in a sentence.
+fn apart(broken: &Broken) -> String {
+    match broken {
+        Broken::Exchanged { input, output } => format!(
+            "The columns look swapped: {input} responds to {output} as an oscillator responds to a force, not the \
+             other way round."
+        ),
+        Broken::Rescaled { input, output, row, factor } => format!(
+            "The size of {output} relative to {input} changes by a factor of about {} near row {row}, as where a \
+             column changes its unit or range.",
+            short(*factor)
+        ),
+    }
+}
+
 /// What the named laws remove of the base model's error together, and what remains, where models were
 /// judged by free simulation.
 fn shares(answer: &Answer, laws: &[String], unit: &str) -> String {
@@ -186,9 +205,17 @@ pub(crate) fn form(effect: &Effect) -> Option<String> {
 /// What the named effects do to the error on held-out samples.
 fn fall(answer: &Answer, unit: &str) -> String {
     let before = answer.fit.test.rmse_before;
+    // What has no name is stated apart: the fall is that of the names.
+    let further = answer.fit.with_unnamed.as_ref().map_or(String::new(), |repaired| {
+        format!(
+            " (to {} with corrections that are not named: {})",
+            short(repaired.test_rmse),
+            repaired.terms.join(", ")
+        )
+    });
     match answer.fit.test.rmse_after {
         Some(after) if after < 0.995 * before => {
-            format!("the error on held-out samples goes from {} to {} {unit}", short(before), short(after))
+            format!("the error on held-out samples goes from {} to {} {unit}", short(before), short(after)) + &further
         }
         Some(after) if after <= 1.05 * before => {
             format!("the error of free simulation on held-out samples stays at {} {unit}", short(after))
@@ -233,6 +260,17 @@ fn doubts(clauses: &[String]) -> String {
 pub(crate) fn next_experiment(answer: &Answer, account: &Account) -> String {
     let (effects, input) = (&answer.effects, account.has_input);
     let source = if input { "drive" } else { "release" };
+    match &account.broken {
+        Some(Broken::Exchanged { input, output }) => {
+            return format!(
+                "Exchange the two columns in the model file (input = \"{output}\", output = \"{input}\") and diagnose again."
+            );
+        }
+        Some(Broken::Rescaled { row, .. }) => {
+            return format!("Cut the recording at row {row}, or correct the column, and diagnose again.");
+        }
+        None => {}
+    }
     match answer.outcome {
         Outcome::Undecidable if effects.is_empty() => {
             "Record longer, or drive harder: the residual must rise well above the noise before its cause can be \

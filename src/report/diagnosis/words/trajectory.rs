@@ -6,6 +6,7 @@ use proofmass_diagnosis::trajectory::account::{Account, Hidden, Manoeuvre, Named
 use proofmass_diagnosis::trajectory::candidate::Measure;
 use proofmass_diagnosis::trajectory::detail::Detail;
 use proofmass_diagnosis::verdict::Outcome;
+use proofmass_scenario::sensor::Sense;
 
 /// One or two sentences for the first screen.
 pub(super) fn sentence(outcome: Outcome, detail: &Detail) -> String {
@@ -25,6 +26,15 @@ pub(super) fn sentence(outcome: Outcome, detail: &Detail) -> String {
             "Nothing is missing that this motion could show: IMU and reference agree within the noise \
                               of both."
                 .into()
+        }
+        Outcome::Explained if !account.is_fitted && !account.louder.is_empty() => {
+            let times = |(sensor, ratio): &(Sense, f64)| format!("{} {} times", sensor.name(), short(*ratio));
+            format!(
+                "The model left out {}. Nothing else is missing: the error on held-out parts of the recording stays \
+                 {after} times the noise of the motion; only the stated noise was too small ({}).",
+                names.join(", "),
+                account.louder.iter().map(times).collect::<Vec<_>>().join(", ")
+            )
         }
         Outcome::Explained if !account.is_fitted => format!(
             "The model left out {}. Apart from {} the base model holds: the error on held-out parts of the recording is \
@@ -77,7 +87,10 @@ pub(super) fn place(detail: &Detail) -> String {
     {
         if !series.before.is_empty() {
             let [before, after] = [&series.before, &series.after].map(|s| short(rms(s) * per));
-            parts.push(format!("{what}: {before} {unit} rms with the base model, {after} {unit} as repaired"));
+            parts.push(match before == after {
+                true => format!("{what}: {before} {unit} rms"),
+                false => format!("{what}: {before} {unit} rms with the base model, {after} {unit} as repaired"),
+            });
         }
     }
     parts.join("; ")

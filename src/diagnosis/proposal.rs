@@ -1,0 +1,348 @@
+//! Propose the model of a recording from a first look at its file: its kind, its columns, what is
+//! assumed.
+//!
+//! `inspect` suggests the next command by it, and `diagnose` without a model runs on it. A proposal is
+//! withheld where two readings of the file are as likely; the error then names both.
+
+use super::model::{self, Model};
+use crate::document::toml_string;
+use crate::error::{Error, Result};
+use crate::number::rounded;
+use crate::recording::inspection::{Column, Inspection, Rows, Stretch};
+
+/// Share of its time that a sensor at rest is still.
+const AT_REST: f64 = 0.8;
+/// Directions of gravity in which a sensor rests that is turned on purpose: the faces of a box.
+const FACES: usize = 6;
+/// Rests shorter than this tell little of noise, s.
+const WORTHWHILE_S: f64 = 60.0;
+/// Standard gravity (CGPM 1901), where nobody said what it is at the place of the recording.
+const GRAVITY_M_S2: f64 = 9.806_65;
+
+/// What a recording suits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Suited {
+    /// Input and output of one proof mass, or a free decay.
+    Driven,
+    /// A sensor at rest.
+    Rest,
+    /// A sensor that moves, after or before a rest that is long enough to judge its noise.
+    RestFor(Stretch),
+    /// An IMU in many still poses.
+    Poses,
+    /// An IMU in motion: a reference must tell where it went.
+    Motion,
+    /// Positions or attitudes: the reference of a motion.
+    Reference,
+}
+
+/// Choices of the user; what is left out is taken from the headings and the clock.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Named {
+    /// Heading of the force on the proof mass.
+    pub input: Option<String>,
+    /// Heading of its reading.
+    pub output: Option<String>,
+    /// Sampling rate of a recording without a clock, Hz.
+    pub rate_hz: Option<f64>,
+}
+
+/// The time that a sensor lay still, s.
+pub fn total_s(still: &[Stretch]) -> f64 {
+    still.iter().map(|s| s.to_s - s.from_s).sum()
+}
+
+/// The longest rest.
+pub fn longest(still: &[Stretch]) -> Option<&Stretch> {
+    still.iter().max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s)))
+}
+
+/// Whether a sensor rests with gravity in so many directions that it was turned on purpose.
+pub fn is_turned(rows: &Rows) -> bool {
+    rows.poses >= FACES
+}
+
+/// Decides what a recording suits; `None` without a clock, or where a single sensor moves, which says
+/// nothing of itself.
+pub fn suited(rows: &Rows) -> Option<Suited> {
+    let whole_s = rows.samples as f64 / rows.rate_hz?;
+    let [gyros, accelerometers] = [0, 1].map(|sensor| rows.sensors[sensor].len());
+    match longest(&rows.still) {
+        _ if gyros + accelerometers == 0 && rows.is_pose => Some(Suited::Reference),
+        _ if gyros + accelerometers == 0 => Some(Suited::Driven),
+        _ if is_turned(rows) => Some(Suited::Poses),
+        Some(_) if total_s(&rows.still) >= AT_REST * whole_s => Some(Suited::Rest),
+        Some(rest) if rest.to_s - rest.from_s >= WORTHWHILE_S => Some(Suited::RestFor(*rest)),
+        _ if gyros == 3 && accelerometers == 3 => Some(Suited::Motion),
+        _ => None,
+    }
+}
+
+/// The refusal to choose.
+fn refused(file: &str, cause: String, hint: String) -> Error {
+    Error::new(format!("could not choose a model for {file}"), cause, hint)
+}
+
+/// Writes the model.toml that a recording suits; `file` stands for it in commands.
+///
+/// # Errors
+/// A file without rows or clock, poses, a sensor in motion, and columns of which nothing says which is
+/// the input.
+pub fn proposed(file: &str, seen: &Inspection, named: &Named) -> Result<String> {
+    let text = of_kind(file, seen, named)?;
+    Ok(match (named.rate_hz, text.split_once('\n')) {
+        (Some(rate_hz), Some((kind, rest))) => format!("{kind}\nrate_hz = {rate_hz:?}\n{rest}"),
+        _ => text,
+    })
+}
+
+/// The same without a rate.
+fn of_kind(file: &str, seen: &Inspection, named: &Named) -> Result<String> {
+    let fail = |cause: String, hint: String| Err(refused(file, cause, hint));
+    if let Some(obstacle) = &seen.obstacle {
+        return fail(obstacle.cause.clone(), obstacle.hint.clone());
+    }
+    let Some(rows) = &seen.rows else {
+        return fail("no rows of numbers were found in it".into(), format!("see `proofmass inspect {file}`"));
+    };
+    if named.input.is_some() || named.output.is_some() {
+        return driven(file, rows, named);
+    }
+    let trajectory = format!(
+        "proofmass diagnose {file} --model model.toml, with kind = \"trajectory\" and a [reference] (`proofmass template \
+         trajectory`)"
+    );
+    match suited(rows) {
+        Some(Suited::Driven) => driven(file, rows, named),
+        Some(Suited::Rest) => Ok(at_rest(rows)),
+        Some(Suited::Poses) => poses(file, rows),
+        Some(Suited::RestFor(rest)) => {
+            let [from, to] = [rest.from_s, rest.to_s].map(|t| rounded(t, 4));
+            fail(
+                format!("the sensor lies still from {from} to {to} s and moves in the other time"),
+                format!(
+                    "judge its noise by the rest: proofmass diagnose {file} --from-s {from} --to-s {to}; or its motion by a \
+                     reference: {trajectory}"
+                ),
+            )
+        }
+        Some(Suited::Motion) => fail(
+            "the sensor moves, and without a reference its motion and its errors look the same".into(),
+            format!("with a reference motion: {trajectory}; without one, record the sensor at rest or in still poses"),
+        ),
+        Some(Suited::Reference) => fail(
+            "its rows are poses, and no sensor's readings".into(),
+            "diagnose the IMU's recording with this file as [reference] file (`proofmass template trajectory`)".into(),
+        ),
+        None if rows.rate_hz.is_none() => fail("it has no clock".into(), "give its sampling rate: --rate-hz F".into()),
+        None => fail(
+            "one sensor alone, in motion, says nothing of itself".into(),
+            "record it at rest, or with the other sensors of its IMU and a reference".into(),
+        ),
+    }
+}
+
+/// Parses a proposal.
+///
+/// # Errors
+/// As `model::parse`.
+pub fn parsed(text: &str) -> Result<Model> {
+    model::parse("the proposed model", text)
+}
+
+fn list<'a>(names: impl IntoIterator<Item = &'a Column>) -> String {
+    let names: Vec<String> = names.into_iter().map(|c| toml_string(&c.name)).collect();
+    format!("[{}]", names.join(", "))
+}
+
+fn environment(rows: &Rows) -> String {
+    let around: Vec<&Column> = rows.columns.iter().filter(|c| c.is_environment).collect();
+    if around.is_empty() { String::new() } else { format!("environment = {}\n", list(around)) }
+}
+
+fn at_rest(rows: &Rows) -> String {
+    let channels = rows.sensors.iter().flatten().map(|place| &rows.columns[*place]);
+    format!("kind = \"static\"\n[columns]\nchannels = {}\n{}", list(channels), environment(rows))
+}
+
+fn poses(file: &str, rows: &Rows) -> Result<String> {
+    let [gyro, accelerometer] = &rows.sensors;
+    if accelerometer.len() != 3 {
+        let cause = format!("a calibration in still poses needs three accelerometers, got {}", accelerometer.len());
+        let hint = "name them under [columns] of a model.toml (`proofmass template tumble`)";
+        return Err(refused(file, cause, hint.into()));
+    }
+    let of = |places: &[usize]| list(places.iter().map(|p| &rows.columns[*p]));
+    let gyro = if gyro.len() == 3 { format!("gyro = {}\n", of(gyro)) } else { String::new() };
+    Ok(format!(
+        "kind = \"tumble\"\ngravity_m_s2 = {GRAVITY_M_S2} # assumed: standard gravity\n[columns]\n{gyro}accelerometer = {}\n{}",
+        of(accelerometer),
+        environment(rows)
+    ))
+}
+
+/// Words in a heading that say which end of a proof mass it is.
+const INPUTS: [&str; 9] = ["input", "in", "u", "force", "drive", "excitation", "control", "command", "torque"];
+const OUTPUTS: [&str; 12] = [
+    "output",
+    "out",
+    "y",
+    "x",
+    "displacement",
+    "position",
+    "deflection",
+    "response",
+    "reading",
+    "angle",
+    "roll",
+    "velocity",
+];
+
+fn says(column: &Column, words: &[&str]) -> bool {
+    let lower = column.name.to_lowercase();
+    lower.split(|c: char| !c.is_alphanumeric()).any(|word| words.contains(&word))
+}
+
+/// The input and the output among these columns; no input where a single column decays.
+fn driven(file: &str, rows: &Rows, named: &Named) -> Result<String> {
+    let columns: Vec<&Column> = rows.columns.iter().filter(|c| !c.is_environment).collect();
+    let known = |name: &Option<String>| match name {
+        Some(name) => match rows.columns.iter().find(|c| c.name == *name) {
+            Some(column) => Ok(Some(column)),
+            None => {
+                let there: Vec<&str> = rows.columns.iter().map(|c| c.name.as_str()).collect();
+                Err(refused(
+                    file,
+                    format!("it has no column `{name}`"),
+                    format!("its columns of numbers are: {}", there.join(", ")),
+                ))
+            }
+        },
+        None => Ok(None),
+    };
+    let (input, output) = (known(&named.input)?, known(&named.output)?);
+    let one = |words: &[&str], taken: Option<&Column>| -> Option<&Column> {
+        let mut all = columns.iter().filter(|c| says(c, words) && taken != Some(**c));
+        all.next().filter(|_| all.next().is_none()).copied()
+    };
+    let other = |taken: &Column| columns.iter().find(|c| **c != taken).filter(|_| columns.len() == 2).copied();
+    let by_name = match (input, output) {
+        (None, None) if columns.len() == 1 => return Ok(of_driven(None, columns[0], rows)),
+        (None, None) => (one(&INPUTS, None), one(&OUTPUTS, None)),
+        (Some(input), None) => (Some(input), one(&OUTPUTS, Some(input))),
+        // An output alone, asked for as such, is a free decay unless a force is recorded with it.
+        (None, Some(output)) => match one(&INPUTS, Some(output)) {
+            None => return Ok(of_driven(None, output, rows)),
+            input => (input, Some(output)),
+        },
+        both => both,
+    };
+    let pair = match by_name {
+        (Some(input), Some(output)) if input != output => Some((input, output)),
+        (Some(input), None) => other(input).map(|output| (input, output)),
+        (None, Some(output)) => other(output).map(|input| (input, output)),
+        _ => None,
+    };
+    match (pair, &columns[..]) {
+        (Some((input, output)), _) => Ok(of_driven(Some(input), output, rows)),
+        (None, [first, second]) => {
+            let [a, b] = [&first.name, &second.name];
+            Err(refused(
+                file,
+                format!("`{a}` and `{b}` may each be the input: neither heading says so"),
+                format!(
+                    "proofmass diagnose {file} --input {a} --output {b}, or proofmass diagnose {file} --input {b} --output {a}"
+                ),
+            ))
+        }
+        (None, several) => {
+            let names: Vec<&str> = several.iter().map(|c| c.name.as_str()).collect();
+            Err(refused(
+                file,
+                format!("of its {} columns no one is the input and no one the output by its heading", several.len()),
+                format!("name them with --input and --output: {}", names.join(", ")),
+            ))
+        }
+    }
+}
+
+fn of_driven(input: Option<&Column>, output: &Column, rows: &Rows) -> String {
+    let input = input.map_or(String::new(), |c| format!("input = {}\n", toml_string(&c.name)));
+    format!("kind = \"driven\"\n[columns]\n{input}output = {}\n{}", toml_string(&output.name), environment(rows))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::unit::Quantity;
+
+    fn column(name: &str) -> Column {
+        Column {
+            name: name.into(),
+            stated: None,
+            quantity: Quantity::Unknown,
+            is_environment: name.starts_with("temp"),
+            lowest: -1.0,
+            highest: 1.0,
+            mean: 0.0,
+            deviation: 0.5,
+            step: None,
+        }
+    }
+
+    fn seen(names: &[&str], sensors: [Vec<usize>; 2], still: Vec<Stretch>, poses: usize) -> Inspection {
+        let columns = names.iter().map(|n| column(n)).collect();
+        let rows = Rows {
+            sha256: String::new(),
+            rows: 10_000,
+            samples: 10_000,
+            rate_hz: Some(100.0),
+            dropped: Vec::new(),
+            findings: Vec::new(),
+            columns,
+            sensors,
+            is_pose: false,
+            still,
+            poses,
+        };
+        Inspection { format: "text", parts: Vec::new(), part: None, clock: None, rows: Some(rows), obstacle: None }
+    }
+
+    fn model(names: &[&str]) -> Result<Model> {
+        let seen = seen(names, [Vec::new(), Vec::new()], Vec::new(), 0);
+        parsed(&proposed("log.csv", &seen, &Named::default())?)
+    }
+
+    #[test]
+    fn headings_say_which_column_drives_and_a_pair_that_says_nothing_is_refused_with_both_commands() {
+        for (names, input, output) in [
+            (&["force_N", "position_m"][..], Some("force_N"), "position_m"),
+            (&["position_m", "control_V"], Some("control_V"), "position_m"),
+            (&["drive", "V2_V"], Some("drive"), "V2_V"),
+            (&["V1_V", "response_V", "temp_C"], Some("V1_V"), "response_V"),
+            (&["roll_rad"], None, "roll_rad"),
+        ] {
+            let Ok(Model::Driven(found)) = model(names) else { panic!("{names:?}") };
+            assert_eq!((found.columns.input.as_deref(), found.columns.output.as_str()), (input, output));
+        }
+        let refused = model(&["V1_V", "V2_V"]).expect_err("either may be the input").to_string();
+        assert!(refused.contains("--input V1_V --output V2_V") && refused.contains("--input V2_V --output V1_V"));
+        let refused = model(&["a1", "b1", "c1"]).expect_err("nothing says").to_string();
+        assert!(refused.contains("--input"), "{refused}");
+    }
+
+    #[test]
+    fn a_still_imu_is_at_rest_a_turned_one_in_poses_and_one_in_motion_asks_for_a_reference() {
+        let names = ["gx", "gy", "gz", "ax", "ay", "az", "temp_C"];
+        let sensors = [vec![0, 1, 2], vec![3, 4, 5]];
+        let rest = |to_s: f64| vec![Stretch { from_s: 0.0, to_s }];
+        let of = |still, poses| proposed("log.csv", &seen(&names, sensors.clone(), still, poses), &Named::default());
+        let Ok(Ok(Model::Static(still))) = of(rest(99.0), 1).as_deref().map(parsed) else { panic!("at rest") };
+        assert!(still.columns.channels == names[..6] && still.columns.environment == ["temp_C"]);
+        let Ok(Ok(Model::Tumble(turned))) = of(rest(99.0), 8).as_deref().map(parsed) else { panic!("in poses") };
+        assert!(turned.columns.accelerometer == ["ax", "ay", "az"]);
+        let both = of(rest(65.0), 1).expect_err("rest or motion").to_string();
+        assert!(both.contains("--from-s 0 --to-s 65") && both.contains("[reference]"), "{both}");
+        assert!(of(Vec::new(), 0).expect_err("motion alone").to_string().contains("[reference]"));
+    }
+}
