@@ -247,7 +247,7 @@ impl<'a, K: Kind> Search<'a, K> {
             let direction: Vec<f64> = pairs.map(|((a, b), c)| if *c { a - b } else { 0.0 }).collect();
             let with = products.with(layout, &parent.model, &[&direction]);
             let promise = Some(promise(&with)).filter(|p| p.is_finite())?;
-            let size = *with.steps(&[0.0])?[0].shared.iter().last()?;
+            let size = *with.steps(&[0.0])?[0].shared.iter().next_back()?;
             let beginning = kind.strengthened(&set, &point, size)?;
             Some(Prospect { law, beginning, direction, promise })
         };

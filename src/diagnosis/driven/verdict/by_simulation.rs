@@ -29,6 +29,8 @@ pub(crate) struct Simulation {
     worth: Worth,
     /// Laws that would remove part of the error, and not enough of it to be named.
     imitations: Vec<&'static str>,
+    /// Standard deviation of the noise, as it was measured; `None` where nothing is held against it.
+    noise: Option<f64>,
 }
 
 /// The conclusion with the names that hold in free simulation where it had none, and what all its
@@ -44,24 +46,26 @@ pub(crate) fn simulated(
     let terms: Vec<_> = c.named.iter().map(|n| c.model.fit.structure.terms[n.index]).collect();
     let known = (says_something && selection.base_follows).then(|| Simulated::of(data, base, &terms, scales)).flatten();
     let Some(simulated) = known else { return (selection, c, Simulation::default()) };
+    let noise = (c.outcome == Outcome::Unexplained).then(|| simulated.variance.sqrt());
+    let silent = Simulation { noise, ..Simulation::default() };
     if !c.named.is_empty() {
         let places: Vec<usize> = c.named.iter().map(|n| n.index).collect();
         let worth = simulated.worth(data, &c.model.fit, &places, c.outcome == Outcome::Unexplained);
-        return (selection, c, Simulation { worth: worth.unwrap_or_default(), ..Simulation::default() });
+        return (selection, c, Simulation { worth: worth.unwrap_or_default(), ..silent });
     }
-    let Some(found) = simulated.search() else { return (selection, c, Simulation::default()) };
+    let Some(found) = simulated.search() else { return (selection, c, silent) };
     let id = |law: usize| simulated.system.members[law].term.id();
     match named(data, &selection, &c, scales, &simulated, &found) {
         Some((selection, conclusion)) => {
             let each = found.named.iter().map(|n| (n.place, n.gain)).collect();
             let worth = Worth { each, together: found.together, rest: found.rest };
-            (selection, conclusion, Simulation { worth, ..Simulation::default() })
+            (selection, conclusion, Simulation { worth, ..silent })
         }
         None => {
             let laws = found.imitations.iter().copied().chain(found.named.iter().map(|n| found.model.set[n.place]));
             let imitations = laws.map(id).collect();
             let rest = if found.named.is_empty() { found.rest } else { Vec::new() };
-            (selection, c, Simulation { worth: Worth { rest, ..Worth::default() }, imitations })
+            (selection, c, Simulation { worth: Worth { rest, ..Worth::default() }, imitations, ..silent })
         }
     }
 }
@@ -147,7 +151,9 @@ fn named(
 impl Simulation {
     /// Writes the shares into an answer.
     pub(crate) fn told(self, answer: &mut Answer, c: &Conclusion) {
-        let Self { worth, imitations } = self;
+        let Self { worth, imitations, noise } = self;
+        // What a model leaves that does not explain everything is no noise.
+        answer.fit.noise_floor = noise.unwrap_or(answer.fit.noise_floor);
         let share = |gain: Gain| Share { value: gain.share, ci95: gain.ci95() };
         for (index, gain) in &worth.each {
             let id = c.model.fit.structure.terms[*index].id();
