@@ -75,6 +75,7 @@ mod suite {
     pub mod shards;
     pub mod shards_in_motion;
     pub mod shards_map_trial;
+    pub mod shares;
     pub mod single_sine;
     pub mod slow_in_motion;
     pub mod start_search;
@@ -260,6 +261,8 @@ fn main() {
         suite::diagnosis_driven::tests(),
         // decay: a free decay's laws are named together, with shares, at every rate.
         suite::decays::tests(),
+        // shares: under an input, each name with the part of the error that it removes.
+        suite::shares::tests(),
         // several recordings: fitted together, judged by others, refused where they do not belong together.
         suite::several_recordings::tests(),
         // require: the value that a requirement takes is the one of theory, covered as stated.

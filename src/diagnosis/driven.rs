@@ -2,7 +2,7 @@
 //!
 //! One room per stage, each of which imports only those before it: `intake` → `simulation` →
 //! `identification` → `selection` → `verdict`, over the laws in `physics`. A free decay goes its own way,
-//! through the engine (`decay`).
+//! through the engine (`decay`); under an input the engine has the last word (`simulated`).
 
 pub mod base;
 pub mod decay;
@@ -10,6 +10,7 @@ pub mod free_body;
 pub mod identification;
 pub mod intake;
 pub mod selection;
+mod simulated;
 pub mod simulation;
 pub mod verdict;
 
@@ -48,6 +49,7 @@ use selection::judged::{self, Judged, Selection};
 use selection::stepwise;
 use simulation::run;
 use verdict::asked::Asked;
+use verdict::by_simulation::{self, Simulation};
 use verdict::conclude::{self, Conclusion};
 pub use verdict::detail::Detail;
 use verdict::dropped::Dropped;
@@ -119,8 +121,11 @@ fn by_likelihood(recording: &Recording, taken: Taken, model: &model::Driven, con
     }
     let selection = course.select(base, &scales, control).map_err(|s| Refusal::from(s).of(recording))?;
     let conclusion = course.conclude(&selection, &scales);
+    let (selection, conclusion, simulation) = course.simulated(selection, conclusion, &scales);
     let Course { data, notes, .. } = course;
-    Ok(answer::answer(&asked, &data, &scales, &selection, &conclusion, notes))
+    let mut answer = answer::answer(&asked, &data, &scales, &selection, &conclusion, notes);
+    simulation.told(&mut answer, &conclusion);
+    Ok(answer)
 }
 
 /// A diagnosis under way. Terms are chosen on a stretch of a long recording and fitted to all of
@@ -403,6 +408,23 @@ impl Course {
         let (errors, _) = run::trace(&self.data, &last.structure, &last.point, &last.run(&self.data, true));
         self.notes.report_jumps(&self.data, &errors);
         conclusion
+    }
+
+    /// What free simulation adds to a conclusion.
+    fn simulated(
+        &self,
+        selection: Selection,
+        conclusion: Conclusion,
+        scales: &Scales,
+    ) -> (Selection, Conclusion, Simulation) {
+        if self.is_whole() {
+            return by_simulation::simulated(&self.data, selection, conclusion, scales);
+        }
+        let had = conclusion.named.len();
+        let (selection, conclusion, simulation) = by_simulation::simulated(&self.narrow, selection, conclusion, scales);
+        let is_new = conclusion.named.len() > had;
+        let conclusion = if is_new { conclude::widened(conclusion, &self.data, scales) } else { conclusion };
+        (selection, conclusion, simulation)
     }
 }
 

@@ -1,9 +1,9 @@
 //! A free decay: a recording of one proof mass without an input, from where it is let go until it
 //! rests.
 //!
-//! Intake finds the motion (`swings`) and its rows (`rows`); the engine searches the laws (`space`,
-//! `system`) by free simulation from the base model (`base_model`, `searched`); `answer` says what was
-//! found.
+//! Intake finds the motion (`swings`) and its rows (`rows`); the engine searches the laws of a proof
+//! mass (`simulated`) by free simulation from the base model (`base_model`, `searched`); `answer` says
+//! what was found.
 
 pub mod answer;
 mod base_model;
@@ -12,6 +12,4 @@ mod findings;
 mod form;
 mod rows;
 pub mod searched;
-mod space;
 mod swings;
-mod system;

@@ -3,6 +3,7 @@
 
 pub mod answer;
 pub mod asked;
+pub(in crate::driven) mod by_simulation;
 pub mod conclude;
 pub mod detail;
 mod detectable;

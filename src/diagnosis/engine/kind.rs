@@ -54,6 +54,8 @@ pub(crate) enum Argument {
     Both,
     /// Path taken: displacement with a memory.
     Path,
+    /// The measured input.
+    Input,
     /// Time since the motion began.
     Time,
     /// A recorded environment column.
@@ -72,6 +74,7 @@ impl Argument {
             Self::Velocity => "velocity",
             Self::Both => "displacement and velocity",
             Self::Path => "the path taken",
+            Self::Input => "input",
             Self::Time => "time",
             Self::Environment => "environment",
             Self::Readout => "reading",

@@ -100,6 +100,41 @@ impl Products {
         Self { starts, shared, blocks, segments }
     }
 
+    /// With the products of further shared columns, behind those of the model.
+    pub(crate) fn with(&self, layout: &Layout, model: &Linearised, further: &[&Vec<f64>]) -> Self {
+        let (known, more) = (self.starts + self.shared, further.len());
+        let columns: Vec<&[f64]> = model.starts.iter().chain(&model.shared).map(Vec::as_slice).collect();
+        let place = |i: usize| if i < known { i } else { known + more };
+        let of = |(rows, before): (&Range<usize>, &DMatrix<f64>)| {
+            let mut products = DMatrix::zeros(known + more + 1, known + more + 1);
+            for i in 0..=known {
+                for j in 0..=known {
+                    products[(place(i), place(j))] = before[(i, j)];
+                }
+            }
+            for (n, column) in further.iter().enumerate() {
+                let at = known + n;
+                let mut set = |i: usize, other: &[f64]| {
+                    let value = dot(&column[rows.clone()], &other[rows.clone()]);
+                    (products[(at, i)], products[(i, at)]) = (value, value);
+                };
+                // What is held has no products at all.
+                let moves = |i: &usize| before[(*i, *i)] > 0.0;
+                (0..known).filter(moves).for_each(|i| set(i, columns[i]));
+                further[..=n].iter().enumerate().for_each(|(m, other)| set(known + m, other));
+                set(known + more, &model.residual);
+            }
+            products
+        };
+        let blocks: Vec<DMatrix<f64>> = layout.blocks.iter().zip(&self.blocks).map(of).collect();
+        let size = known + more + 1;
+        let mut segments = vec![DMatrix::zeros(size, size); layout.segments.len()];
+        for (block, owner) in blocks.iter().zip(&layout.owner) {
+            segments[*owner] += block;
+        }
+        Self { starts: self.starts, shared: self.shared + more, blocks, segments }
+    }
+
     fn reduced(&self, products: &DMatrix<f64>) -> Option<Reduced> {
         let (q, all) = (self.starts, products.nrows());
         let right = products.view((0, q), (q, all - q)).clone_owned();
@@ -222,6 +257,23 @@ mod tests {
         // Control: the slope through all rows is another one.
         let step = &products.steps(&[0.0]).expect("regular")[0];
         assert!((y[0] - step.shared[0] * x[0] - left_out.residual[0]).abs() > 1e-4);
+    }
+
+    // The same columns, given at once or one after the other.
+    #[test]
+    fn a_further_column_is_as_one_of_the_model() {
+        let layout = Layout::new(vec![0..30, 30..60], 10, vec![true; 60]);
+        let whole = model(&layout, 60);
+        let more: Vec<f64> = (0..60).map(|k| (0.3 * k as f64).sin()).collect();
+        let mut larger = whole.clone();
+        larger.shared.push(more.clone());
+        let step = |products: &Products| products.steps(&[0.0]).expect("regular").remove(0).shared;
+        for held in [false, true] {
+            let at_once = Products::of(&layout, &larger, &[held, false]);
+            let later = Products::of(&layout, &whole, &[held]).with(&layout, &whole, &[&more]);
+            assert!((step(&at_once) - step(&later)).norm() < 1e-9, "{held}");
+            assert!((step(&later)[0] == 0.0) == held, "the control: a column that is held does not move");
+        }
     }
 
     #[test]

@@ -63,7 +63,7 @@ pub(crate) fn names<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>) -> Found
     if !imitations.is_empty() {
         named.clear();
     }
-    let rest = if excess(search, &model) < AT_NOISE { Vec::new() } else { rest(search, &model) };
+    let rest = dependences(search, &model);
     for name in &mut named {
         name.departs = departs(search, &model, name.place);
     }
@@ -120,9 +120,13 @@ fn departs<K: Kind>(search: &Search<'_, K>, model: &Arc<Fitted>, place: usize) -
     search.holds(model, &best).then(|| (best.clone(), search.gain(model, &best)))
 }
 
-/// Arguments of which a free form betters a model, the largest share first.
-fn rest<K: Kind>(search: &Search<'_, K>, model: &Arc<Fitted>) -> Vec<Dependence> {
+/// Arguments of which a free form betters a model, the largest share first; none where it leaves no
+/// more than the noise.
+pub(crate) fn dependences<K: Kind>(search: &Search<'_, K>, model: &Arc<Fitted>) -> Vec<Dependence> {
     let kind = search.kind;
+    if excess(search, model) < AT_NOISE {
+        return Vec::new();
+    }
     let mut all: Vec<Dependence> = Vec::new();
     for law in (0..kind.laws()).filter(|l| kind.form(*l) == Form::Free) {
         let place = model.set.iter().position(|l| kind.excludes(*l, law));

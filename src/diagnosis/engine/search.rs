@@ -162,16 +162,26 @@ impl<'a, K: Kind> Search<'a, K> {
         }
     }
 
+    /// A set, fitted from a point; `None` where no fit from there comes to rest.
+    pub(crate) fn at(&self, set: &[usize], point: &Point) -> Option<Arc<Fitted>> {
+        self.remembered(set, || fit(self.kind, set, point, MOST_STEPS))
+    }
+
     /// The set without the law at a place.
     pub(crate) fn without(&self, from: &Fitted, place: usize) -> Option<Arc<Fitted>> {
         let mut set = from.set.clone();
         set.remove(place);
-        self.remembered(&set, || fit(self.kind, &set, &self.kind.without(&from.set, &from.point, place), MOST_STEPS))
+        self.at(&set, &self.kind.without(&from.set, &from.point, place))
     }
 
     /// The set with one law more, wherever it fits best.
     pub(crate) fn with(&self, from: &Fitted, law: usize) -> Option<Arc<Fitted>> {
-        self.fitted(from, &[law], &self.prospects(from, law))
+        self.fitted(from, &[law], &self.prospects(from, &self.products(from), law))
+    }
+
+    /// Products of a fitted set's columns.
+    fn products(&self, of: &Fitted) -> Products {
+        Products::of(self.kind.layout(), &of.model, &of.at_bound)
     }
 
     /// Sets of one law more that a linear step promises most of; with `paired`, of a pair that helps
@@ -182,24 +192,28 @@ impl<'a, K: Kind> Search<'a, K> {
             kind.form(*law) == Form::Stated && !parent.set.iter().any(|l| l == law || kind.excludes(*l, *law))
         };
         let laws: Vec<usize> = (0..kind.laws()).filter(joins).collect();
-        let mut all: Vec<Vec<Prospect>> = parallel::map_chunks(&laws, 1, |_, law| self.prospects(parent, law[0]));
+        let products = self.products(parent);
+        let mut all: Vec<Vec<Prospect>> =
+            parallel::map_chunks(&laws, 1, |_, law| self.prospects(parent, &products, law[0]));
         all.retain(|p| !p.is_empty());
         order::sort_by_key(&mut all, |p| -p[0].promise);
-        let pairs = if paired && parent.set.len() + 2 <= MOST_LAWS { self.pairs(parent, &all) } else { Vec::new() };
+        let pairs =
+            if paired && parent.set.len() + 2 <= MOST_LAWS { self.pairs(parent, &products, &all) } else { Vec::new() };
         let least = (PROMISE * parent.variance).max(FOLLOWED[0] * all.first().map_or(0.0, |p| p[0].promise));
         let singles: Vec<&Vec<Prospect>> = all.iter().filter(|p| p[0].promise > least).take(WIDTH).collect();
         let alone = parallel::map_chunks(&singles, 1, |_, one| self.fitted(parent, &[one[0][0].law], one[0]));
         let together = parallel::map_chunks(&pairs, 1, |_, pair| {
             let [first, second] = &pair[0];
             let between = self.fitted(parent, &[first.law], std::slice::from_ref(first))?;
-            let both: Vec<Prospect> = self.prospects(&between, second.law);
+            let both: Vec<Prospect> = self.prospects(&between, &self.products(&between), second.law);
             self.fitted(&between, &[second.law], &both)
         });
         alone.into_iter().chain(together).flatten().collect()
     }
 
     /// Pairs that promise more than their laws one by one, best first.
-    fn pairs(&self, parent: &Fitted, all: &[Vec<Prospect>]) -> Vec<[Prospect; 2]> {
+    fn pairs(&self, parent: &Fitted, products: &Products, all: &[Vec<Prospect>]) -> Vec<[Prospect; 2]> {
+        let layout = self.kind.layout();
         let some = &all[..all.len().min(2 * WIDTH)];
         let mut pairs = Vec::new();
         for (i, first) in some.iter().enumerate() {
@@ -208,7 +222,8 @@ impl<'a, K: Kind> Search<'a, K> {
                 if self.kind.excludes(a.law, b.law) {
                     continue;
                 }
-                let promise = self.promise(parent, &[&a.direction, &b.direction]);
+                let both = products.with(layout, &parent.model, &[&a.direction, &b.direction]);
+                let promise = promise(&both);
                 if promise > TOGETHER * (a.promise + b.promise) && promise > PROMISE * parent.variance {
                     pairs.push((promise, [a.clone(), b.clone()]));
                 }
@@ -219,50 +234,26 @@ impl<'a, K: Kind> Search<'a, K> {
         pairs.into_iter().map(|p| p.1).collect()
     }
 
-    /// Beginnings of a law beside a set, the most promising first.
-    fn prospects(&self, parent: &Fitted, law: usize) -> Vec<Prospect> {
+    /// Beginnings of a law beside a set, the most promising first. A fit begins where the linear step
+    /// ends.
+    fn prospects(&self, parent: &Fitted, products: &Products, law: usize) -> Vec<Prospect> {
+        let (kind, layout) = (self.kind, self.kind.layout());
         let mut set = parent.set.clone();
         set.push(law);
-        let points = self.kind.joined(&parent.set, &parent.point, law);
-        let residuals = self.kind.residuals(&set, &points);
-        let mut all: Vec<Prospect> = points
-            .into_iter()
-            .zip(residuals)
-            .filter_map(|(beginning, residual)| {
-                let counts = &self.kind.layout().counts;
-                let pairs = parent.model.residual.iter().zip(residual?).zip(counts);
-                let direction: Vec<f64> = pairs.map(|((a, b), c)| if *c { a - b } else { 0.0 }).collect();
-                let promise = self.promise(parent, &[&direction]);
-                promise.is_finite().then_some(Prospect { law, beginning, direction, promise })
-            })
-            .collect();
-        // A fit begins where the linear step ends.
-        all.retain_mut(|p| {
-            let size = self.sizes(parent, &[&p.direction]).map(|s| s[0]);
-            let beginning = size.and_then(|size| self.kind.strengthened(&set, &p.beginning, size));
-            beginning.map(|beginning| p.beginning = beginning).is_some()
-        });
+        let points = kind.joined(&parent.set, &parent.point, law);
+        let residuals = kind.residuals(&set, &points);
+        let prospect = |(point, residual): (Point, Option<Vec<f64>>)| {
+            let pairs = parent.model.residual.iter().zip(residual?).zip(&layout.counts);
+            let direction: Vec<f64> = pairs.map(|((a, b), c)| if *c { a - b } else { 0.0 }).collect();
+            let with = products.with(layout, &parent.model, &[&direction]);
+            let promise = Some(promise(&with)).filter(|p| p.is_finite())?;
+            let size = *with.steps(&[0.0])?[0].shared.iter().next_back()?;
+            let beginning = kind.strengthened(&set, &point, size)?;
+            Some(Prospect { law, beginning, direction, promise })
+        };
+        let mut all: Vec<Prospect> = points.into_iter().zip(residuals).filter_map(prospect).collect();
         order::sort_by_key(&mut all, |p| -p.promise);
         all
-    }
-
-    /// A model with these directions as further coordinates.
-    fn extended(&self, parent: &Fitted, directions: &[&Vec<f64>]) -> Products {
-        let mut model = parent.model.clone();
-        model.shared.extend(directions.iter().map(|d| (*d).clone()));
-        Products::of(self.kind.layout(), &model, &parent.at_bound)
-    }
-
-    /// How far a linear step goes along each of these directions.
-    fn sizes(&self, parent: &Fitted, directions: &[&Vec<f64>]) -> Option<Vec<f64>> {
-        let step = self.extended(parent, directions).steps(&[0.0])?.remove(0);
-        Some(step.shared.iter().skip(parent.model.shared.len()).copied().collect())
-    }
-
-    /// Fall of the sum of squares that a linear step along these directions promises.
-    fn promise(&self, parent: &Fitted, directions: &[&Vec<f64>]) -> f64 {
-        let sums = self.extended(parent, directions).sums();
-        sums.map_or(0.0, |[sum, promised]| sum - promised)
     }
 
     fn fitted(&self, parent: &Fitted, laws: &[usize], prospects: &[Prospect]) -> Option<Arc<Fitted>> {
@@ -299,6 +290,11 @@ impl<'a, K: Kind> Search<'a, K> {
         all.sort_by(|a, b| a.error.total_cmp(&b.error).then_with(|| a.set.cmp(&b.set)));
         all
     }
+}
+
+/// Fall of the sum of squares that a linear step promises.
+fn promise(products: &Products) -> f64 {
+    products.sums().map_or(0.0, |[sum, promised]| sum - promised)
 }
 
 /// A set in the order of the space.

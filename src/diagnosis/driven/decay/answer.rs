@@ -9,6 +9,7 @@ use crate::driven::identification::fit::Fit;
 use crate::driven::intake::data::Data;
 use crate::driven::intake::notes::Notes;
 use crate::driven::selection::identifiability::FEWEST_CYCLES;
+use crate::driven::simulated::system::System;
 use crate::driven::verdict::asked::Asked;
 use crate::driven::verdict::conclude::WHITE;
 use crate::driven::verdict::detail::{Account, Detail, Shown};
@@ -29,7 +30,6 @@ use crate::verdict::{DependsOn, Fit as Score, Noise, RecordingInfo, RecordingSco
 use super::effects::{self, share};
 use super::findings;
 use super::searched::Decay;
-use super::system::System;
 
 /// Cycles that a look at both models spans.
 const SHOWN: f64 = 8.0;

@@ -5,14 +5,14 @@ use std::ops::Range;
 
 use crate::driven::identification::refined_scales::lines;
 use crate::driven::identification::start::first_scales;
+use crate::driven::simulated::rows::Rows;
+use crate::driven::simulated::space;
+use crate::driven::simulated::system::{System, z};
 use crate::engine::fit::{Fitted, MOST_STEPS, fit};
 use crate::engine::kind::Point;
 use crate::numerics::moments::{mean_sd, rms};
 
-use super::rows::Rows;
-use super::space;
 use super::swings::Motion;
-use super::system::{System, z};
 
 /// Damping ratios at which a base model begins.
 const ZETAS: [f64; 4] = [0.003, 0.03, 0.15, 0.5];
@@ -46,7 +46,7 @@ pub(super) fn base(rows: Rows, motion: &Motion) -> Option<(System, Fitted)> {
     scales.velocity = scales.output * values[0];
     scales.residual = rms(fitted.model.residual.iter().copied());
     scales.lines_hz = lines(&fitted.model.residual, system.rows.data.rate_hz);
-    system.members = space::members(system.rows.data.environments, &system.scales);
+    system.members = space::members(system.rows.data.environments, false, &system.scales);
     // Coordinates are measured by the sizes, which have moved.
     let turn = |s: &Vec<f64>, before: f64| vec![s[0], s[1] * before / system.scales.omega_rad_s];
     let before = TAU / motion.cycle * system.rows.data.rate_hz * system.rows.step as f64;

@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use crate::driven::intake::data::Data;
+use crate::driven::simulated::rows::{LEAST_BLOCK, Rows};
 use crate::engine::kind::Layout;
 use crate::numerics::moments::dot;
 
@@ -23,25 +24,6 @@ const FEW_PER_CYCLE: f64 = 16.0;
 const MOST: f64 = 2000.0;
 /// Blocks in all at least, where each keeps some rows.
 const FEWEST_BLOCKS: usize = 32;
-/// Rows of a block at least.
-const LEAST_BLOCK: usize = 6;
-
-/// Rows of a decay: segments one after the other, each of which begins anew.
-#[derive(Debug, Clone)]
-pub(super) struct Rows {
-    /// As simulations see them.
-    pub data: Data,
-    /// Segments and blocks.
-    pub layout: Layout,
-    /// Row of the recording of each row here.
-    pub at: Vec<usize>,
-    /// Rows of the recording from one row to the next.
-    pub step: usize,
-    /// One segment of so many is fitted.
-    pub of: usize,
-    /// Standard deviation of white noise of unit size after the parabolas.
-    pub noise_gain: f64,
-}
 
 /// Weights of a parabola's value in the middle of 2m + 1 rows (Savitzky & Golay, Anal. Chem. 36,
 /// 1964).
@@ -96,34 +78,8 @@ pub(super) fn rows(data: &Data, motion: &Motion, filled: &[Range<usize>]) -> Row
         ..data.clone()
     };
     let noise_gain = weights.iter().map(|w| w * w).sum::<f64>().sqrt();
-    Rows { data, layout: Layout::new(segments, block, counts), at, step, of, noise_gain }
-}
-
-impl Rows {
-    /// The same rows with each two segments that follow one another as one; `None` where none do.
-    pub(super) fn joined(&self) -> Option<Self> {
-        let mut segments: Vec<Range<usize>> = Vec::new();
-        let follows = |a: &Range<usize>, b: &Range<usize>| self.at[b.start] == self.at[a.end - 1] + self.step;
-        let mut is_pair = true;
-        for segment in &self.layout.segments {
-            match segments.last_mut().filter(|last| !is_pair && follows(last, segment)) {
-                Some(last) => (last.end, is_pair) = (segment.end, true),
-                None => {
-                    segments.push(segment.clone());
-                    is_pair = false;
-                }
-            }
-        }
-        if segments.len() == self.layout.segments.len() {
-            return None;
-        }
-        let block = self.layout.blocks.iter().map(Range::len).max().unwrap_or(LEAST_BLOCK);
-        let mut joined = self.clone();
-        joined.data.breaks = segments.iter().skip(1).map(|s| s.start).collect();
-        joined.data.train.clone_from(&segments);
-        joined.layout = Layout::new(segments, block, self.layout.counts.clone());
-        Some(joined)
-    }
+    let layout = Layout::new(segments, block, counts);
+    Rows { data, layout, own_offsets: false, at, step, of, noise_gain }
 }
 
 #[cfg(test)]

@@ -5,6 +5,8 @@ use std::sync::Arc;
 
 use crate::driven::intake::data::Data;
 use crate::driven::intake::reading_noise::{ReadingNoise, Sample, reading_noise};
+use crate::driven::simulated::rows::Rows;
+use crate::driven::simulated::system::System;
 use crate::driven::simulation::filter::States;
 use crate::engine::fit::{Fitted, MOST_STEPS, fit};
 use crate::engine::kind::Point;
@@ -13,9 +15,8 @@ use crate::engine::names::{self, Found};
 use crate::engine::search::Search;
 
 use super::base_model::base;
-use super::rows::{self, Rows};
+use super::rows;
 use super::swings::{self, Motion};
-use super::system::System;
 
 /// A decay that was searched.
 pub(crate) struct Decay {

@@ -56,18 +56,23 @@ pub(crate) fn minus(from: &[Range<usize>], take: &[Range<usize>]) -> Vec<Range<u
 /// The loudest stretch of a long recording, to choose terms on; the terms chosen are fitted to
 /// everything afterwards. `None` where the recording is short enough to be used whole.
 pub(crate) fn loudest(data: &Data) -> Option<Data> {
-    if data.hull.len() <= LONG {
+    loudest_of(data, LONG, STRETCH)
+}
+
+/// The loudest stretch of so many samples of a recording longer than this.
+pub(crate) fn loudest_of(data: &Data, longest: usize, stretch: usize) -> Option<Data> {
+    if data.hull.len() <= longest {
         return None;
     }
     let power = |r: &Range<usize>| mean_sd(&data.reading[r.clone()]).1;
     let mut spans = data.recordings();
-    spans.retain(|r| r.len() >= STRETCH);
+    spans.retain(|r| r.len() >= stretch);
     // Across several recordings only where each of them is short.
     if spans.is_empty() {
         spans.push(data.hull.clone());
     }
-    let windows = spans.iter().flat_map(|r| (0..=8).map(move |i| r.start + (r.len() - STRETCH) * i / 8));
-    let hull = windows.map(|a| a..a + STRETCH).max_by(|a, b| power(a).total_cmp(&power(b)))?;
+    let windows = spans.iter().flat_map(|r| (0..=8).map(move |i| r.start + (r.len() - stretch) * i / 8));
+    let hull = windows.map(|a| a..a + stretch).max_by(|a, b| power(a).total_cmp(&power(b)))?;
     let breaks = data.breaks.iter().copied().filter(|b| hull.start < *b && *b < hull.end).collect();
     let known = merged({
         let mut all: Vec<Range<usize>> = data.train.iter().chain(&data.validation).cloned().collect();

@@ -1,5 +1,5 @@
-//! The laws that a decay may follow beside the base model: the library's, and free forms of their
-//! arguments.
+//! The laws that a proof mass may follow beside the base model: the library's, and free forms of
+//! their arguments.
 
 use crate::engine::kind::{Argument, Form};
 use crate::physics::end_stop::{EndStop, Side};
@@ -14,23 +14,28 @@ use crate::physics::stiffness_drift::StiffnessDrift;
 
 /// A law of the space.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Member {
+pub(in crate::driven) struct Member {
     /// The law.
     pub term: Term,
     /// Its use in the search.
     pub form: Form,
 }
 
-/// All laws that a decay with this many environment columns is tried against.
-pub(super) fn members(environments: usize, scales: &Scales) -> Vec<Member> {
-    // The start of each segment is free, so that what is linear beside the mass does not show: a
-    // low-pass changes size and phase of the motion and nothing else.
+/// All laws that a recording with this many environment columns, of a mass that an input drives or
+/// not, is tried against.
+pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &Scales) -> Vec<Member> {
+    // Of a decay the start of each segment is free, so that what is linear beside the mass does not
+    // show: a low-pass changes size and phase of the motion and nothing else. Under an input, what
+    // has lines of its own is noise, and is named last.
     let shows = |t: &Term| {
-        t.noise().is_none()
-            && !matches!(t.role(), Role::LowPass | Role::Lattice)
-            && !matches!(t, Term::ReadoutSaturation(_) | Term::ForceNoise(_))
+        let is_hidden = match t {
+            Term::ReadoutSaturation(_) => !is_driven,
+            Term::PeriodicDisturbance(_) => is_driven,
+            _ => t.role() == Role::LowPass && !is_driven,
+        };
+        t.noise().is_none() && t.role() != Role::Lattice && !is_hidden
     };
-    let mut terms: Vec<Term> = Term::tried(environments, false).into_iter().filter(shows).collect();
+    let mut terms: Vec<Term> = Term::tried(environments, is_driven).into_iter().filter(shows).collect();
     for side in [Side::Both, Side::Upper, Side::Lower] {
         let stop = Term::EndStop(EndStop(side));
         if !terms.contains(&stop) {
@@ -49,7 +54,7 @@ pub(super) fn members(environments: usize, scales: &Scales) -> Vec<Member> {
         form: Form::Free,
     };
     let size = 2.0 * scales.output;
-    let forms = [
+    let mut forms = vec![
         free(Freed::CubicSpring, size),
         free(Freed::QuadraticSpring, size),
         free(Freed::Drag, speed),
@@ -57,24 +62,35 @@ pub(super) fn members(environments: usize, scales: &Scales) -> Vec<Member> {
         free(Freed::Film, size),
         free(Freed::Drift, scales.duration_s),
     ];
+    if is_driven {
+        forms.extend([free(Freed::Drive, 2.0 * scales.input), free(Freed::Readout, size)]);
+    }
     stated.chain(powers).chain(forms).collect()
 }
 
 /// Quantity that a law depends on.
-pub(super) fn argument(term: &Term) -> Argument {
+pub(in crate::driven) fn argument(term: &Term) -> Argument {
     match term {
         Term::QuadraticDamping(_) | Term::PowerLawDamping(_) | Term::CoulombFriction(_) => Argument::Velocity,
         Term::SqueezeFilmDamping(_) => Argument::Both,
         Term::Hysteresis(_) => Argument::Path,
         Term::StiffnessDrift(StiffnessDrift { environment: Some(_) }) => Argument::Environment,
         Term::StiffnessDrift(_) | Term::BiasDrift(_) | Term::WarmUp(_) => Argument::Time,
-        Term::ReadoutNonlinearity(_) => Argument::Readout,
-        Term::CoupledMode(_) | Term::ParasiticMode(_) | Term::PeriodicDisturbance(_) => Argument::Frequency,
+        Term::ReadoutNonlinearity(_) | Term::ReadoutSaturation(_) => Argument::Readout,
+        Term::DriveNonlinearity(_) => Argument::Input,
+        Term::CoupledMode(_)
+        | Term::ParasiticMode(_)
+        | Term::PeriodicDisturbance(_)
+        | Term::ReadoutDelay(_)
+        | Term::InputLag(_)
+        | Term::ReadoutLowpass(_)
+        | Term::Feedthrough(_) => Argument::Frequency,
         Term::FreeForm(form) => match form.law {
             Freed::Drag | Freed::Friction => Argument::Velocity,
             Freed::Film => Argument::Both,
             Freed::Drift => Argument::Time,
             Freed::Readout => Argument::Readout,
+            Freed::Drive => Argument::Input,
             _ => Argument::Displacement,
         },
         _ => Argument::Displacement,
@@ -82,7 +98,7 @@ pub(super) fn argument(term: &Term) -> Argument {
 }
 
 /// Whether two laws are forms of one another, of which a set holds at most one.
-pub(super) fn excludes(one: &Term, other: &Term) -> bool {
+pub(in crate::driven) fn excludes(one: &Term, other: &Term) -> bool {
     let group = |t: &Term| match t {
         Term::CubicStiffness(_) | Term::PowerLawStiffness(_) => 1,
         Term::FreeForm(form) => match form.law {
@@ -92,7 +108,9 @@ pub(super) fn excludes(one: &Term, other: &Term) -> bool {
             Freed::Friction => 4,
             Freed::Drift => 5,
             Freed::QuadraticSpring => 6,
-            _ => 0,
+            Freed::Drive => 8,
+            Freed::Readout => 9,
+            Freed::Stop(_) => 7,
         },
         Term::QuadraticDamping(_) | Term::PowerLawDamping(_) => 2,
         Term::SqueezeFilmDamping(_) => 3,
@@ -100,6 +118,10 @@ pub(super) fn excludes(one: &Term, other: &Term) -> bool {
         Term::StiffnessDrift(_) => 5,
         Term::QuadraticStiffness(_) => 6,
         Term::EndStop(_) => 7,
+        Term::DriveNonlinearity(_) => 8,
+        Term::ReadoutNonlinearity(_) => 9,
+        // One is the other with its sign turned.
+        Term::ReadoutDelay(_) | Term::InputLag(_) => 10,
         _ => 0,
     };
     one.id() == other.id() || (group(one) != 0 && group(one) == group(other))

@@ -1,4 +1,5 @@
-//! A decay as the engine sees it: sets of laws beside the oscillator, simulated over its segments.
+//! A proof mass as the engine sees it: sets of laws beside the oscillator, simulated over segments
+//! of its recordings, under an input or free.
 
 use std::ops::Range;
 
@@ -8,6 +9,7 @@ use crate::driven::simulation::run::{Run, innovations};
 use crate::driven::simulation::structure::ModelStructure;
 use crate::engine::kind::{Argument, Form, Kind, Layout, Linearised, Point};
 use crate::physics::end_stop::EndStop;
+use crate::physics::free_form::Freed;
 use crate::physics::law::Role;
 use crate::physics::library::Term;
 use crate::physics::scales::{Coordinate, Scales};
@@ -20,11 +22,10 @@ use super::space::{self, Member};
 const NUDGE: f64 = 1e-5;
 /// Coordinate of a strength at which a law joins a model: its first derivative is what counts.
 const JOINS: f64 = 1e-3;
-/// Shared coordinates of the oscillator: ω₀, ζ, offset.
-pub(super) const OWN: usize = 3;
 
-/// A decay and the laws that it is held against.
-pub(super) struct System {
+/// A recording and the laws that it is held against.
+#[derive(Clone)]
+pub(in crate::driven) struct System {
     /// Rows, segments and blocks.
     pub rows: Rows,
     /// Sizes that coordinates are measured by.
@@ -35,27 +36,41 @@ pub(super) struct System {
 
 impl System {
     /// Terms of a set.
-    pub(super) fn terms(&self, set: &[usize]) -> Vec<Term> {
+    pub(in crate::driven) fn terms(&self, set: &[usize]) -> Vec<Term> {
         set.iter().map(|law| self.members[*law].term).collect()
     }
 
     /// The model of a set over all segments.
-    pub(super) fn structure(&self, set: &[usize]) -> ModelStructure {
+    pub(in crate::driven) fn structure(&self, set: &[usize]) -> ModelStructure {
         ModelStructure::over(&self.terms(set), self.rows.layout.segments.len() - 1)
     }
 
-    fn base_coordinates(&self) -> [Coordinate; OWN] {
+    /// Places of the oscillator's shared parameters: the gain where an input drives it, and the offset
+    /// where it is not each recording's own.
+    fn oscillator(&self) -> Vec<usize> {
+        let all = [GAIN, OMEGA, ZETA, OFFSET];
+        let is_shared = |place: &usize| match *place {
+            GAIN => self.rows.data.input.is_some(),
+            OFFSET => !self.rows.own_offsets,
+            _ => true,
+        };
+        all.into_iter().filter(is_shared).collect()
+    }
+
+    fn base_coordinates(&self) -> Vec<Coordinate> {
         let s = &self.scales;
-        [
-            Coordinate::Log(OMEGAS_PER_SAMPLE[0] / s.interval_s, OMEGAS_PER_SAMPLE[1] / s.interval_s),
-            Coordinate::Bounded(s.zeta.max(1e-4), 0.0, ZETAS[1]),
-            Coordinate::Linear(0.1 * s.output),
-        ]
+        let of = |place: usize| match place {
+            GAIN => Coordinate::Linear(0.1 * s.gain.abs().max(1e-300)),
+            OMEGA => Coordinate::Log(OMEGAS_PER_SAMPLE[0] / s.interval_s, OMEGAS_PER_SAMPLE[1] / s.interval_s),
+            ZETA => Coordinate::Bounded(s.zeta.max(1e-4), 0.0, ZETAS[1]),
+            _ => Coordinate::Linear(0.1 * s.output),
+        };
+        self.oscillator().into_iter().map(of).collect()
     }
 
     /// Coordinates of the shared values of a set, Held ones included.
-    pub(super) fn shared_coordinates(&self, set: &[usize]) -> Vec<Coordinate> {
-        let mut all = self.base_coordinates().to_vec();
+    pub(in crate::driven) fn shared_coordinates(&self, set: &[usize]) -> Vec<Coordinate> {
+        let mut all = self.base_coordinates();
         for term in self.terms(set) {
             let own = term.coordinates(&self.scales);
             all.extend_from_slice(&own[..own.len() - term.unknown_beginnings()]);
@@ -67,6 +82,7 @@ impl System {
     fn start_coordinates(&self, set: &[usize]) -> Vec<Coordinate> {
         let (x, v) = (0.1 * self.scales.output, 0.1 * self.scales.output * self.scales.omega_rad_s);
         let mut all = vec![Coordinate::Linear(x), Coordinate::Linear(v)];
+        all.extend(self.rows.own_offsets.then_some(Coordinate::Linear(x)));
         for term in self.terms(set) {
             let own = term.coordinates(&self.scales);
             all.extend_from_slice(&own[own.len() - term.unknown_beginnings()..]);
@@ -75,12 +91,12 @@ impl System {
     }
 
     /// Values of the shared coordinates of a point.
-    pub(super) fn shared_values(&self, set: &[usize], point: &Point) -> Vec<f64> {
+    pub(in crate::driven) fn shared_values(&self, set: &[usize], point: &Point) -> Vec<f64> {
         self.shared_coordinates(set).iter().zip(&point.shared).map(|(c, z)| value(*c, *z)).collect()
     }
 
     /// All parameters of the model of a set, in the order of its structure.
-    pub(super) fn parameters(&self, set: &[usize], point: &Point) -> Vec<f64> {
+    pub(in crate::driven) fn parameters(&self, set: &[usize], point: &Point) -> Vec<f64> {
         let structure = self.structure(set);
         let shared = self.shared_values(set, point);
         let coordinates = self.start_coordinates(set);
@@ -88,13 +104,15 @@ impl System {
             point.starts.iter().map(|s| coordinates.iter().zip(s).map(|(c, z)| value(*c, *z)).collect()).collect();
         let mut all = vec![0.0; structure.parameters];
         all[GAIN] = 1.0;
-        (all[OMEGA], all[ZETA], all[OFFSET]) = (shared[0], shared[1], shared[2]);
+        let oscillator = self.oscillator();
+        oscillator.iter().zip(&shared).for_each(|(place, value)| all[*place] = *value);
+        let offset = all[OFFSET];
         for (segment, start) in starts.iter().enumerate() {
-            all[structure.offset(segment)] = shared[2];
+            all[structure.offset(segment)] = if self.rows.own_offsets { start[2] } else { offset };
             all[structure.initial(segment)] = start[0];
             all[structure.initial(segment) + 1] = start[1];
         }
-        let (mut next, mut own) = (OWN, 2);
+        let (mut next, mut own) = (oscillator.len(), self.beginning());
         for (i, term) in structure.terms.iter().enumerate() {
             let (unknown, first) = (term.unknown_beginnings(), structure.first[i]);
             let known = term.values() - unknown;
@@ -108,9 +126,46 @@ impl System {
         all
     }
 
+    /// Coordinates of where a segment begins, those of laws apart.
+    fn beginning(&self) -> usize {
+        2 + usize::from(self.rows.own_offsets)
+    }
+
+    /// The point of a set at these parameters, in the order of its structure.
+    pub(in crate::driven) fn point(&self, set: &[usize], parameters: &[f64]) -> Point {
+        let structure = self.structure(set);
+        let known = |i: usize| structure.terms[i].values() - structure.terms[i].unknown_beginnings();
+        let mut shared: Vec<f64> = self.oscillator().iter().map(|place| parameters[*place]).collect();
+        for (i, first) in structure.first.iter().enumerate() {
+            shared.extend_from_slice(&parameters[*first..first + known(i)]);
+        }
+        let begun = |segment: usize| {
+            let initial = structure.initial(segment);
+            let mut all = vec![parameters[initial], parameters[initial + 1]];
+            all.extend(self.rows.own_offsets.then(|| parameters[structure.offset(segment)]));
+            for (i, first) in structure.first.iter().enumerate() {
+                let unknown = structure.terms[i].unknown_beginnings();
+                let from = first + known(i) + segment * unknown;
+                all.extend_from_slice(&parameters[from..from + unknown]);
+            }
+            all
+        };
+        let measured = |coordinates: &[Coordinate], values: &[f64]| -> Vec<f64> {
+            coordinates.iter().zip(values).map(|(c, v)| z(*c, *v)).collect()
+        };
+        let coordinates = self.start_coordinates(set);
+        let starts = (0..=structure.further).map(|s| measured(&coordinates, &begun(s))).collect();
+        Point { shared: measured(&self.shared_coordinates(set), &shared), starts }
+    }
+
     /// How the model of a set is run at these parameters.
     fn run(&self, structure: &ModelStructure, points: &[Vec<f64>]) -> Run {
-        let steps = points.iter().map(|p| structure.free_steps(p, &self.scales)).max().unwrap_or(1);
+        let is_free = self.rows.data.input.is_none();
+        let needed = |p: &Vec<f64>| match is_free {
+            true => structure.free_steps(p, &self.scales),
+            false => structure.steps(p, &self.scales),
+        };
+        let steps = points.iter().map(needed).max().unwrap_or(1);
         Run { range: self.rows.data.hull.clone(), steps, corrected: false }
     }
 
@@ -122,7 +177,7 @@ impl System {
     }
 
     /// Residuals of a point over all rows, keeping what passes.
-    pub(super) fn traced<S: Keep>(&self, set: &[usize], point: &Point, keep: &mut S) -> Vec<f64> {
+    pub(in crate::driven) fn traced<S: Keep>(&self, set: &[usize], point: &Point, keep: &mut S) -> Vec<f64> {
         self.simulated(&self.structure(set), &[self.parameters(set, point)], keep).remove(0)
     }
 
@@ -133,9 +188,10 @@ impl System {
             Term::FreeForm(form) => {
                 let none = vec![0.0; term.values()];
                 match form.law {
-                    crate::physics::free_form::Freed::Friction => [0.05, 0.3]
+                    Freed::Friction => [0.05, 0.3]
                         .map(|smooth| vec![0.0, smooth * self.scales.velocity, 0.0, 0.3 * self.scales.velocity])
                         .to_vec(),
+                    Freed::Readout => vec![vec![0.0, 0.0, 0.0, 0.3 * self.scales.output]],
                     _ => vec![none],
                 }
             }
@@ -149,8 +205,8 @@ impl System {
             let parameters = term.values() - term.unknown_beginnings();
             let strengths: Vec<usize> =
                 if start.first() == Some(&0.0) { (0..parameters).filter(|j| silent(*j)).collect() } else { Vec::new() };
-            let strengths =
-                if matches!(term, Term::FreeForm(_)) { strengths.into_iter().take(1).collect() } else { strengths };
+            let is_product = matches!(term, Term::FreeForm(form) if form.law != Freed::Readout);
+            let strengths = if is_product { strengths.into_iter().take(1).collect() } else { strengths };
             if strengths.is_empty() {
                 all.push(start);
                 continue;
@@ -167,11 +223,16 @@ impl System {
 
 /// How many of a law's first parameters are its strength.
 fn strengths(term: &Term) -> usize {
-    if matches!(term, Term::ReadoutNonlinearity(_) | Term::PeriodicDisturbance(_)) { 2 } else { 1 }
+    match term {
+        Term::ReadoutSaturation(_) => 0,
+        Term::ReadoutNonlinearity(_) | Term::PeriodicDisturbance(_) => 2,
+        Term::FreeForm(form) if form.law == Freed::Readout => 3,
+        _ => 1,
+    }
 }
 
 /// The value at a coordinate.
-pub(super) fn value(coordinate: Coordinate, z: f64) -> f64 {
+pub(in crate::driven) fn value(coordinate: Coordinate, z: f64) -> f64 {
     match coordinate {
         Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => z * scale,
         Coordinate::Log(..) => z.exp(),
@@ -180,7 +241,7 @@ pub(super) fn value(coordinate: Coordinate, z: f64) -> f64 {
 }
 
 /// The coordinate of a value.
-pub(super) fn z(coordinate: Coordinate, value: f64) -> f64 {
+pub(in crate::driven) fn z(coordinate: Coordinate, value: f64) -> f64 {
     match coordinate {
         Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => value / scale,
         Coordinate::Log(low, high) => value.clamp(low, high).ln(),
@@ -252,7 +313,7 @@ impl Kind for System {
         reduced.shared.drain(self.coordinates(set, place));
         let unknown = |t: &Term| t.unknown_beginnings();
         let terms = self.terms(set);
-        let before = 2 + terms[..place].iter().map(unknown).sum::<usize>();
+        let before = self.beginning() + terms[..place].iter().map(unknown).sum::<usize>();
         reduced.starts.iter_mut().for_each(|s| {
             s.drain(before..before + terms[place].unknown_beginnings());
         });
@@ -334,7 +395,7 @@ impl Kind for System {
     fn coordinates(&self, set: &[usize], place: usize) -> Range<usize> {
         let known = |t: &Term| t.values() - t.unknown_beginnings();
         let terms = self.terms(set);
-        let first = OWN + terms[..place].iter().map(known).sum::<usize>();
+        let first = self.oscillator().len() + terms[..place].iter().map(known).sum::<usize>();
         first..first + known(&terms[place])
     }
 

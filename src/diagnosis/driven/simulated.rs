@@ -1,0 +1,9 @@
+//! A proof mass for the engine: its laws (`space`), how a set of them is simulated over segments of a
+//! recording (`system`, `rows`), and the search for those that a recording under an input follows
+//! (`under_input`, `search`).
+
+pub(in crate::driven) mod rows;
+pub(in crate::driven) mod search;
+pub(in crate::driven) mod space;
+pub(in crate::driven) mod system;
+mod under_input;

@@ -1,0 +1,31 @@
+//! The rows of a recording under an input: every sample, as the input is known at no others, of its
+//! loudest stretch where it is long; in the segments that a simulation can follow.
+
+use crate::driven::intake::data::Data;
+use crate::driven::intake::stretches::loudest_of;
+use crate::engine::kind::Layout;
+
+use super::rows::{LEAST_BLOCK, Rows};
+
+/// Rows in all at most.
+const MOST: usize = 8192;
+/// Blocks in all at most.
+const BLOCKS: usize = 40;
+
+/// Rows of a recording whose resonance has a cycle of so many samples. One whose response is chaotic
+/// begins anew in each of its windows.
+pub(super) fn rows(data: &Data, cycle: f64) -> Rows {
+    let mut data = loudest_of(data, MOST, MOST).unwrap_or_else(|| data.clone());
+    let hull = data.hull.clone();
+    let parts = data.windows.take().map_or_else(|| data.recordings(), |w| w.parts(&hull));
+    let own_offsets = !data.breaks.is_empty();
+    data.breaks = parts.iter().skip(1).map(|p| p.start).collect();
+    let segments: Vec<_> = parts.iter().map(|p| p.start - hull.start..p.end - hull.start).collect();
+    let mut counts = vec![false; hull.len()];
+    for part in data.train.iter().chain(&data.validation) {
+        counts[part.start - hull.start..part.end - hull.start].fill(true);
+    }
+    let block = (hull.len() / BLOCKS).max(cycle as usize).max(LEAST_BLOCK);
+    let layout = Layout::new(segments, block, counts);
+    Rows { layout, own_offsets, at: hull.collect(), step: 1, of: 1, noise_gain: 1.0, data }
+}
