@@ -91,6 +91,7 @@ impl Case<'_> {
             residual_after: remainder.whiteness(),
             findings,
             ranking: public.ranking(),
+            trace: Vec::new(),
             repair: None,
             detail: answer::Detail::Response(Box::new(detail)),
         }
