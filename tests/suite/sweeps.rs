@@ -139,9 +139,7 @@ fn jumps() -> Result<(), Failed> {
         check((f0 * TAU - 1.0).abs() < 0.05 * DAMPING, format!("{f0}"))?;
         check((width * TAU / DAMPING - 1.0).abs() < 0.02, format!("{width}"))?;
         let read: Vec<_> = detail.jumps.iter().filter(|j| j.read_hz.is_some()).collect();
-        check(!read.is_empty() && read.iter().all(|j| j.steps.is_some_and(|s| s <= 1)), || {
-            format!("{:?}", detail.jumps)
-        })?;
+        check(!read.is_empty() && read.iter().all(|j| j.steps.is_some_and(|s| s <= 1)), format!("{:?}", detail.jumps))?;
         // Control: up and down differ, or history would not matter.
         let at = |rises: bool| read.iter().find(|j| j.rises == rises).and_then(|j| j.read_hz);
         check(at(true) != at(false), format!("{:?}", detail.jumps))?;
