@@ -84,6 +84,7 @@ mod suite {
     pub mod study;
     pub mod study_cli;
     pub mod sweep;
+    pub mod sweeps;
     pub mod tiers;
     pub mod tilt;
     pub mod trial;
@@ -233,6 +234,8 @@ fn main() {
         suite::limits::tests(),
         // study_cli: refusals leave nothing behind, Ctrl-C leaves what --resume continues from.
         suite::study_cli::tests(),
+        // sweeps: jumps follow the history of each sweep; recorded sweeps give their numbers.
+        suite::sweeps::tests(),
     ];
     // T2: campaigns of verdicts.
     let campaigns = [
@@ -263,6 +266,8 @@ fn main() {
         suite::decays::tests(),
         // shares: under an input, each name with the part of the error that it removes.
         suite::shares::tests(),
+        // sweeps: planted laws are named, noise and a background are not.
+        suite::sweeps::campaigns(),
         // several recordings: fitted together, judged by others, refused where they do not belong together.
         suite::several_recordings::tests(),
         // require: the value that a requirement takes is the one of theory, covered as stated.

@@ -15,6 +15,7 @@ mod intake;
 mod jumps;
 mod location;
 mod noise;
+mod pole;
 mod predicted;
 mod space;
 mod steady_state;

@@ -123,8 +123,8 @@ pub fn power(
             let cases = planted(Slow::LIBRARY, if quick { &QUICK } else { &STILL }, plant, control);
             (Kind::Static, cases, bare.samples, bare.white[0], base)
         }
-        Model::Tumble(_) | Model::Trajectory(_) => {
-            let cause = "copies of an IMU's recording cannot be made";
+        Model::Tumble(_) | Model::Trajectory(_) | Model::Response(_) => {
+            let cause = "copies of an IMU's recording, and of sweeps, cannot be made";
             return Err(Error::new(attempt(), cause, "use a driven or a static recording"));
         }
     };

@@ -194,7 +194,7 @@ impl Case<'_> {
             let read = sweeps.jumps.len();
             let hit = jumps.iter().filter(|j| j.steps.is_some_and(|s| s <= 1)).count();
             all.push(format!(
-                "the reading jumps {read} times; the steps on both sides of a jump are not fitted; the model, following \
+                "the reading jumps {read} times; two steps on both sides of a jump are not fitted; the model, following \
                  the history of each sweep, has {hit} of the jumps within one step"
             ));
         }

@@ -10,14 +10,22 @@ use crate::error::{Error, Result};
 use crate::model::Response;
 use crate::recording::Recording;
 
+use super::pole::continued;
+
 /// Steps of a recording at least.
 const FEWEST: usize = 16;
 /// Part of the drive by which it changes from sweep to sweep, and not by its own noise.
 const ANOTHER_DRIVE: f64 = 0.02;
 /// Steps of a sweep on average, fewer of which say that rows are in no order of frequency.
 const ORDERED: f64 = 4.0;
+/// Part of the largest reading over its drive that a jump changes at least.
+const LEAST_JUMP: f64 = 0.15;
 /// Times that a jump exceeds the changes before and after it.
-const JUMP: f64 = 3.0;
+const STEEPEST: f64 = 1.5;
+/// Steps on either side of a jump in which a motion near its fold has not settled.
+const UNSETTLED: usize = 2;
+/// Steps on either side of a jump that are continued to it.
+const SIDE: usize = 5;
 /// Largest angle in rad that a heading without a unit may hold.
 const TURN: f64 = 1.1 * PI;
 
@@ -170,7 +178,10 @@ pub(super) fn sweeps(recording: &Recording, model: &Response, findings: &mut Vec
     };
     all.jumps = if is_ordered { jumps(&all) } else { Vec::new() };
     for k in &all.jumps {
-        (all.counts[*k], all.counts[k + 1]) = (false, false);
+        let own = all.sweeps.iter().find(|s| s.contains(k)).cloned().unwrap_or(0..0);
+        for near in (k + 1).saturating_sub(UNSETTLED).max(own.start)..(k + 1 + UNSETTLED).min(own.end) {
+            all.counts[near] = false;
+        }
     }
     Ok(all)
 }
@@ -215,16 +226,25 @@ fn by_drive(drive: &[f64]) -> Vec<Range<usize>> {
     in_sweeps(&flat, drive)
 }
 
-/// Steps after which the reading changes by several times as much as before and after.
+/// Steps over which neither side, continued as a pole, leads to the other.
 fn jumps(all: &Sweeps) -> Vec<usize> {
-    let change = |k: usize| (all.reading[k + 1] / all.drive[k + 1] - all.reading[k] / all.drive[k]).norm();
+    let of_drive = |k: usize| all.reading[k] / all.drive[k];
+    let most = (0..all.len()).filter(|k| all.counts[*k]).map(|k| of_drive(k).norm()).fold(0.0, f64::max);
+    let change = |k: usize| (of_drive(k + 1) - of_drive(k)).norm();
+    // How far a step lies from the pole through others.
+    let misses = |others: Range<usize>, k: usize| {
+        let reading: Vec<Complex<f64>> = others.clone().map(of_drive).collect();
+        continued(&all.frequency_hz[others], &reading, all.frequency_hz[k]).map_or(0.0, |y| (y - of_drive(k)).norm())
+    };
     let mut found = Vec::new();
-    for sweep in all.sweeps.iter().filter(|s| s.len() >= 8) {
-        let last = sweep.end - 1;
-        for k in sweep.start + 1..last.saturating_sub(1) {
-            let around = [k.checked_sub(2), Some(k - 1), Some(k + 1), Some(k + 2)];
-            let others = around.into_iter().flatten().filter(|j| sweep.contains(j) && *j < last).map(change);
-            if change(k) > JUMP * others.fold(0.0, f64::max) {
+    for sweep in &all.sweeps {
+        for k in
+            (sweep.start + SIDE..(sweep.end + 1).saturating_sub(SIDE + 1)).filter(|k| change(*k) > LEAST_JUMP * most)
+        {
+            let steepest = change(k) > STEEPEST * change(k - 1).max(change(k + 1));
+            let forwards = misses(k + 1 - SIDE..k + 1, k + 1);
+            let backwards = misses(k + 1..k + 1 + SIDE, k);
+            if steepest && forwards.min(backwards) > LEAST_JUMP * most {
                 found.push(k);
             }
         }

@@ -9,11 +9,10 @@ use nalgebra::{Complex, Matrix3, Vector3};
 use crate::numerics::order;
 
 use super::intake::Sweeps;
+use super::pole::{Local, pole};
 
 /// Steps on either side.
 const HALF: usize = 3;
-/// Rounds of weighing by the distance from the pole.
-const ROUNDS: usize = 3;
 /// Median of χ² of eight degrees of freedom over its mean: fourteen numbers less six that are fitted.
 const MEDIAN: f64 = 0.918;
 /// Free numbers of a window.
@@ -35,36 +34,38 @@ pub(super) fn deviation(sweeps: &Sweeps) -> Option<f64> {
 
 /// Variance of a component after the best pole is subtracted.
 fn left(frequency_hz: &[f64], reading: &[Complex<f64>]) -> Option<f64> {
-    let centre = frequency_hz[HALF];
-    let width = frequency_hz.iter().fold(0.0f64, |m, f| m.max((f - centre).abs()));
-    let size = reading.iter().fold(0.0f64, |m, y| m.max(y.norm()));
-    if width == 0.0 || size == 0.0 {
-        return None;
-    }
+    let local = Local::about(frequency_hz[HALF], frequency_hz)?;
     let points: Vec<(f64, Complex<f64>)> =
-        frequency_hz.iter().zip(reading).map(|(f, y)| ((f - centre) / width, y / size)).collect();
-    let mut weights = vec![1.0; points.len()];
-    let mut pole = [Complex::new(0.0, 0.0); 3];
-    for _ in 0..ROUNDS {
-        // a + bδ − c·y = δ·y.
-        let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
-        for ((delta, y), w) in points.iter().zip(&weights) {
-            let row = Vector3::new(Complex::new(1.0, 0.0), Complex::new(*delta, 0.0), -y);
-            normal += row.conjugate() * row.transpose() * Complex::new(*w, 0.0);
-            right += row.conjugate() * (y * *delta) * Complex::new(*w, 0.0);
-        }
-        let solved = normal.lu().solve(&right)?;
-        pole = [solved[0], solved[1], solved[2]];
-        for ((delta, _), w) in points.iter().zip(&mut weights) {
-            *w = 1.0 / (pole[2] + delta).norm_sqr().max(1e-12);
+        frequency_hz.iter().map(|f| local.at(*f)).zip(reading.iter().copied()).collect();
+    let pole = pole(&points)?;
+    // The better one of A + B/(c + δ) and a parabola: where noise alone is seen, no pole is.
+    let one = Complex::new(1.0, 0.0);
+    let shapes: [&dyn Fn(f64) -> Vector3<Complex<f64>>; 2] =
+        [&|delta| Vector3::new(one, one / (pole.from + delta), Complex::new(0.0, 0.0)), &|delta| {
+            Vector3::new(one, one * delta, one * (delta * delta))
+        }];
+    let left = shapes.into_iter().filter_map(|shape| least_squares(&points, shape));
+    let variance = left.fold(f64::INFINITY, f64::min) / FREE;
+    variance.is_finite().then_some(variance)
+}
+
+/// Sum of squares that a combination of three shapes leaves.
+fn least_squares(points: &[(f64, Complex<f64>)], shape: &dyn Fn(f64) -> Vector3<Complex<f64>>) -> Option<f64> {
+    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    for (delta, y) in points {
+        let row = shape(*delta);
+        normal += row.conjugate() * row.transpose();
+        right += row.conjugate() * *y;
+    }
+    // A shape that is nothing takes no part.
+    for i in 0..3 {
+        if normal[(i, i)].re == 0.0 {
+            normal[(i, i)] = Complex::new(1.0, 0.0);
         }
     }
-    let errors = points.iter().zip(&weights).map(|((delta, y), w)| {
-        let error = y * (pole[2] + delta) - pole[0] - pole[1] * *delta;
-        error.norm_sqr() * w
-    });
-    let variance = errors.sum::<f64>() * size * size / FREE;
-    variance.is_finite().then_some(variance)
+    let solved = normal.lu().solve(&right)?;
+    let sum: f64 = points.iter().map(|(delta, y)| (shape(*delta).dot(&solved) - y).norm_sqr()).sum();
+    sum.is_finite().then_some(sum)
 }
 
 #[cfg(test)]

@@ -18,6 +18,9 @@ const REACH: f64 = 1.6;
 /// derivative is followed beyond this.
 const LEAST_SLOPE: f64 = 0.02;
 
+/// Part of the push by which it may miss a fold that a reading is still at.
+const LINGERS: f64 = 0.15;
+
 type Phasor = Complex<f64>;
 
 /// Where the amplitude of a motion comes from.
@@ -125,7 +128,7 @@ pub(super) fn predicted(sweeps: &Sweeps, sizes: &Sizes, values: &Values, amplitu
                 _ => read,
             };
             let (a, z, slope, several) = moved(&along, push, wanted, amplitude);
-            let motion = if push > 0.0 { Phasor::from(push) / z } else { Phasor::from(0.0) };
+            let motion = if push > 0.0 { z.conj() * (a / z.norm().max(1e-300)) } else { Phasor::from(0.0) };
             let settled = readout * motion + background;
             let reading = match first {
                 true => settled,
@@ -151,7 +154,10 @@ fn moved(along: &Impedance<'_>, push: f64, wanted: f64, amplitude: Amplitude) ->
         return (push / z.norm().max(1e-300), z, Phasor::from(0.0), false);
     }
     let stable = along.stable(push);
-    let nearest = stable.iter().copied().min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()));
+    // Past a fold by less than a step a resonator is still on its way, and so is its reading.
+    let lingering = if amplitude == Amplitude::Nearest { along.lingering(push, LINGERS) } else { Vec::new() };
+    let nearest =
+        stable.iter().copied().chain(lingering).min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()));
     let a = nearest.unwrap_or(0.0);
     let (z, slope) = along.at(a);
     (a, z, slope, stable.len() > 1)

@@ -20,7 +20,7 @@ use super::values::{Sizes, Values};
 /// Shared coordinates of the resonator and its lock-in: ω₀, Γ, size and angle of the gain, settling.
 pub(super) const OWN: usize = 5;
 /// Steps of a block.
-const BLOCK: usize = 5;
+const BLOCK: usize = 3;
 /// Coordinate of a strength at which a law joins a model.
 const JOINS: f64 = 0.05;
 /// Beginnings of a law that are followed.
