@@ -4,10 +4,12 @@
 //! A few bytes can claim any number of rows, and tables that point at one another any number of
 //! visits. Every reader charges what a file claims before it allocates or loops.
 
-use super::decompress::LARGEST_BYTES;
 use super::input::Input;
 use crate::error::{Error, Result};
 
+/// No part of a file is larger when it is decompressed: files are read part by part, and one must
+/// fit in memory.
+pub const LARGEST_BYTES: u64 = 256 << 20;
 /// Bytes that the parts of one file may hold at a time: pages and batches of all its columns.
 const MOST_HELD_BYTES: u64 = 4 * LARGEST_BYTES;
 /// Values of one page, or of one column in a batch: as doubles they fill the largest part.

@@ -5,6 +5,7 @@
 //! second pass. All readers go by it, so they agree. Not for values: gaps are filled and uneven
 //! rows resampled by the readers.
 
+mod date;
 pub mod instant;
 pub mod place;
 pub mod resample;

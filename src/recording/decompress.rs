@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use super::budget::{Budget, Spent};
+use super::budget::{Budget, LARGEST_BYTES, Spent};
 #[cfg(feature = "zstd")]
 use super::zstandard;
 
@@ -25,10 +25,6 @@ pub enum Codec {
     /// bzip2.
     Bzip2,
 }
-
-/// No part of a file is larger when it is decompressed: files are read part by part, and one must
-/// fit in memory.
-pub const LARGEST_BYTES: u64 = 256 << 20;
 
 /// Decompresses a part whose size is stated, which is charged first.
 ///

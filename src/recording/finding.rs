@@ -68,6 +68,11 @@ pub enum Finding {
         /// Headings of the columns.
         columns: Vec<String>,
     },
+    /// Columns whose cells are no numbers, which were not read.
+    ColumnsUnread {
+        /// Headings of the columns, each with its first cell.
+        columns: Vec<(String, String)>,
+    },
     /// The rate that was given is used against the file's own clock.
     RateForced {
         /// Rate that was given, Hz.

@@ -23,8 +23,14 @@ pub(super) fn sniff(path: &Path, head: &[u8]) -> Result<Format> {
     let fail = |cause: &str, hint: &str| Err(Error::new(format!("could not read {}", path.display()), cause, hint));
     match head {
         [] => return fail("the file is empty", "was the recording stopped before it was written?"),
+        [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] => return fail("this is UTF-32 text", "save it as UTF-8 CSV"),
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => return fail("this is UTF-16 text", "save it as UTF-8 CSV"),
         _ => {}
+    }
+    for (name, width) in [("UTF-32", 4), ("UTF-16", 2)] {
+        if is_wide_text(head, width) {
+            return fail(&format!("this is {name} text without a byte-order mark"), "save it as UTF-8 CSV");
+        }
     }
     if head.contains(&0) {
         return fail(
@@ -43,6 +49,17 @@ pub(super) fn sniff(path: &Path, head: &[u8]) -> Result<Format> {
     // The second line may hold units.
     let second = lines.next();
     Ok(Format { separator: separator(first, lines.next().or(second).unwrap_or(first)), skip })
+}
+
+/// Whether these are characters of Latin-1, each in so many bytes of which all but its first or its
+/// last are zero.
+fn is_wide_text(head: &[u8], width: usize) -> bool {
+    let is_letter = |b: u8| matches!(b, b' '..=b'~' | 0xa0.. | b'\t' | b'\n' | b'\r');
+    [0, width - 1].into_iter().any(|place| {
+        let mut characters = head.chunks_exact(width).peekable();
+        characters.peek().is_some()
+            && characters.all(|c| c.iter().enumerate().all(|(i, b)| if i == place { is_letter(*b) } else { *b == 0 }))
+    })
 }
 
 /// What stands between the cells: judged by the first line, and by a later one where a comma may be
@@ -133,12 +150,42 @@ fn any(cell: &[u8]) -> Cell {
     if missing.contains(&text.to_ascii_lowercase().as_str()) {
         return Cell::Number(f64::NAN);
     }
+    if let Some(value) = fortran(text).or_else(|| grouped(text, '.')) {
+        return reading(value);
+    }
     let comma = if text.contains(',') { text.replacen(',', ".", 1).parse::<f64>().ok() } else { None };
-    match comma.map(reading) {
+    match comma.or_else(|| grouped(text, ',')).map(reading) {
         Some(Cell::Number(value)) => Cell::DecimalComma(value),
         Some(other) => other,
         None => Cell::Text,
     }
+}
+
+/// A number with Fortran's exponent of double precision: `1.5D-03`.
+fn fortran(text: &str) -> Option<f64> {
+    let at = text.find(['d', 'D']).filter(|at| text[..*at].ends_with(|c: char| c.is_ascii_digit() || c == '.'))?;
+    format!("{}e{}", &text[..at], &text[at + 1..]).parse().ok()
+}
+
+/// A number whose thousands are apart and whose decimals stand behind `sign`: `1.234,50` and
+/// `1 234,5` where that is a comma, `1,234.50` where it is a point. `1.234` alone could be either,
+/// and is none here.
+fn grouped(text: &str, sign: char) -> Option<f64> {
+    let (whole, decimals) = text.split_once(sign)?;
+    let digits = whole.trim_start_matches(['-', '+']);
+    let separator = digits.chars().find(|c| !c.is_ascii_digit())?;
+    if separator == sign || !".,' \u{2019}\u{a0}\u{202f}\u{2009}".contains(separator) || whole.len() - digits.len() > 1
+    {
+        return None;
+    }
+    let groups: Vec<&str> = digits.split(separator).collect();
+    let is_digits = |group: &str| group.bytes().all(|b| b.is_ascii_digit());
+    let all_of_three = groups[1..].iter().all(|group| group.len() == 3 && is_digits(group));
+    let leads = (1..=3).contains(&groups[0].len()) && is_digits(groups[0]);
+    if !all_of_three || !leads || decimals.is_empty() || !is_digits(decimals) {
+        return None;
+    }
+    format!("{}{}.{decimals}", if whole.starts_with('-') { "-" } else { "" }, groups.concat()).parse().ok()
 }
 
 /// A cell as a number; `None` when it is text, or beyond any reading; NaN where it is missing.
@@ -199,6 +246,16 @@ mod tests {
         assert_eq!(sniff(b"0,0 1,5\n0,1  2,5\n").expect("decimal comma and blanks").separator, b' ');
         assert_eq!(sniff(b"one two\n1.5\n2.5\n").expect("one column").separator, b',');
         assert_eq!(sniff(b"a, b\n1, 2\n2, 3\n").expect("comma and blank").separator, b',');
+        let wide = |width: usize, place: usize| {
+            let character = |b: u8| (0..width).map(move |i| if i == place { b } else { 0 });
+            b"a,b\n1,2\n".iter().flat_map(|b| character(*b)).collect::<Vec<u8>>()
+        };
+        let cause = |text: &[u8]| sniff(text).expect_err("no table").cause;
+        for (width, place, words) in [(2, 0, "UTF-16"), (2, 1, "UTF-16"), (4, 0, "UTF-32"), (4, 3, "UTF-32")] {
+            assert!(cause(&wide(width, place)).contains(words), "{words}");
+        }
+        assert!(cause(&[&[0xff, 0xfe, 0, 0], &wide(4, 0)[..]].concat()).contains("UTF-32"));
+        assert!(cause(b"a\0b\0\x01\0").contains("binary"));
         for stranger in [&b""[..], b"\xff\xfea\0", b"a\0b", b"\n\n"] {
             assert!(sniff(stranger).is_err(), "{stranger:?}");
         }
@@ -211,6 +268,22 @@ mod tests {
         assert!(number(b"inf").is_some_and(f64::is_nan), "an infinite reading is a missing one");
         assert_eq!((number(b"1,5"), number(b"1e300"), number(b"1e-300")), (None, None, Some(0.0)));
         assert_eq!(number(b"\xff"), None);
+        assert_eq!(
+            (number(b"1.5D-03"), number(b"-2d2"), number(b"2D"), number(b"d2")),
+            (Some(1.5e-3), Some(-200.0), None, None)
+        );
+        for (text, value) in [("1.234,50", 1234.5), ("-1 234,5", -1234.5), ("1.234.567,0", 1_234_567.0)] {
+            assert_eq!(cell(text.as_bytes()), Cell::DecimalComma(value), "{text}");
+        }
+        assert_eq!(
+            [cell(b"1,234.50"), cell("12\u{a0}345.5".as_bytes())],
+            [Cell::Number(1234.5), Cell::Number(12_345.5)]
+        );
+        for text in
+            ["1.23,5", "1.2345,6", "1.234,5,6", "1 234", "1.234.567", "0x1F", "12.34.567,8", "1..234,5", "--1.234,5"]
+        {
+            assert_eq!(cell(text.as_bytes()), Cell::Text, "{text}");
+        }
         assert_eq!(
             [cell(b"1e300"), cell(b"1,5"), cell(b"1,5,2")],
             [Cell::TooLarge, Cell::DecimalComma(1.5), Cell::Text]

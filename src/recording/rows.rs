@@ -87,6 +87,9 @@ impl Rows {
         let choice = Choice { time, places };
         let body = match opened {
             Opened::Text(mut text) => {
+                if all {
+                    text.note_unread();
+                }
                 text.choose(names.clone(), choice);
                 Body::Text(text)
             }

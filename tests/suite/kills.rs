@@ -23,6 +23,7 @@ pub fn tests() -> Vec<Trial> {
         let name = format!("kills: {} within milliseconds keep what was done", burst.join(" and "));
         all.push(test(&name, move || stopped(burst)));
     }
+    all.push(test("kills: SIGTERM and Ctrl-C end what reads and what diagnoses within two seconds", ended_at_once));
     if Command::new("timeout").arg("--version").output().is_ok_and(|o| o.status.success()) {
         all.push(test("kills: timeout, which signals twice, keeps what was done", timed_out));
     }
@@ -228,4 +229,60 @@ fn timed_out() -> Result<(), Failed> {
         check(output.status.success(), String::from_utf8_lossy(&output.stderr))?;
     }
     Err("no time limit caught the run in the act".into())
+}
+
+/// Longest time from a signal to the end of the process.
+const AT_ONCE: Duration = Duration::from_secs(2);
+
+/// A mass on two wells that is driven to chaos (Duffing's equation, by the classical method of Runge
+/// and Kutta): force and position, ten rows a second.
+fn chaos() -> String {
+    let rates = |t: f64, [x, v]: [f64; 2]| [v, -0.3 * v + x - x.powi(3) + 0.5 * (1.2 * t).cos()];
+    let (step, mut t, mut state) = (0.01, 0.0f64, [0.1, 0.0]);
+    let mut text = String::from("force,position\n");
+    for _ in 0..6000 {
+        text += &format!("{:.9},{:.9}\n", 0.5 * (1.2 * t).cos(), state[0]);
+        for _ in 0..10 {
+            let moved = |rate: [f64; 2], share: f64| [0, 1].map(|i| state[i] + share * step * rate[i]);
+            let a = rates(t, state);
+            let b = rates(t + step / 2.0, moved(a, 0.5));
+            let c = rates(t + step / 2.0, moved(b, 0.5));
+            let d = rates(t + step, moved(c, 1.0));
+            state = [0, 1].map(|i| state[i] + step / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
+            t += step;
+        }
+    }
+    text
+}
+
+/// Commands in the midst of their work: on standard input that does not end, and in a search that
+/// takes minutes.
+fn ended_at_once() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let [log, model, out] = ["chaos.csv", "model.toml", "out"].map(|name| folder.path().join(name));
+    std::fs::write(&log, chaos())?;
+    let columns = "[columns]\ninput = \"force\"\noutput = \"position\"\n";
+    std::fs::write(&model, format!("kind = \"driven\"\nrate_hz = 10.0\n{columns}"))?;
+    let [log, model, out] = [&log, &model, &out].map(|path| path.display().to_string());
+    let diagnose = ["diagnose", &log, "--model", &model, "--out", &out];
+    let commands: [&[&str]; 3] = [&["inspect", "-"], &["allan", "-", "--rate-hz", "10"], &diagnose];
+    for (words, (signal, code)) in
+        commands.into_iter().flat_map(|words| [("TERM", 143), ("INT", 130)].map(|signal| (words, signal)))
+    {
+        let mut command = program();
+        let mut child =
+            command.args(words).stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null()).spawn()?;
+        // Standard input stays open.
+        let input = child.stdin.take();
+        std::thread::sleep(Duration::from_secs(1));
+        check(child.try_wait()?.is_none(), format!("{words:?} has ended before it was stopped"))?;
+        let sent = std::time::Instant::now();
+        check(Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status()?.success(), "kill")?;
+        let ended = child.wait()?;
+        let took = sent.elapsed();
+        drop(input);
+        check(ended.code() == Some(code), format!("{words:?}: SIG{signal} ends it with {ended}, expected {code}"))?;
+        check(took < AT_ONCE, format!("{words:?}: SIG{signal} ends it after {took:?}"))?;
+    }
+    Ok(())
 }

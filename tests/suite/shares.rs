@@ -77,6 +77,7 @@ fn diagnosed(rows: &[[f64; 2]]) -> Result<Verdict, Failed> {
         columns: DrivenColumns { time: None, input: Some("u".into()), output: "y".into(), environment: Vec::new() },
         start: Start::default(),
         split: Split::default(),
+        without: Vec::new(),
     };
     let answer = driven::diagnose(&recording, &model, &Control::silent()).map_err(|e| e.to_string())?;
     Ok(worded(answer).verdict)

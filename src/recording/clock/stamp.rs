@@ -1,5 +1,6 @@
 //! A time stamp as it is printed: whole units and the rest, so that 19 digits keep their precision.
 
+use super::date;
 use crate::decimal;
 use crate::format;
 use crate::time_unit::TimeUnit;
@@ -24,10 +25,13 @@ impl Stamp {
     /// Reads a cell: `None` for text, NaN in the fraction for a missing stamp. The decimal sign may
     /// be a comma.
     pub fn parse(cell: &[u8]) -> Option<Self> {
-        plain(cell.trim_ascii()).or_else(|| {
-            let value = format::number(cell)?;
-            (value.is_nan() || value.abs() < LARGEST).then(|| Self::of_float(value))
-        })
+        let cell = cell.trim_ascii();
+        plain(cell).or_else(|| date::parse(cell).and_then(|(whole, digits)| Self::of_parts(whole, digits))).or_else(
+            || {
+                let value = format::number(cell)?;
+                (value.is_nan() || value.abs() < LARGEST).then(|| Self::of_float(value))
+            },
+        )
     }
 
     /// The stamp that bytes begin with, and its length, where it is digits with at most one point;
@@ -38,6 +42,16 @@ impl Stamp {
         let fraction = rest as f64 / decimal::ten(decimals);
         let stamp = Self { whole: whole as i64, fraction, decimals: decimals as u8 };
         (fraction < 1.0).then_some((stamp, length))
+    }
+
+    /// Stamp of whole units and the digits behind the point.
+    fn of_parts(whole: i64, digits: &[u8]) -> Option<Self> {
+        if digits.is_empty() {
+            return Some(Self::of_integer(whole));
+        }
+        let text = [&b"0."[..], digits].concat();
+        let fraction = plain(&text)?;
+        Some(Self { whole: whole.checked_add(fraction.whole)?, ..fraction })
     }
 
     /// Stamp of a whole number.
@@ -160,6 +174,9 @@ mod tests {
             assert_eq!(stamp(text).value(), value, "{text}");
         }
         assert!(["", "nan", "NULL"].iter().all(|t| stamp(t).is_missing()));
+        let (date, plain) = (stamp("2026-11-24T23:25:10.125Z"), stamp("1795562710.125"));
+        assert_eq!((date.since(&plain), date.last_digit()), (0.0, plain.last_digit()));
+        assert!(Stamp::parse(b"2026-11-24T23:25:10.x").is_none());
         assert!(["noon", "12:30", ".", "1e300", "--1"].iter().all(|t| Stamp::parse(t.as_bytes()).is_none()));
         assert_eq!((stamp("0.010").last_digit(), stamp("1e-2").last_digit()), (Some(0.1f64.powi(3)), None));
     }

@@ -7,6 +7,9 @@ use crate::dropped::{Dropped, Reason};
 use crate::number::{rounded, significant};
 use crate::time_unit::{Basis, TimeUnit};
 
+/// So many columns are named in a sentence.
+const NAMED: usize = 6;
+
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -58,6 +61,20 @@ impl fmt::Display for Finding {
                 columns.join(", "),
                 if columns.len() == 1 { "is" } else { "are" }
             ),
+            Self::ColumnsUnread { columns } => {
+                let named: Vec<String> =
+                    columns.iter().take(NAMED).map(|(name, cell)| format!("`{name}` (`{cell}`)")).collect();
+                let more = match columns.len().saturating_sub(NAMED) {
+                    0 => String::new(),
+                    n => format!(" and {n} more"),
+                };
+                write!(
+                    f,
+                    "not read, because the first cell is no number: {}{more}; a number is digits with a decimal point, and at \
+                     most a power of ten",
+                    named.join(", ")
+                )
+            }
             Self::RateForced { given_hz, clock_hz } => write!(
                 f,
                 "the rate given, {} Hz, is used against the file's own clock, which says {} Hz",

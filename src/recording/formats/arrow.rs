@@ -4,9 +4,9 @@
 
 mod flat;
 
-use crate::budget::{Budget, Spent};
+use crate::budget::{Budget, LARGEST_BYTES, Spent};
 use crate::clock::stamp::Stamp;
-use crate::decompress::{Codec, LARGEST_BYTES, decompress};
+use crate::decompress::{Codec, decompress};
 use crate::element::{Element, Kind};
 use crate::error::{Error, Result};
 use crate::input::Input;

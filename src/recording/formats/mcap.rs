@@ -6,9 +6,9 @@ use std::collections::{HashMap, HashSet};
 use std::io::Read;
 use std::ops::Range;
 
-use crate::budget::{Budget, ENTRY_BYTES, Spent};
+use crate::budget::{Budget, ENTRY_BYTES, LARGEST_BYTES, Spent};
 use crate::bytes::Bytes;
-use crate::decompress::{Codec, LARGEST_BYTES, decompress};
+use crate::decompress::{Codec, decompress};
 use crate::error::{Error, Result};
 use crate::input::Input;
 use crate::messages::{Encoding, MessageRows, Messages, part};

@@ -4,9 +4,9 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use crate::budget::{Budget, ENTRY_BYTES};
+use crate::budget::{Budget, ENTRY_BYTES, LARGEST_BYTES};
 use crate::bytes::Bytes;
-use crate::decompress::{Codec, LARGEST_BYTES, decompress};
+use crate::decompress::{Codec, decompress};
 use crate::error::{Error, Result};
 use crate::input::Input;
 use crate::messages::{Encoding, MessageRows, Messages, part};

@@ -91,25 +91,47 @@ impl Text {
         Ok(())
     }
 
+    /// What the first row holds at a place.
+    fn first(&self, place: usize) -> Cell {
+        match self.held {
+            true if place >= self.cells.len() => Cell::Text,
+            true => format::cell(self.cells.of(self.lines.line(), place)),
+            false => Cell::Number(0.0),
+        }
+    }
+
+    /// Whether the first row holds a number at a place.
+    fn is_numeric(&self, place: usize) -> bool {
+        match self.first(place) {
+            Cell::Number(_) | Cell::TooLarge => true,
+            Cell::DecimalComma(_) => self.separator != b',',
+            Cell::Text => false,
+        }
+    }
+
+    /// Names the columns that [`Text::numeric_places`] leaves out because they hold no numbers.
+    pub(crate) fn note_unread(&mut self) {
+        let unread = |place: &usize| !self.is_numeric(*place) && !format::names_a_clock(&self.headings.names[*place]);
+        let named = |place: usize| {
+            let cell = headings::text(self.cells.of(self.lines.line(), place));
+            (headings::shortened(&self.headings.names[place]), headings::shortened(cell.trim()))
+        };
+        let columns: Vec<(String, String)> = (0..self.width).filter(unread).map(named).collect();
+        if !columns.is_empty() {
+            self.findings.push(Finding::ColumnsUnread { columns });
+        }
+    }
+
     /// Places of the columns that hold numbers and are no clock, by the first row.
     ///
     /// # Errors
     /// None, or more than 64.
     pub fn numeric_places(&self) -> Result<Vec<usize>> {
         let headings = &self.headings;
-        let kind = |place: usize| match self.held {
-            true if place >= self.cells.len() => Cell::Text,
-            true => format::cell(self.cells.of(self.lines.line(), place)),
-            false => Cell::Number(0.0),
-        };
-        let numeric = |p: &usize| match kind(*p) {
-            Cell::Number(_) | Cell::TooLarge => true,
-            Cell::DecimalComma(_) => self.separator != b',',
-            Cell::Text => false,
-        };
-        let places: Vec<usize> =
-            (0..self.width).filter(|p| numeric(p) && !format::names_a_clock(&headings.names[*p])).collect();
-        let comma = (0..self.width).any(|p| matches!(kind(p), Cell::DecimalComma(_)));
+        let places: Vec<usize> = (0..self.width)
+            .filter(|place| self.is_numeric(*place) && !format::names_a_clock(&headings.names[*place]))
+            .collect();
+        let comma = (0..self.width).any(|place| matches!(self.first(place), Cell::DecimalComma(_)));
         match places.len() {
             0 => Err(self.fail("no column holds numbers", if comma { POINT } else { "name the columns wanted" })),
             1..=64 => Ok(places),

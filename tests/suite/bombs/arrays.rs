@@ -40,9 +40,9 @@ fn archive(name: &str, content: &[u8], times: u16) -> Vec<u8> {
         &[0; 2],
     ]
     .concat();
-    let mut out = [b"PK\x03\x04\x14\0", &described, name.as_bytes(), content].concat();
+    let mut out = [b"PK\x03\x04\x14\0", &described[..], name.as_bytes(), content].concat();
     let list_at = (out.len() as u32).to_le_bytes();
-    let entry = [b"PK\x01\x02\x14\0\x14\0", &described, &[0; 14], name.as_bytes()].concat();
+    let entry = [b"PK\x01\x02\x14\0\x14\0", &described[..], &[0; 14], name.as_bytes()].concat();
     let list = entry.repeat(usize::from(times));
     out.extend(&list);
     let times = times.to_le_bytes();

@@ -3,10 +3,10 @@
 use super::encoding::{Deltas, Hybrid, split_streams};
 use super::physical::{DAMAGED, Physical};
 use super::thrift::{self, Value};
-use crate::budget::{Budget, Spent};
+use crate::budget::{Budget, LARGEST_BYTES, Spent};
 use crate::bytes::Bytes;
 use crate::clock::stamp::Stamp;
-use crate::decompress::{Codec, LARGEST_BYTES, decompress};
+use crate::decompress::{Codec, decompress};
 use crate::element::{Element, Kind};
 use crate::error::{Error, Result};
 use crate::input::Input;
