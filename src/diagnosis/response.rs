@@ -20,6 +20,7 @@ mod predicted;
 mod space;
 mod steady_state;
 mod system;
+mod unsettled;
 mod values;
 
 pub use detail::Detail;
@@ -45,6 +46,8 @@ const LEAST_NOISE: f64 = 1e-5;
 pub fn diagnose(recording: &Recording, model: &model::Response, control: &Control) -> Result<Answer> {
     let mut findings = recording.sentences();
     let mut sweeps = intake::sweeps(recording, model, &mut findings)?;
+    let measured = noise::deviation(&sweeps);
+    unsettled::mark(&mut sweeps, measured.unwrap_or_default());
     let work = control.stage("fitting the resonance", 0);
     let mirrored = Sweeps { reading: sweeps.reading.iter().map(nalgebra::Complex::conj).collect(), ..sweeps.clone() };
     let variance = |s: &Sweeps| base_model::base(s).map_or(f64::INFINITY, |(_, f)| f.variance);
@@ -60,7 +63,6 @@ pub fn diagnose(recording: &Recording, model: &model::Response, control: &Contro
         )
     };
     let (system, base) = base_model::base(&sweeps).ok_or_else(none)?;
-    let measured = noise::deviation(&sweeps);
     let least = LEAST_NOISE * system.sizes.reading;
     // Without seven steps in a row the base model itself must say it.
     let deviation = measured.unwrap_or_else(|| base.variance.sqrt()).max(least);

@@ -10,22 +10,12 @@ use crate::error::{Error, Result};
 use crate::model::Response;
 use crate::recording::Recording;
 
-use super::pole::continued;
-
 /// Steps of a recording at least.
 const FEWEST: usize = 16;
 /// Part of the drive by which it changes from sweep to sweep, and not by its own noise.
 const ANOTHER_DRIVE: f64 = 0.02;
 /// Steps of a sweep on average, fewer of which say that rows are in no order of frequency.
 const ORDERED: f64 = 4.0;
-/// Part of the largest reading over its drive that a jump changes at least.
-const LEAST_JUMP: f64 = 0.15;
-/// Times that a jump exceeds the changes before and after it.
-const STEEPEST: f64 = 1.5;
-/// Steps on either side of a jump in which a motion near its fold has not settled.
-const UNSETTLED: usize = 2;
-/// Steps on either side of a jump that are continued to it.
-const SIDE: usize = 5;
 /// Largest angle in rad that a heading without a unit may hold.
 const TURN: f64 = 1.1 * PI;
 
@@ -165,7 +155,7 @@ pub(super) fn sweeps(recording: &Recording, model: &Response, findings: &mut Vec
         findings.push("the steps are in no order of frequency: no history is followed from one to the next".into());
     }
     let first_s = time_s.as_ref().map_or(0.0, |t| t[0]);
-    let mut all = Sweeps {
+    Ok(Sweeps {
         frequency_hz,
         drive,
         reading,
@@ -175,15 +165,7 @@ pub(super) fn sweeps(recording: &Recording, model: &Response, findings: &mut Vec
         jumps: Vec::new(),
         is_ordered,
         derivatives: model.output_is.derivatives(),
-    };
-    all.jumps = if is_ordered { jumps(&all) } else { Vec::new() };
-    for k in &all.jumps {
-        let own = all.sweeps.iter().find(|s| s.contains(k)).cloned().unwrap_or(0..0);
-        for near in (k + 1).saturating_sub(UNSETTLED).max(own.start)..(k + 1 + UNSETTLED).min(own.end) {
-            all.counts[near] = false;
-        }
-    }
-    Ok(all)
+    })
 }
 
 /// Hertz in one unit of a frequency column.
@@ -224,32 +206,6 @@ fn in_sweeps(frequency_hz: &[f64], drive: &[f64]) -> Vec<Range<usize>> {
 fn by_drive(drive: &[f64]) -> Vec<Range<usize>> {
     let flat = vec![1.0; drive.len()];
     in_sweeps(&flat, drive)
-}
-
-/// Steps over which neither side, continued as a pole, leads to the other.
-fn jumps(all: &Sweeps) -> Vec<usize> {
-    let of_drive = |k: usize| all.reading[k] / all.drive[k];
-    let most = (0..all.len()).filter(|k| all.counts[*k]).map(|k| of_drive(k).norm()).fold(0.0, f64::max);
-    let change = |k: usize| (of_drive(k + 1) - of_drive(k)).norm();
-    // How far a step lies from the pole through others.
-    let misses = |others: Range<usize>, k: usize| {
-        let reading: Vec<Complex<f64>> = others.clone().map(of_drive).collect();
-        continued(&all.frequency_hz[others], &reading, all.frequency_hz[k]).map_or(0.0, |y| (y - of_drive(k)).norm())
-    };
-    let mut found = Vec::new();
-    for sweep in &all.sweeps {
-        for k in
-            (sweep.start + SIDE..(sweep.end + 1).saturating_sub(SIDE + 1)).filter(|k| change(*k) > LEAST_JUMP * most)
-        {
-            let steepest = change(k) > STEEPEST * change(k - 1).max(change(k + 1));
-            let forwards = misses(k + 1 - SIDE..k + 1, k + 1);
-            let backwards = misses(k + 1..k + 1 + SIDE, k);
-            if steepest && forwards.min(backwards) > LEAST_JUMP * most {
-                found.push(k);
-            }
-        }
-    }
-    found
 }
 
 #[cfg(test)]
