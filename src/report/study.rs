@@ -48,7 +48,10 @@ pub fn page(study: &Study, drift: &Drift) -> Page {
     if let Some(sentence) = beyond_scope(drift) {
         page.callout(&sentence);
     }
-    page.table(&largest_sources(drift));
+    let sources = largest_sources(drift);
+    if !sources.rows.is_empty() {
+        page.table(&sources);
+    }
     page.paragraph(&format!("{} {SCOPE}", start(study)));
     page.section("How far it drifts");
     let (linear, log) =
