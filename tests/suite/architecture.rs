@@ -347,7 +347,8 @@ fn clauses(text: &str) -> Vec<String> {
     };
     let is_clause = |doc: &String| {
         let first = doc.split(|c: char| !c.is_alphabetic()).next().unwrap_or_default();
-        ["What", "Whether", "How", "Where", "As"].contains(&first) && !doc.ends_with('?')
+        let is_question = doc.find(['.', '?']).is_some_and(|end| doc[end..].starts_with('?'));
+        ["What", "Whether", "How", "Where", "As"].contains(&first) && !is_question
     };
     (0..lines.len()).filter(begins).map(opening).filter(is_clause).collect()
 }
