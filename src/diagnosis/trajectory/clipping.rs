@@ -60,9 +60,13 @@ pub(super) struct Flat {
 }
 
 impl Flat {
-    /// The same with every reading of it marked.
+    /// The same with every reading of it marked, and those beside it: what lies between them and the
+    /// limit is not known either.
     pub(super) fn mark(self, masked: &mut [bool]) -> Limit {
-        self.held.iter().for_each(|(k, _)| masked[*k] = true);
+        for (k, _) in &self.held {
+            let beside = k.saturating_sub(1)..(k + 2).min(masked.len());
+            masked[beside].fill(true);
+        }
         self.limit
     }
 

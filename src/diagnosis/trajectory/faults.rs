@@ -85,25 +85,27 @@ pub(super) fn find(log: &Log, masked: &[bool], motion: &Motion) -> Option<(Vec<F
         let quickest = near.iter().map(|c| c.read.norm()).fold(0.0, f64::max);
         compared[k].apart > HALF * quickest + APART * usual
     };
-    let mut stretches: Vec<[usize; 2]> = Vec::new();
     let time = &motion.time_s;
-    for k in (0..compared.len()).filter(|k| is_wrong(*k)) {
-        let [from, to] = compared[k].poses;
-        match stretches.last_mut() {
-            Some(last) if time[from] - time[last[1]] < TOGETHER_S => last[1] = to,
-            _ => stretches.push([from, to]),
-        }
-    }
-    let beside_s = WINDOW_S.max(BESIDE * motion.interval_s);
     let quickest = log.rate.iter().map(Vector3::norm).fold(0.0, f64::max);
-    let faults: Vec<Fault> = stretches
+    let leaps = leaps(motion, quickest);
+    let windows = (0..compared.len()).filter(|k| is_wrong(*k)).map(|k| compared[k].poses);
+    let wrong = joined(windows.chain(leaps.iter().map(|l| [l.0, l.0 + 1])).collect(), time, TOGETHER_S);
+    // What lies between two of them is believed where the alignment explains it.
+    let is_believed = |[from, to]: [usize; 2]| {
+        let inside = compared.iter().filter(|c| c.poses[0] >= from && c.poses[1] <= to);
+        let (apart, least) = inside.fold((0.0, 0.0), |(apart, least), c| {
+            let spare = (1.0 - REMAINS.0) * c.read.norm_squared() + APART * usual * usual;
+            (apart + c.apart * c.apart, least + spare)
+        });
+        apart <= least
+    };
+    let ends = [0].into_iter().chain(wrong.iter().map(|w| w[1]));
+    let between = ends.zip(wrong.iter().map(|w| w[0]).chain([time.len() - 1])).map(|(from, to)| [from, to]);
+    let doubted: Vec<[usize; 2]> = between.filter(|b| b[1] > b[0] && !wrong.is_empty() && !is_believed(*b)).collect();
+    let beside_s = WINDOW_S.max(BESIDE * motion.interval_s);
+    let faults: Vec<Fault> = joined(wrong.into_iter().chain(doubted).collect(), time, TOGETHER_S)
         .into_iter()
         .map(|[from, to]| {
-            let leaps = (from..to).filter_map(|p| {
-                let angle = motion.attitude[p].angle_to(&motion.attitude[p + 1]);
-                (angle > LEAPS * quickest * (time[p + 1] - time[p])).then_some((p, angle))
-            });
-            let leaps = leaps.collect();
             let inside = pairs(&|c| c.poses[0] >= from && c.poses[1] <= to);
             let length = |x: &Vector3<f64>| x.norm().min(LEAPS * quickest);
             let [reference, read] = inside.iter().fold([0.0, 0.0], |s, (x, y)| [s[0] + length(x), s[1] + length(y)]);
@@ -111,6 +113,7 @@ pub(super) fn find(log: &Log, masked: &[bool], motion: &Motion) -> Option<(Vec<F
                 time.partition_point(|t| *t < time[from] - beside_s),
                 time.partition_point(|t| *t <= time[to] + beside_s),
             ];
+            let leaps = leaps.iter().copied().filter(|l| (from..to).contains(&l.0)).collect();
             Fault { poses, leaps, stands: reference < STANDS * read }
         })
         .collect();
@@ -124,6 +127,31 @@ pub(super) fn find(log: &Log, masked: &[bool], motion: &Motion) -> Option<(Vec<F
         && turning_left >= REMAINS.1 * turning(&all).len() as f64
         && time[time.len() - 1] - time[0] - lost >= REMAINS.2;
     is_enough.then_some((faults, alignment))
+}
+
+/// Stretches in order, those together that less than a time parts.
+fn joined(mut stretches: Vec<[usize; 2]>, time_s: &[f64], together_s: f64) -> Vec<[usize; 2]> {
+    stretches.sort_unstable();
+    let mut all: Vec<[usize; 2]> = Vec::new();
+    for [from, to] in stretches {
+        match all.last_mut() {
+            Some(last) if time_s[from] - time_s[last[1]] < together_s => last[1] = last[1].max(to),
+            _ => all.push([from, to]),
+        }
+    }
+    all
+}
+
+/// Poses behind which the reference turns quicker than the gyro, which reads this at most, reads
+/// anywhere, by far more than from pose to pose as a rule; and by what angle, rad.
+fn leaps(motion: &Motion, quickest: f64) -> Vec<(usize, f64)> {
+    let time = &motion.time_s;
+    let angles: Vec<f64> = motion.attitude.windows(2).map(|q| q[0].angle_to(&q[1])).collect();
+    let rate = |k: usize| angles[k] / (time[k + 1] - time[k]);
+    let mut sorted: Vec<f64> = (0..angles.len()).map(rate).collect();
+    order::sort(&mut sorted);
+    let most = LEAPS * quickest + if sorted.is_empty() { 0.0 } else { APART * order::quantile(&sorted, 0.25) };
+    (0..angles.len()).filter(|k| rate(*k) > most).map(|k| (k, angles[k])).collect()
 }
 
 /// The poses without the faults.
