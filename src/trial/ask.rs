@@ -3,11 +3,9 @@
 
 use std::path::PathBuf;
 
-use rayon::ThreadPoolBuilder;
-
 use super::processor;
 use super::said::Said;
-use super::workers::no_thread;
+use super::workers::alone;
 use proofmass_base::error::{Error, Kind, Result};
 use proofmass_diagnosis::verdict::Verdict;
 
@@ -32,11 +30,10 @@ pub type Subject<'a> = dyn Fn(&Files) -> Result<Verdict> + Sync + 'a;
 /// No thread can be started, or the subject was asked to stop. A diagnosis that fails is a verdict
 /// too: "error".
 pub fn ask(files: &Files, subject: &Subject<'_>) -> Result<(Said, Option<Verdict>)> {
-    let alone = ThreadPoolBuilder::new().num_threads(1).build().map_err(|e| no_thread(&e.to_string()))?;
-    let (verdict, seconds) = alone.install(|| {
+    let (verdict, seconds) = alone(|| {
         let begun = processor::thread_s();
         (subject(files), processor::thread_s() - begun)
-    });
+    })?;
     match verdict {
         Ok(verdict) => Ok((Said::from_verdict(&verdict, seconds), Some(verdict))),
         Err(error) if error.kind == Kind::Interrupted => {

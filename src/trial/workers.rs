@@ -59,8 +59,16 @@ pub(crate) fn side_by_side<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R
     Ok(done.into_iter().flatten().collect())
 }
 
-/// The error of a thread that cannot be started.
-pub(crate) fn no_thread(cause: &str) -> Error {
+/// Does all of `work` on one thread, inner loops included.
+///
+/// # Errors
+/// No thread can be started.
+pub(crate) fn alone<R: Send>(work: impl FnOnce() -> R + Send) -> Result<R> {
+    let pool = ThreadPoolBuilder::new().num_threads(1).build().map_err(|e| no_thread(&e.to_string()))?;
+    Ok(pool.install(work))
+}
+
+fn no_thread(cause: &str) -> Error {
     Error::new("could not start a worker", cause, "free memory, or allow more threads to this user")
 }
 
