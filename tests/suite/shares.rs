@@ -21,7 +21,7 @@ use super::world::{check, near, test};
 pub fn tests() -> Vec<Trial> {
     vec![
         test("shares: under an input each name removes its part of the error, and noise none", named),
-        test("shares: what no law fits has an argument", unnamed),
+        test("shares: what no name takes has an argument", unnamed),
     ]
 }
 
@@ -108,10 +108,23 @@ fn named() -> Result<(), Failed> {
     check(linear.location.argument.is_none(), format!("{:?}", linear.location.argument))
 }
 
-// A spring with ripples is no law of the library, and it is a force of displacement alone.
+// A spring that stiffens for a while and comes back is no law of the library, and goes with time alone.
+// Friction that falls with speed is one of it, and departs: the name keeps its share, and what it leaves
+// is said to depend on velocity and is held against the noise that was read.
 fn unnamed() -> Result<(), Failed> {
-    let verdict = diagnosed(&recorded(0.002, |_, x, _| 0.1 * (8.0 * x).sin()))?;
-    check(verdict.verdict == Outcome::Unexplained, verdict.sentence.clone())?;
+    let passing = |t: f64, x: f64, _: f64| 0.1 * (-((t - 200.0) / 120.0).powi(2)).exp() * x;
+    let verdict = diagnosed(&recorded(0.002, passing))?;
+    check(verdict.verdict == Outcome::Unexplained && ids(&verdict).is_empty(), verdict.sentence.clone())?;
     let argument = verdict.location.argument.as_ref().ok_or_else(|| format!("no argument: {}", verdict.sentence))?;
-    check(argument.name == "displacement" && argument.share.ci95[0] > 0.0, format!("{argument:?}"))
+    check(argument.name == "time" && argument.share.ci95[0] > 0.0, format!("{argument:?}"))?;
+    let falling = |_: f64, _: f64, v: f64| -0.05 * (v / 0.002).tanh() * (1.0 + 1.5 * (-v.abs() / 0.05).exp());
+    let verdict = diagnosed(&recorded(0.002, falling))?;
+    check(ids(&verdict) == ["coulomb-friction"], format!("{:?} {}", ids(&verdict), verdict.sentence))?;
+    let share = verdict.effects[0].share.ok_or("no share")?;
+    check(share.value > 0.9 && share.ci95[0] > 0.0, format!("{share:?}"))?;
+    let argument = verdict.location.argument.as_ref().ok_or_else(|| format!("no argument: {}", verdict.sentence))?;
+    check(argument.name == "velocity", format!("{argument:?}"))?;
+    let (after, floor) = (verdict.fit.test.rmse_after.unwrap_or(0.0), verdict.fit.noise_floor);
+    near("noise", floor, 0.002, 0.0004)?;
+    check(verdict.verdict == Outcome::Unexplained && after > 2.0 * floor, verdict.sentence.clone())
 }
