@@ -183,9 +183,9 @@ fn library() -> Vec<Planted> {
     ]
 }
 
-// Nulls are the negative control: the same sweeps without a law get no name.
+// At a noise of 0.2 % every law is named; at 2 % a name may be withheld and is never another's. Nulls are
+// the negative control: the same sweeps without a law get no name.
 fn planted() -> Result<(), Failed> {
-    let (mut right, mut all) = (0, 0);
     for (n, law) in library().iter().enumerate() {
         for (m, noise) in [0.002, 0.02].into_iter().enumerate() {
             let seed = (10 * n + m) as u64;
@@ -194,8 +194,8 @@ fn planted() -> Result<(), Failed> {
             let (verdict, _) = diagnosed(&recording(&made.rows()), &asked()?)?;
             let names: Vec<&str> = verdict.effects.iter().map(|e| e.id.as_str()).collect();
             let holds = !names.is_empty() && law.id.iter().any(|id| names.contains(id));
-            check(names.is_empty() || holds, format!("{:?} at {noise}: {names:?}", law.id))?;
-            (right, all) = (right + usize::from(holds), all + 1);
+            let may_be_silent = noise > 0.01 && names.is_empty();
+            check(holds || may_be_silent, format!("{:?} at {noise}: {names:?}", law.id))?;
             let still = |_: f64, _: f64| 0.0;
             let null = Made { drives, noise, background: 0.02, widths: 4.0, seed: seed + 1000, force: &still };
             let (verdict, _) = diagnosed(&recording(&null.rows()), &asked()?)?;
@@ -203,7 +203,7 @@ fn planted() -> Result<(), Failed> {
             check(silent, format!("null {seed} at {noise}: {:?} {}", verdict.verdict, verdict.sentence))?;
         }
     }
-    check(right + 1 >= all, format!("{right} of {all} are named"))
+    Ok(())
 }
 
 fn recorded(folder: &std::path::Path, name: &str) -> Result<(Verdict, response::Detail), Failed> {

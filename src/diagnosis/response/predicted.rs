@@ -14,12 +14,9 @@ use super::values::{Sizes, Values};
 pub(super) const NUDGE: f64 = 1e-4;
 /// Amplitudes are tabulated up to so many times the largest that was read.
 const REACH: f64 = 1.6;
-/// Least slope of the push with amplitude, in that of a linear spring: at a fold it is zero, and no
-/// derivative is followed beyond this.
-const LEAST_SLOPE: f64 = 0.02;
-
-/// Part of the push by which it may miss a fold that a reading is still at.
-const LINGERS: f64 = 0.15;
+/// Least slope of the push with amplitude, in that of a linear spring: at a fold it is zero, and a
+/// derivative that grows beyond all bounds leads no fit.
+const LEAST_SLOPE: f64 = 0.3;
 
 type Phasor = Complex<f64>;
 
@@ -154,10 +151,7 @@ fn moved(along: &Impedance<'_>, push: f64, wanted: f64, amplitude: Amplitude) ->
         return (push / z.norm().max(1e-300), z, Phasor::from(0.0), false);
     }
     let stable = along.stable(push);
-    // Past a fold by less than a step a resonator is still on its way, and so is its reading.
-    let lingering = if amplitude == Amplitude::Nearest { along.lingering(push, LINGERS) } else { Vec::new() };
-    let nearest =
-        stable.iter().copied().chain(lingering).min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()));
+    let nearest = stable.iter().copied().min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()));
     let a = nearest.unwrap_or(0.0);
     let (z, slope) = along.at(a);
     (a, z, slope, stable.len() > 1)

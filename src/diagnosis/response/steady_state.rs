@@ -274,27 +274,6 @@ impl Impedance<'_> {
         found
     }
 
-    /// Amplitudes at which a motion has just ceased to exist, so that a resonator lingers there: where
-    /// |Z|a comes as near to the push as this part of it, and turns back.
-    pub(super) fn lingering(&self, push: f64, part: f64) -> Vec<f64> {
-        if self.table.nodes.is_empty() {
-            return Vec::new();
-        }
-        let of = |node: usize| (amplitude(self.table.most, node), self.push_at(node) - push);
-        let mut found = Vec::new();
-        for i in 1..NODES - 1 {
-            let [(a0, s0), (a1, s1), (a2, s2)] = [of(i - 1), of(i), of(i + 1)];
-            let turns_back = (s1 < 0.0 && s1 >= s0 && s1 > s2) || (s1 > 0.0 && s1 <= s0 && s1 < s2);
-            if turns_back && s1.abs() < part * push {
-                // The vertex of a parabola through the three.
-                let (d0, d2) = ((s1 - s0) / (a1 - a0), (s2 - s1) / (a2 - a1));
-                let bend = (d2 - d0) / (a2 - a0);
-                found.push((0.5 * (a0 + a1) - 0.5 * d0 / bend).clamp(a0, a2));
-            }
-        }
-        found
-    }
-
     /// The root between two amplitudes, by bisection and secant in turn.
     fn between(&self, [mut low, mut high]: [f64; 2], push: f64) -> f64 {
         let miss = |a: f64| self.at(a).0.norm() * a - push;
