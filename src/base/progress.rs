@@ -5,6 +5,8 @@ use crate::control::Control;
 
 #[cfg(feature = "terminal")]
 mod bars;
+#[cfg(feature = "terminal")]
+mod lines;
 
 /// What the program hands down: stages are bars on stderr, hidden where that is not a terminal, and
 /// signals stop.

@@ -11,7 +11,7 @@ use proofmass_base::output::{self, Folder};
 use proofmass_base::progress;
 use proofmass_diagnosis::model::{self, Model};
 use proofmass_diagnosis::recordings::Recordings;
-use proofmass_diagnosis::{self as diagnosis, consequence, proposal, repair, repaired};
+use proofmass_diagnosis::{self as diagnosis, proposal, repair, repaired};
 use proofmass_recording::{Recording, Request, inspection};
 use proofmass_report::diagnosis::{self as page, Diagnosis};
 
@@ -98,8 +98,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         let words = text.lines().map(str::trim).filter(|line| *line != "[columns]").collect::<Vec<_>>().join(", ");
         diagnosis.verdict.findings.insert(0, format!("no model was given; it was chosen by the headings: {words}"));
     }
-    let costs = consequence::costs(diagnosis.repair.as_ref(), &control)
-        .map_err(|s| s.during("could not state the cost in metres", "start it again"))?;
+    let costs = page::costs(&diagnosis, &control)?;
     // The answer of long work is said even where its report cannot be written.
     let written = folder.map_or(Ok(()), |folder| write(folder, &diagnosis, &costs, proposal.as_deref()));
     if json {

@@ -46,6 +46,9 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let (Some(path), Some(to)) = (&arguments.sensor, &arguments.to) else { return list(json) };
     let target = export::target(to)?;
     let imu = Imu::parse(&path.display().to_string(), &read_text(path)?)?;
+    if imu.axes.is_none() {
+        remark!("note: {} has one number for all axes: x, y and z are written alike", path.display());
+    }
     let request = output::Request {
         command: "export",
         inputs: vec![path.clone()],

@@ -1,5 +1,5 @@
-//! What the omission costs in metres: position error after 10 s and 60 s, with and without the
-//! named physics.
+//! What the omission costs in metres: position error after 10 s and 60 s of a navigator with the
+//! original model and of one with the named physics.
 //!
 //! Constant and random errors by their closed forms, the proof mass under the stated vibration by
 //! `rectification`. One axis, flat earth. Not an ensemble: `proofmass study` runs DIR/repaired.toml
@@ -27,51 +27,52 @@ struct Drift {
     mechanical: [f64; 2],
 }
 
-/// The cost table: with the model as it was, with the named physics, the difference between the
-/// two, then the kind's rows.
+/// Returns the cost table: a navigator with the model as it was, one with the named physics, then the
+/// kind's own rows. It is empty where the recording is of no inertial sensor, and where only a study
+/// integrates the named physics.
 ///
 /// # Errors
 /// Stopped.
 pub fn costs(repair: Option<&Repair>, control: &Control) -> Result<Vec<Cost>, Stopped> {
-    let Some(repair) = repair else { return Ok(Vec::new()) };
-    let before = Drift::of(&repair.before, &repair.vibration, control)?;
-    let mut rows = vec![row(Row::Before, before.total(), repair)];
-    if repair.after != repair.before && only_a_study_integrates(&repair.after).is_empty() {
+    let Some(repair) = repair.filter(|repair| repair.is_inertial) else { return Ok(Vec::new()) };
+    let mut rows = Vec::new();
+    if is_integrated(&repair.after) {
         let after = Drift::of(&repair.after, &repair.vibration, control)?;
-        rows.push(row(Row::After, after.total(), repair));
-        rows.push(row(Row::Difference, after.beyond(&before, repair.before.proof_mass.is_some()), repair));
+        if repair.after != repair.before {
+            let before = Drift::of(&repair.before, &repair.vibration, control)?;
+            let metres = match repair.before.proof_mass {
+                Some(_) => after.read_as(&before),
+                None => before.total(),
+            };
+            rows.push(row(Row::Before, metres, repair));
+        }
+        let metres = if repair.after.proof_mass.is_some() { after.read_as(&after) } else { after.total() };
+        rows.push(row(Row::After, metres, repair));
     }
     rows.extend(repair.own_cost.iter().cloned());
     Ok(rows)
 }
 
-/// Laws of a sensor that `rectification` leaves out, by id.
-fn only_a_study_integrates(sensor: &Sensor) -> Vec<&'static str> {
-    let mass = sensor.proof_mass.iter();
-    mass.flat_map(|mass| mass.laws.acting()).filter(|law| !repeats(law)).map(|law| law.term.id()).collect()
+/// Whether all laws of the sensor repeat with the vibration; those with states of their own do not.
+fn is_integrated(sensor: &Sensor) -> bool {
+    sensor.proof_mass.iter().flat_map(|mass| mass.laws.acting()).all(repeats)
 }
 
 fn row(row: Row, metres: [f64; 2], repair: &Repair) -> Cost {
     let of = match row {
         Row::Before | Row::Own => "with the original model",
         Row::After => "with the named physics",
-        Row::Difference => "difference: the cost of leaving it out",
     };
     let vibration = &repair.vibration;
     let (under, basis) = match repair.before.proof_mass {
         Some(_) => (
-            format!("{} m/s² at {} Hz", short(vibration.amplitude_m_s2), short(vibration.frequency_hz)),
+            format!("shaken at {} m/s² and {} Hz", short(vibration.amplitude_m_s2), short(vibration.frequency_hz)),
             "integrated in f64; noise by closed forms",
         ),
         None => ("at rest".to_owned(), "closed forms"),
     };
-    let left_out = only_a_study_integrates(&repair.after);
-    let basis = match left_out.is_empty() {
-        true => basis.to_owned(),
-        false => format!("{basis}; a study of repaired.toml integrates {}", left_out.join(" and ")),
-    };
     let [ten, sixty] = metres;
-    Cost { row, of: of.into(), under, position_10_s_m: ten, position_60_s_m: sixty, basis }
+    Cost { row, of: of.into(), under, position_10_s_m: ten, position_60_s_m: sixty, basis: basis.into() }
 }
 
 impl Drift {
@@ -88,14 +89,11 @@ impl Drift {
         std::array::from_fn(|n| (self.random[n] + self.mechanical[n].powi(2)).sqrt())
     }
 
-    /// What the two do not share. A driven base model counts its whole mismatch as noise; that is
-    /// no drift that it missed, so with a proof mass only noise that was added counts.
-    fn beyond(&self, before: &Self, has_proof_mass: bool) -> [f64; 2] {
-        std::array::from_fn(|n| {
-            let random = self.random[n] - before.random[n];
-            let random = if has_proof_mass { random.max(0.0) } else { random.abs() };
-            (random + (self.mechanical[n] - before.mechanical[n]).powi(2)).sqrt()
-        })
+    /// Position error of a navigator who takes the readings of this sensor for those of `model`: its
+    /// noise, and the mechanics that the model does not have. The noise of the model does not count: a
+    /// driven base model takes its whole mismatch for noise.
+    fn read_as(&self, model: &Self) -> [f64; 2] {
+        std::array::from_fn(|n| (self.random[n] + (self.mechanical[n] - model.mechanical[n]).powi(2)).sqrt())
     }
 }
 
@@ -137,9 +135,8 @@ fn random_variance(sensor: &Sensor, time_s: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::motion::temperature::Temperature;
-    use crate::physics::hysteresis;
+    use crate::physics::{hysteresis, quadratic_stiffness};
     use crate::sensor::ProofMass;
-    use crate::sensor::mechanics::CUBIC_STIFFNESS;
     use crate::units::key::Key;
 
     /// The textbook's closed forms, written out: bias ½bt², velocity random walk N t^1.5/√3, gyro
@@ -169,29 +166,46 @@ mod tests {
         }
     }
 
-    /// With a spring with memory, which is not integrated here, no row claims to hold the named
-    /// physics, and the one that is left says what does; with a cubic spring all three are given
-    /// (control).
+    /// With a spring with memory, which is not integrated here, and of a recording in volts, nothing is
+    /// claimed; with a quadratic spring, which a vibration rectifies, both navigators have a row
+    /// (control). The one with the named physics errs by the noise alone, N t^1.5/√3; the other by what
+    /// the spring rectifies as well, in quadrature.
     #[test]
-    fn what_only_a_study_integrates_has_no_cost_here() {
+    fn both_navigators_err_by_the_same_sensor() {
+        let noise = 1e-3;
         let mass = ProofMass { natural_frequency_rad_s: 60.0, damping_ratio: 0.3, ..ProofMass::default() };
-        let costs_with = |key: &Key| {
-            let with = |mass: ProofMass| Sensor { proof_mass: Some(mass), ..Sensor::default() };
+        let with = |mass: ProofMass| {
+            let mut sensor = Sensor { proof_mass: Some(mass), ..Sensor::default() };
+            sensor.accelerometer.velocity_random_walk_m_s_rts = noise;
+            sensor
+        };
+        let vibration = Vibration { amplitude_m_s2: 1.0, frequency_hz: 5.0 };
+        let costs_with = |key: &Key, is_inertial: bool| {
             let repair = Repair {
                 before: with(mass),
-                after: with(mass.with(key, 1e3)),
+                after: with(mass.with(key, 1e5)),
+                is_inertial,
                 temperature: Temperature::default(),
                 by_axis: Vec::new(),
                 relation: String::new(),
                 not_expressible: Vec::new(),
-                vibration: Vibration { amplitude_m_s2: 1.0, frequency_hz: 5.0 },
+                vibration,
                 own_cost: Vec::new(),
             };
             costs(Some(&repair), &Control::silent()).expect("nothing to interrupt")
         };
-        let [memory, cubic] = [&hysteresis::GIVEN[0].key, &CUBIC_STIFFNESS].map(costs_with);
-        assert!(memory.len() == 1 && memory[0].basis.contains("hysteresis"), "{memory:?}");
-        assert!(cubic.len() == 3 && !cubic[0].basis.contains("study"), "{cubic:?}");
+        let quadratic = &quadratic_stiffness::GIVEN[0].key;
+        assert!(costs_with(&hysteresis::GIVEN[0].key, true).is_empty() && costs_with(quadratic, false).is_empty());
+        let rows = costs_with(quadratic, true);
+        let [before, after] = rows.as_slice() else { panic!("two rows: {rows:?}") };
+        let by_noise = noise * 10f64.powf(1.5) / 3f64.sqrt();
+        assert!((after.position_10_s_m / by_noise - 1.0).abs() < 1e-9, "{after:?}");
+        let silent = Control::silent();
+        let mechanics = |mass: ProofMass| rectification::position_error_m(&mass, &vibration, TIMES_S, &silent);
+        let [bent, straight] =
+            [mass.with(quadratic, 1e5), mass].map(|m| mechanics(m).expect("nothing to interrupt")[0]);
+        let expected = by_noise.hypot(bent - straight);
+        assert!(expected > 2.0 * by_noise && (before.position_10_s_m / expected - 1.0).abs() < 1e-9, "{before:?}");
     }
 
     /// Slow errors of an accelerometer by their double integrals, written out: Gauss–Markov σ²(2τt³/3

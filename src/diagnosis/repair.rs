@@ -34,6 +34,9 @@ pub struct Repair {
     pub temperature: Temperature,
     /// Keys with a number for each axis, SI: with any, the study has six axes.
     pub by_axis: Vec<(&'static Key, [Drawn; 3])>,
+    /// Whether the recording's units are those of an inertial sensor: a position error has no meaning for
+    /// volts.
+    pub is_inertial: bool,
     /// How the recording's units became metres and m/s², in a sentence: "1 V of input is taken as 1
     /// m/s²".
     pub relation: String,
@@ -54,8 +57,6 @@ pub enum Row {
     Before,
     /// With the named physics.
     After,
-    /// What leaving it out costs: the difference between the two.
-    Difference,
     /// One effect alone, by a formula of its kind.
     Own,
 }

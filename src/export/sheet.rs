@@ -113,6 +113,9 @@ impl Sheet {
                 head.push(format!("{name} {what} differs between sensors (sd {percent:.0} %); this is the mean"));
             }
         }
+        if imu.axes.is_none() {
+            head.push("x, y and z are alike: the sensor given has one number for all of them".to_owned());
+        }
         head.extend(by_axis(imu));
         // A tool that ends the range of an accelerometer ends a gyro's.
         let ranges = keeps.contains(&SensorTerm::Range);

@@ -29,6 +29,17 @@ pub fn terms(samples: u64) -> usize {
     (1..MOST_TERMS).find(|&j| 4_u64.pow(j as u32 - 1) >= samples).map_or(MOST_TERMS, |j| j + 1)
 }
 
+/// Standard deviation that a decade of 1/f noise adds, for bias instability 1: its one-sided spectrum is
+/// B²/(π f), so that ln 10 of frequency hold B² ln 10/π.
+pub const PER_DECADE: f64 = 0.856_116_580_191_873_1;
+
+/// Frequency down to which a run of this many samples has 1/f noise, Hz: that of the slowest term,
+/// 1/(2π τ), with the time τ for which it is held.
+pub fn lowest_frequency_hz(samples: u64, sample_s: f64) -> f64 {
+    let held = 4f64.powi(terms(samples) as i32 - 1);
+    1.0 / (std::f64::consts::TAU * held * sample_s)
+}
+
 /// Standard deviation of term j for bias instability 1.
 pub fn amplitude(term: usize) -> f64 {
     FLICKER_FLOOR * VARIANCE[term.min(VARIANCE.len() - 1)].sqrt()
@@ -90,6 +101,19 @@ mod tests {
         };
         let sum: f64 = (1 - m..m).map(|k| (m - k.abs()) as f64 * (covariance(k) - covariance(m + k))).sum();
         sum / (m * m) as f64
+    }
+
+    // A term is a factor of four in frequency: ln 4 of B²/π. The flat part below the slowest term holds
+    // what 1/f noise has in the next decades, so a frequency ten times lower adds what is stated.
+    #[test]
+    fn a_slower_term_adds_what_its_part_of_the_spectrum_holds() {
+        let decade = (10f64.ln() / std::f64::consts::PI).sqrt();
+        assert!((PER_DECADE / decade - 1.0).abs() < 1e-12, "{decade}");
+        let added = amplitude(9).powi(2) * 10f64.ln() / 4f64.ln();
+        assert!((added.sqrt() / PER_DECADE - 1.0).abs() < 0.01, "{added}");
+        // One minute at 100 Hz: the slowest of nine terms is held for 4⁸ samples.
+        let lowest = lowest_frequency_hz(6000, 0.01);
+        assert!((lowest * std::f64::consts::TAU * 655.36 - 1.0).abs() < 1e-12, "{lowest}");
     }
 
     #[test]

@@ -20,7 +20,7 @@ use proofmass_cli as cli;
 use proofmass_cli::allan::{Asked, Scales};
 use proofmass_diagnosis::model::{self, Model};
 use proofmass_diagnosis::recordings::Recordings;
-use proofmass_diagnosis::{self as diagnosis, consequence, repaired};
+use proofmass_diagnosis::{self as diagnosis, repaired};
 use proofmass_recording::{self as recording, Recording, Request};
 use proofmass_report as report;
 use proofmass_simulate::drift;
@@ -234,8 +234,7 @@ fn read(recorded: Recorded, model: &Model, seconds: model::Seconds, control: &Co
 fn judge(train: &[Recording], test: &[Recording], model: &Model, control: &Control) -> Result<Answer> {
     let found = diagnosis::diagnose_all(Recordings { train, test }, model, control)?;
     let found = report::diagnosis::worded(found);
-    let costs = consequence::costs(found.repair.as_ref(), control)
-        .map_err(|s| s.during("could not state the cost in metres", "start it again"))?;
+    let costs = report::diagnosis::costs(&found, control)?;
     let json = to_json(&found.verdict)?;
     let repaired_study = repaired::document(found.repair.as_ref(), &found.detail, &found.verdict);
     let study = repaired_study.clone();

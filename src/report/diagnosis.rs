@@ -5,6 +5,7 @@
 //! for all kinds.
 
 mod calibration;
+mod cost;
 mod driven;
 mod exhibit;
 mod fit;
@@ -17,6 +18,7 @@ mod trajectory;
 mod tumble;
 mod words;
 
+pub use cost::costs;
 pub use exhibit::{Exhibit, Part};
 pub use words::{Diagnosis, worded};
 
@@ -24,7 +26,7 @@ use std::collections::HashSet;
 
 use proofmass_diagnosis::answer::Detail;
 use proofmass_diagnosis::driven::intake::notes::Broken;
-use proofmass_diagnosis::repair::{Cost, Repair, Row};
+use proofmass_diagnosis::repair::Cost;
 use proofmass_diagnosis::standing::{Note, Ranked};
 use proofmass_diagnosis::verdict::{Detectable, Effect, Outcome, Verdict, named};
 
@@ -141,7 +143,7 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
         if let Some(repair) = &diagnosis.repair {
             page.paragraph(&repair.relation);
         }
-        page.table(&cost_table(costs));
+        page.table(&cost::table(costs));
     }
     page.section("What to do next");
     page.callout(&verdict.next_experiment);
@@ -218,7 +220,7 @@ fn answers(diagnosis: &Diagnosis, costs: &[Cost]) -> Vec<(&'static str, String)>
     if !verdict.base.is_empty() {
         out.push(("base model", base_words(verdict)));
     }
-    if let Some(words) = cost(costs, diagnosis.repair.as_ref(), !verdict.effects.is_empty()) {
+    if let Some(words) = cost::sentence(costs, diagnosis) {
         out.push(("what it costs", words));
     }
     out.push(("next experiment", verdict.next_experiment.clone()));
@@ -239,43 +241,6 @@ fn statements(effects: &[Effect]) -> Vec<String> {
 fn recorded(verdict: &Verdict) -> String {
     let (samples, rate_hz) = (verdict.recording.samples, verdict.recording.rate_hz);
     format!("{samples} samples at {} Hz: {}", rounded(rate_hz, 6), duration(samples as f64 / rate_hz))
-}
-
-/// What the position error is with and without the named physics.
-fn cost(costs: &[Cost], repair: Option<&Repair>, named: bool) -> Option<String> {
-    if !costs.iter().all(|c| c.position_10_s_m.is_finite() && c.position_60_s_m.is_finite()) {
-        return None;
-    }
-    let costs = if named { costs } else { &costs[..costs.len().min(1)] };
-    let metres = |c: &Cost| {
-        let [ten, sixty] = [c.position_10_s_m, c.position_60_s_m].map(|v| significant(v, 2));
-        format!("{ten} m after 10 s and {sixty} m after 60 s")
-    };
-    // A proof mass in units that are no metres: how they were taken belongs to the number.
-    let taken = repair
-        .filter(|r| r.before.proof_mass.is_some() && !r.relation.is_empty())
-        .map_or(String::new(), |r| format!(" ({})", r.relation));
-    match (costs.iter().find(|c| c.row == Row::Difference), costs) {
-        // A driven base model counts its mismatch as noise: what it would drift by is no drift of
-        // the sensor.
-        (Some(difference), [_, after, ..]) if !taken.is_empty() => Some(format!(
-            "the error from leaving it out is {}, under {}; with the identified physics the position error is \
-             {}{taken}",
-            metres(difference),
-            difference.under,
-            metres(after)
-        )),
-        (Some(difference), [before, after, ..]) => Some(format!(
-            "position error {}: {} {}, {} {}",
-            difference.under,
-            metres(before),
-            before.of,
-            metres(after),
-            after.of
-        )),
-        (None, [only, ..]) => Some(format!("position error {}: {} {}{taken}", only.under, metres(only), only.of)),
-        _ => None,
-    }
 }
 
 fn effects_table(effects: &[Effect]) -> Table {
@@ -348,16 +313,6 @@ fn detectable_table(all: &[Detectable]) -> Table {
             or_never(d.effect_over_noise),
             format!("{:.0}", 100.0 * d.hidden_share),
         ]);
-    }
-    table
-}
-
-fn cost_table(costs: &[Cost]) -> Table {
-    let mut table = Table::new(&["of", "under", "after 10 s, m", "after 60 s, m", "computed by"]);
-    for c in costs {
-        let metres = [c.position_10_s_m, c.position_60_s_m].map(|v| significant(v, 2));
-        let [ten, sixty] = metres;
-        table.row([c.of.clone(), c.under.clone(), ten, sixty, c.basis.clone()]);
     }
     table
 }

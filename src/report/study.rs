@@ -25,6 +25,8 @@ pub use envelope::log_log as envelope_figure;
 use moment::{moment, plain};
 pub use windows::picture as windows_figure;
 
+/// Share of the position variance from which on a source stands on the first screen.
+const LEAST_SHARE: f64 = 0.02;
 /// What is simulated, and what is not.
 const SCOPE: &str = "Scope: one axis, small tilt, flat non-rotating Earth, until the study is given a trajectory.";
 
@@ -43,10 +45,14 @@ fn beyond_scope(drift: &Drift) -> Option<String> {
 /// The report page of `study`.
 pub fn page(study: &Study, drift: &Drift) -> Page {
     let mut page = Page::new(&format!("{}: how far it drifts", study.name), &lede(study, drift));
-    page.paragraph(SCOPE);
     if let Some(sentence) = beyond_scope(drift) {
         page.callout(&sentence);
     }
+    let sources = largest_sources(drift);
+    if !sources.rows.is_empty() {
+        page.table(&sources);
+    }
+    page.paragraph(&format!("{} {SCOPE}", start(study)));
     page.section("How far it drifts");
     let (linear, log) =
         (envelope::linear(drift).draw().named("percentiles"), envelope::log_log(drift).draw().named("envelope"));
@@ -83,7 +89,7 @@ pub fn page(study: &Study, drift: &Drift) -> Page {
     page.table(&budget_table(drift));
     page.section("How the envelope grows");
     page.paragraph(
-        "Position variance fitted as a sum of squares of four powers of time, beside the closed forms of the \
+        "Position variance fitted as a sum of squares of four powers of time, next to the closed forms of the \
          sources. Neighbouring powers resemble each other and bias instability is not a single power, so the fit \
          describes the envelope; the error budget above attributes it.",
     );
@@ -91,8 +97,8 @@ pub fn page(study: &Study, drift: &Drift) -> Page {
     windows::section(&mut page, study, &drift.compared);
     compared::section(&mut page, &drift.compared);
     page.section("The sensor");
-    page.paragraph(&start(study));
     page.paragraph(sensor::CONVENTION);
+    sensor::lowest_frequency(study).iter().for_each(|words| page.paragraph(words));
     page.table(&sensor::table(study));
     page.paragraph(&format!("Excitation: {}.", study.excitation.words));
     note(&mut page, study);
@@ -127,6 +133,9 @@ pub(crate) fn lede(study: &Study, drift: &Drift) -> String {
         0 => study.members.to_string(),
         lost => format!("{} (of {}: {lost} diverged)", study.members - lost, study.members),
     };
+    if sd == 0.0 && mean != 0.0 {
+        return format!("{after} wrong by {} m, the same for all {count} simulated ones.", significant(mean, 3));
+    }
     // Where all members share the error, its mean and not its spread is the answer.
     if mean.abs() > sd {
         let alone = |contribution: &Contribution| contribution.mean_m.last().map_or(0.0, |m| m.abs());
@@ -217,6 +226,24 @@ pub(crate) fn budget_table(drift: &Drift) -> Table {
             row.extend([worth(sd, of_sd), mean_and_doubt(contribution.mean_m[*k], of_mean)]);
         }
         table.row(row);
+    }
+    table
+}
+
+/// The largest sources of the position variance at the last report time, for the first screen.
+fn largest_sources(drift: &Drift) -> Table {
+    let times = drift.report_times_s();
+    let mut headings = vec!["share of the position variance".to_owned()];
+    headings.extend(times.iter().map(|t| format!("after {}", moment(*t))));
+    let mut table = Table { headings, rows: Vec::new() };
+    let Some(last) = drift.report.last() else { return table };
+    let share = |contribution: &Contribution, k: usize| drift.budget.fraction(contribution, k);
+    let mut largest: Vec<&Contribution> = drift.budget.contributions.iter().collect();
+    largest.retain(|c| drift.report.iter().any(|k| share(c, *k) >= LEAST_SHARE));
+    largest.sort_by(|a, b| share(b, *last).total_cmp(&share(a, *last)));
+    for contribution in largest {
+        let name = std::iter::once(contribution.source.name().to_owned());
+        table.row(name.chain(drift.report.iter().map(|k| percent(share(contribution, *k)))));
     }
     table
 }
@@ -342,7 +369,7 @@ pub fn terminal(study: &Study, drift: &Drift) -> String {
     let machine = &drift.statistics.machine;
     let sentences = windows::sentences(&drift.compared).into_iter().chain(compared::sentences(&drift.compared));
     let compared: String = sentences.map(|s| format!("{s}\n")).collect();
-    let compared = if compared.is_empty() { compared } else { format!("beside the recording\n{compared}\n") };
+    let compared = if compared.is_empty() { compared } else { format!("next to the recording\n{compared}\n") };
     let origins = origins(&drift.statistics);
     let origins = if origins.is_empty() { origins } else { format!("members:    {origins}\n") };
     format!(

@@ -17,6 +17,7 @@ pub mod kept;
 mod linear;
 pub mod outages;
 pub mod own_error;
+pub mod position;
 pub mod run;
 pub mod share;
 mod spreads;

@@ -1,9 +1,10 @@
-//! Bars drawn by indicatif, hidden where stderr is not a terminal.
+//! Bars drawn by indicatif; where stderr is not a terminal, a line now and then (`lines`).
 
-use std::io::Write as _;
+use std::io::{IsTerminal as _, Write as _};
 
 use indicatif::{HumanDuration, MultiProgress, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
+use super::lines::Lines;
 use crate::control::{Stage, Watcher};
 use crate::escape;
 use crate::signal::{self, Signal};
@@ -11,11 +12,14 @@ use crate::signal::{self, Signal};
 /// Stages are bars on stderr, and signals stop.
 pub(crate) struct Terminal {
     bars: MultiProgress,
+    /// What a pipe gets in their place.
+    lines: Option<Lines>,
 }
 
 impl Terminal {
     pub(crate) fn new() -> Self {
-        Self { bars: MultiProgress::with_draw_target(ProgressDrawTarget::stderr_with_hz(8)) }
+        let bars = MultiProgress::with_draw_target(ProgressDrawTarget::stderr_with_hz(8));
+        Self { bars, lines: (!std::io::stderr().is_terminal()).then(Lines::default) }
     }
 }
 
@@ -25,6 +29,9 @@ impl Watcher for Terminal {
     }
 
     fn begin(&self, name: &str, length: u64) -> Box<dyn Stage> {
+        if let Some(lines) = &self.lines {
+            return lines.begin(name, length);
+        }
         let bar = self.bars.add(ProgressBar::new(length).with_style(style(length)).with_message(name.to_owned()));
         Box::new(Bar(bar))
     }

@@ -116,6 +116,7 @@ pub(super) fn repair(
         after,
         by_axis: Vec::new(),
         temperature: warmth.as_ref().map_or_else(|_| Temperature::default(), |warmth| warmth.temperature.clone()),
+        is_inertial: true,
         relation,
         own_cost: own_cost.collect(),
         not_expressible: entries

@@ -97,6 +97,7 @@ impl Case<'_> {
         Repair {
             before,
             after,
+            is_inertial: true,
             by_axis,
             not_expressible: not_expressible.collect(),
             temperature: warmth.filter(|_| follows).unwrap_or_default(),

@@ -73,15 +73,26 @@ impl Moments {
         self.max = self.max.max(other.max);
     }
 
-    /// Standard deviation with n − 1; 0 for fewer than two values.
+    /// Returns the standard deviation with n − 1; 0 for fewer than two values, and for values that are all
+    /// one, whatever the rounding of their mean.
     pub fn sd(&self) -> f64 {
-        if self.count < 2 { 0.0 } else { (self.squares / (self.count - 1) as f64).sqrt() }
+        if self.count < 2 || self.min == self.max { 0.0 } else { (self.squares / (self.count - 1) as f64).sqrt() }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    // The mean of thirds is rounded, and squares the rounding of it; a spread of one ulp is one.
+    #[test]
+    fn values_that_are_all_one_have_no_spread() {
+        let third = 1.0 / 3.0;
+        let alike = Moments::of((0..1001).map(|_| third));
+        assert!(alike.squares > 0.0 && alike.sd() == 0.0, "{alike:?}");
+        let apart = Moments::of((0..1001).map(|i| if i == 0 { f64::next_up(third) } else { third }));
+        assert!(apart.sd() > 0.0);
+    }
 
     #[test]
     fn quantities_side_by_side_are_those_alone() {

@@ -4,7 +4,7 @@
 use proofmass_base::escape::line;
 use proofmass_base::number::rounded;
 use proofmass_base::units::key::Key;
-use proofmass_numerics::numerics::allan::law::Term;
+use proofmass_numerics::numerics::allan::law::{FLICKER_FLOOR, Term};
 use proofmass_recording::noise::{Channel, Noise};
 use proofmass_recording::unit::Quantity;
 use proofmass_scenario::sensor::error_law::ErrorLaw;
@@ -75,6 +75,11 @@ pub(super) fn keys(sense: Sense) -> Vec<(Term, &'static Key)> {
     SensorTerm::ALL.into_iter().filter(|term| term.sense() == sense).filter_map(of).collect()
 }
 
+/// Says which convention a bias instability B follows, next to the other that datasheets print.
+fn minimum(value: f64) -> String {
+    format!("; B of IEEE 952: the minimum of the Allan deviation is 0.664 B = {:?}", rounded(FLICKER_FLOOR * value, 3))
+}
+
 fn section(sense: Sense, channel: &Channel) -> String {
     let name = sense.name();
     let mut out = format!("\n[{name}]  # column {}, {} per unit\n", line(&channel.name), line(&channel.unit.name));
@@ -87,7 +92,9 @@ fn section(sense: Sense, channel: &Channel) -> String {
         let (key, scale) = (key.key(), channel.unit.si / key.factor);
         let [low, high] = coefficient.ci95.map(|e| to_five_digits(e * scale));
         out += &if coefficient.supported() {
-            format!("{key} = {:?}  # 95 %: {low:?} to {high:?}\n", to_five_digits(coefficient.value * scale))
+            let value = coefficient.value * scale;
+            let convention = if term == Term::Flicker { minimum(value) } else { String::new() };
+            format!("{key} = {:?}  # 95 %: {low:?} to {high:?}{convention}\n", to_five_digits(value))
         } else {
             format!("{key} = 0.0  # not supported by the data; below {high:?} (95 %)\n")
         };

@@ -20,6 +20,11 @@ use proofmass_study::name_for;
 /// The run is this long, s, and at least this many samples.
 const LASTS_S: f64 = 60.0;
 const LEAST_SAMPLES: f64 = 100.0;
+/// Still start, s, and windows after it, s, where the log holds at least [`LEAST_WINDOWS`] of them.
+const STILL_S: f64 = 10.0;
+const WINDOWS_S: [f64; 2] = [10.0, 60.0];
+/// Fewest windows that say how far a sensor drifts.
+const LEAST_WINDOWS: f64 = 5.0;
 
 /// The study of the log at `path`, named after it; `None` where no column has a scale.
 pub fn study(path: &Path, noise: &Noise) -> Option<String> {
@@ -37,7 +42,8 @@ pub fn study(path: &Path, noise: &Noise) -> Option<String> {
     let mut toml = format!(
         "# The sensor of a log at rest, and the log beside its simulation: run it with `proofmass study`.\n# Each coefficient \
          is drawn from the intervals of all axes that support it (95 %). Bias is absent: a log at rest cannot tell it\n# from \
-         gravity and the Earth's rate; add bias_mg and bias_deg_h from the datasheet.\nname = {}\nseed = 1\nmembers = 4096\n\
+         gravity and the Earth's rate; add bias_mg and bias_deg_h from the datasheet. bias_instability is B of IEEE 952:\n# the \
+         minimum of the Allan deviation is 0.664 B.\nname = {}\nseed = 1\nmembers = 4096\n\
          duration_s = {:?}\n\n[sensor]\nsample_rate_hz = {rate_hz:?}\n",
         toml_string(&name),
         samples / rate_hz
@@ -53,7 +59,17 @@ pub fn study(path: &Path, noise: &Noise) -> Option<String> {
     if file == "-" {
         return Some(toml + "\n# The log is not compared: it was read from standard input.\n");
     }
+    let recorded_s = noise.source.samples as f64 / rate_hz;
+    let lasts_s = samples / rate_hz;
+    let fits = |w: &f64| *w <= lasts_s && recorded_s >= LEAST_WINDOWS * (STILL_S + w);
+    let windows_s: Vec<f64> = WINDOWS_S.into_iter().filter(fits).collect();
+    if !windows_s.is_empty() {
+        toml += &format!("\n[alignment]\nkind = \"still\"\nstill_s = {STILL_S:?}\n");
+    }
     toml += &format!("\n[compare]\nfile = {}\nrate_hz = {rate_hz:?}\n", toml_string(file));
+    if !windows_s.is_empty() {
+        toml += &format!("windows_s = {windows_s:?}\n");
+    }
     if noise.source.findings.iter().any(|f| matches!(f, Finding::RateForced { .. })) {
         toml += "force_rate = true\n";
     }

@@ -1,10 +1,12 @@
 //! The sensor as its datasheet would print it.
 
 use crate::table::Table;
-use proofmass_base::number::rounded;
+use proofmass_base::number::{rounded, significant};
 use proofmass_base::units::key::Key;
 use proofmass_base::units::number::Number;
+use proofmass_kernel::flicker;
 use proofmass_scenario::sensor::SensorTerm;
+use proofmass_scenario::sensor::error_law::ErrorLaw;
 use proofmass_study::Study;
 use proofmass_study::tolerances::keys;
 
@@ -12,6 +14,21 @@ use proofmass_study::tolerances::keys;
 pub(super) const CONVENTION: &str = "Noise densities n are one-sided, as datasheets print them; random walks N are two-sided coefficients as in IEEE 952 and \
      1293, N = n/√2, and a white sequence at rate f has σ = N√f. Bias instability B is the minimum Allan deviation divided by \
      0.664. A number with ± is drawn per sensor (mean ± standard deviation), one with … uniformly between its ends.";
+
+/// States down to which frequency bias instability is simulated, where the study has any.
+pub(super) fn lowest_frequency(study: &Study) -> Option<String> {
+    let flickers = SensorTerm::ALL.into_iter().filter(|term| matches!(term.law(), ErrorLaw::Flicker(_)));
+    let mut keys = flickers.flat_map(|term| term.row().keys);
+    keys.any(|key| study.tolerances[key].is_some()).then(|| {
+        let samples = study.alignment.still_samples() + study.clock.samples;
+        format!(
+            "Bias instability is 1/f noise down to {} Hz, below which its spectrum is flat. Each decade lower would add to every \
+             sensor a constant bias of {} B (standard deviation), which a still start removes.",
+            significant(flicker::lowest_frequency_hz(samples, study.sample_s()), 2),
+            significant(flicker::PER_DECADE, 2)
+        )
+    })
+}
 
 /// What the study says of the sensor, in datasheet units.
 pub(super) fn table(study: &Study) -> Table {
@@ -27,11 +44,18 @@ pub(super) fn table(study: &Study) -> Table {
 /// The number as another key of the same term would give it: a density as a random walk and the
 /// other way round.
 fn by_its_other_key(key: &Key, number: Number) -> String {
-    let keys = SensorTerm::ALL.into_iter().map(|term| term.row().keys).find(|keys| keys.contains(key));
-    let other = keys.unwrap_or_default().iter().find(|other| *other != key);
+    let Some(term) = SensorTerm::ALL.into_iter().find(|term| term.row().keys.contains(key)) else {
+        return String::new();
+    };
+    let other = term.row().keys.iter().find(|other| *other != key);
     other.map_or(String::new(), |other| {
-        let symbol = if other.one_sided { "n" } else { "N" };
-        format!("{symbol} = {} {}", to_four_digits(number.scaled(key.factor / other.factor)), other.unit)
+        // Only white noise has two conventions; the others differ by their unit alone.
+        let symbol = match term.law() {
+            ErrorLaw::White(_) if other.one_sided => "n = ",
+            ErrorLaw::White(_) => "N = ",
+            _ => "",
+        };
+        format!("{symbol}{} {}", to_four_digits(number.scaled(key.factor / other.factor)), other.unit)
     })
 }
 

@@ -24,6 +24,7 @@ use crate::units::key::Sign;
 use crate::warm_profile::{is_in_celsius, is_possible, profile};
 
 use super::asked::Asked;
+use super::effects::unit_of;
 
 /// Sensors with and without the terms of the final model. The input's unit is the file's where that
 /// is one of specific force, else taken as 1 m/s²; without an input, one unit of output is taken as
@@ -75,7 +76,10 @@ pub(in crate::driven) fn repair(
         }
         (None, _) => "one unit of the output is taken as 1 m of displacement".to_owned(),
     };
+    // Without an input the reading itself is the displacement.
+    let is_metric = input.is_none() && unit_of(asked.recording, &asked.columns.output, "") == "m";
     Repair {
+        is_inertial: own.is_some() || is_metric,
         before: with_noise(sensor(data, before, per_input, false, None)),
         after: repaired,
         by_axis: Vec::new(),
