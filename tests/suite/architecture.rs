@@ -357,7 +357,7 @@ fn docs_begin_well() -> Result<(), Failed> {
     let mut seen = 0;
     for (path, text) in sources() {
         let of_crate = |name: &&str| path.starts_with(Path::new("src").join(name));
-        if DOCUMENTED.iter().any(|name| of_crate(&name)) {
+        if DOCUMENTED.iter().any(of_crate) {
             seen += 1;
             let wrong = clauses(&text);
             check(wrong.is_empty(), format!("{}: {}", path.display(), wrong.join("; ")))?;

@@ -36,7 +36,7 @@ fn refused(what: &str, output: &Output, words: &[&str]) -> Result<(), Failed> {
 fn command_lines() -> Result<(), Failed> {
     let cases: [(&[&str], &str); 7] = [
         (&["diagnoze"], "'diagnose'"),
-        (&["diagnose", "log.csv"], "--model"),
+        (&["diagnose", "absent.csv"], "absent.csv"),
         (&["study", "--members", "-1"], "-1"),
         (&["study", "--backend", "tpu"], "auto, gpu, cpu"),
         (&["allan", "log.csv", "--rate-hz", "fast"], "fast"),

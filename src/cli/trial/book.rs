@@ -20,7 +20,7 @@ use proofmass_trial::real::{self, Real};
 const STATES: [&str; 2] = ["truth.json", "verdicts.jsonl"];
 const BOOK: &str = "book.jsonl";
 
-/// What is asked of the book.
+/// Request to the book.
 #[derive(Debug, Clone)]
 pub(super) struct Request {
     /// Folder of the book.

@@ -112,6 +112,13 @@ pub(super) fn excludes(one: &Term, other: &Term) -> bool {
 
 /// What can be named in sweeps.
 pub static CANDIDATES: LazyLock<Vec<Candidate>> = LazyLock::new(|| {
-    let all = stated(true).into_iter().chain(powers());
-    all.map(|term| Candidate { kind: Kind::Response, ..*term.candidate() }).collect()
+    let all: Vec<Term> = stated(true).into_iter().chain(powers()).collect();
+    let ids: Vec<&str> = all.iter().map(|term| term.id()).collect();
+    let of_sweeps = |candidate: &Candidate| -> Candidate {
+        // Made once, and kept as long as the program runs, like the texts of the laws.
+        let others: Vec<&'static str> =
+            candidate.confusable_with.iter().copied().filter(|other| ids.contains(other)).collect();
+        Candidate { kind: Kind::Response, confusable_with: others.leak(), ..*candidate }
+    };
+    all.iter().map(|term| of_sweeps(term.candidate())).collect()
 });

@@ -29,7 +29,7 @@ pub(crate) fn note(note: &Note) -> String {
     }
 }
 
-/// What decided that a candidate has no name: the measure and threshold of the last rule that kept it
+/// States what decided that a candidate has no name: the measure and threshold of the last rule that kept it
 /// out.
 pub(crate) fn why(ranked: &Ranked, trace: &[Step]) -> Option<String> {
     let is_out = |s: &&Step| s.term == Some(ranked.id) && s.is_out();

@@ -24,7 +24,7 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// Every candidate that was tried, best first, named or not.
     pub ranking: Vec<Ranked>,
-    /// What each rule that acted changed, in their order.
+    /// Lists what each rule that acted changed, in their order.
     pub trace: Vec<Step>,
     /// The sensor with and without the named physics, for a study and for the cost in metres.
     pub repair: Option<Repair>,

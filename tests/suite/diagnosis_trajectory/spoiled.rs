@@ -168,7 +168,8 @@ fn leaps() -> Result<(), Failed> {
 
 fn conventions() -> Result<(), Failed> {
     let flight = spoiled(&by_hand(waving, 3));
-    let wrong: [(&str, fn([f64; 4]) -> [f64; 4]); 3] = [
+    type Convention = fn([f64; 4]) -> [f64; 4];
+    let wrong: [(&str, Convention); 3] = [
         ("world to body", |[w, x, y, z]| [w, -x, -y, -z]),
         ("scalar-last", |[w, x, y, z]| [x, y, z, w]),
         ("left-handed", |[w, x, y, z]| [w, -x, y, -z]),

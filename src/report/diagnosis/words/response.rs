@@ -45,7 +45,7 @@ pub(super) fn sentence(answer: &Answer, detail: &Detail) -> String {
     }
 }
 
-/// Where the mismatch lives, and where the motion jumps.
+/// Says where the mismatch lives, and where the motion jumps.
 pub(super) fn place(answer: &Answer, detail: &Detail) -> String {
     let places = &answer.places;
     let mut parts = Vec::new();
@@ -78,7 +78,7 @@ fn jump(jump: &Jump, unit: &str) -> String {
     )
 }
 
-/// What would decide or confirm.
+/// Names what would decide or confirm.
 pub(super) fn next_experiment(answer: &Answer, detail: &Detail) -> String {
     let one_drive = detail.backbone.branches.len() < 2;
     match answer.outcome {

@@ -44,7 +44,7 @@ pub enum Finding {
         longest_s: f64,
         /// The last row before the longest.
         after_row: usize,
-        /// What becomes of the time without poses.
+        /// Says what becomes of the time without poses.
         so: &'static str,
     },
     /// Poses come so rarely that little of the motion is in them.
