@@ -136,6 +136,11 @@ const LARGEST: f64 = 1e33;
 /// Size below which a number is no zero but a slip, and divisions by it end the arithmetic.
 const SMALLEST: f64 = 1e-25;
 
+/// Returns whether a positive number is of a size that a study takes.
+pub fn is_plausible(value: f64) -> bool {
+    (SMALLEST..=LARGEST).contains(&value)
+}
+
 /// Refuses numbers that no sensor has.
 fn sizes(name: &str, all: &Tolerances) -> Result<()> {
     for row in keys() {

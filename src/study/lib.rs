@@ -48,6 +48,7 @@ use crate::motion::temperature::Temperature;
 use crate::sensor::{ProofMass, SensorTerm};
 use crate::units::STANDARD_GRAVITY_M_S2;
 use alignment::Alignment;
+pub use check::is_plausible;
 use draw::Drawer;
 use in_motion::InMotion;
 use mass_check::Lasting;

@@ -232,5 +232,6 @@ fn softening(folder: &std::path::Path) -> Result<(), Failed> {
     let spring = verdict.effects.iter().find(|e| e.id.ends_with("-stiffness")).ok_or("no spring is named")?;
     check(spring.parameters[0].value < 0.0, format!("{:?}", spring.parameters))?;
     let read: Vec<_> = detail.jumps.iter().filter(|j| j.read_hz.is_some()).collect();
-    check(read.len() == 3 && read.iter().all(|j| j.steps.is_some_and(|s| s <= 1)), format!("{:?}", detail.jumps))
+    // Two drives, each swept up and down: four.
+    check(read.len() == 4 && read.iter().all(|j| j.steps.is_some_and(|s| s <= 1)), format!("{:?}", detail.jumps))
 }

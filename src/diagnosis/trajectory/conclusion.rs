@@ -147,21 +147,24 @@ impl Examined<'_> {
         let erring = effects::reference(attitude, position, halves);
         let errs = erring.is_some();
         effects.extend(erring);
-        let absurd = plausible::absurd(&chosen.point, attitude, selection);
+        let remainder = remainder(fit, &chosen.point, &held);
+        let ruled = |base_determined: bool, named: usize| {
+            rule(&ruling::Evidence {
+                base_determined,
+                named,
+                tied,
+                remainder: remainder.size,
+                held_out_ratio: held.ratio()[0],
+                ..ruling::Evidence::default()
+            })
+        };
+        let is_unexplained = ruled(true, effects.len()) == Outcome::Unexplained;
+        let absurd = plausible::absurd(&chosen.point, attitude, selection, is_unexplained);
         let failed = !absurd.is_empty();
         if failed {
             effects = self.of_readings([clipped; 2], swap, exchanged);
         }
-        let remainder = remainder(fit, &chosen.point, &held);
-        let named = effects.len();
-        let outcome = rule(&ruling::Evidence {
-            base_determined: !failed,
-            named,
-            tied,
-            remainder: remainder.size,
-            held_out_ratio: held.ratio()[0],
-            ..ruling::Evidence::default()
-        });
+        let outcome = ruled(!failed, effects.len());
         let mut account = self.account(&effects, Some(selection), held.rms());
         account.absurd = absurd;
         account.untold = halves.lacks().map(|half| Untold { half, terms: untold(halves) });
@@ -181,7 +184,7 @@ impl Examined<'_> {
         };
         detail.repaired = (!failed).then(|| diagnosed.repaired());
         // Noise and limits are named beside a model that they do not change.
-        let changed = named > 0 && active != small && !failed;
+        let changed = !effects.is_empty() && active != small && !failed;
         let scores = scores(found, [&before, &chosen.point], &held, changed);
         let base = if failed { Vec::new() } else { published::base(&seated, &wide) };
         let mut answer = self.answer(outcome, effects, scores, remainder, base, detail);

@@ -25,8 +25,14 @@ const BIASES: [(Range<usize>, f64, &str, &str, &str); 2] = [
 ];
 
 /// What a fitted model needs beyond what there is: biases at its point, an attitude of the reference
-/// that errs, terms that were refused although they would do most.
-pub(super) fn absurd(point: &Point, erring: Option<Excess>, selection: &Selection) -> Vec<Absurd> {
+/// that errs, and where something is left unexplained, terms that were refused although they would do
+/// most.
+pub(super) fn absurd(
+    point: &Point,
+    erring: Option<Excess>,
+    selection: &Selection,
+    is_unexplained: bool,
+) -> Vec<Absurd> {
     let biases = BIASES.into_iter().filter_map(|(range, most, unit, what, source)| {
         let value = range.map(|p| point[p].abs()).fold(0.0, f64::max);
         (value > most).then(|| Absurd { what: what.into(), value, most, unit, source })
@@ -41,7 +47,7 @@ pub(super) fn absurd(point: &Point, erring: Option<Excess>, selection: &Selectio
     let refused = |s: &&Standing| {
         !s.plausible && s.matters && s.p_value < FALSE_NAME && s.ci95[0] > MOST && s.largest > s.term.largest()
     };
-    let terms = selection.others.iter().filter(refused).map(|s| Absurd {
+    let terms = selection.others.iter().filter(|_| is_unexplained).filter(refused).map(|s| Absurd {
         what: format!("{} up to", s.term.phrase()),
         value: s.largest * s.term.unit.per_si,
         most: s.term.largest() * s.term.unit.per_si,

@@ -15,7 +15,7 @@ use proofmass_recording::finding::Finding;
 use proofmass_recording::noise::{Channel, Noise};
 use proofmass_recording::unit::Quantity;
 use proofmass_scenario::sensor::Sense;
-use proofmass_study::name_for;
+use proofmass_study::{is_plausible, name_for};
 
 /// The run is this long, s, and at least this many samples.
 const LASTS_S: f64 = 60.0;
@@ -98,8 +98,14 @@ fn drawn(channels: &[&Channel], sense: Sense) -> String {
             let scale = c.unit.si / key.factor;
             coefficient.supported().then(|| coefficient.ci95.map(|e| to_five_digits(e * scale)))
         });
-        if let Some([low, high]) = supported.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]) {
-            out += &format!("{} = {{ min = {low:?}, max = {high:?} }}\n", key.key());
+        match supported.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]) {
+            Some([low, high]) if is_plausible(high) && (low == 0.0 || is_plausible(low)) => {
+                out += &format!("{} = {{ min = {low:?}, max = {high:?} }}\n", key.key());
+            }
+            Some([low, high]) => {
+                out += &format!("# {} would be {low:?} to {high:?}, which no sensor has: left out\n", key.key());
+            }
+            None => {}
         }
     }
     for (term, what) in [(Term::Ramp, "ramp R"), (Term::Quantisation, "quantisation Q")] {

@@ -6,6 +6,7 @@ use libtest_mimic::{Failed, Trial};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use proofmass::diagnosis::answer::Answer;
 use proofmass::diagnosis::verdict::Outcome;
+use proofmass::report::diagnosis::worded;
 
 use super::super::world::{check, data_test, near, test};
 use super::flight::{Flight, base, effect, ids, made_up, real};
@@ -144,7 +145,7 @@ fn quick() -> Result<(), Failed> {
     check(!ids(&none).contains("readout-lowpass"), format!("without one: {:?}", ids(&none)))?;
     let answer = lowpassed(&flight, 0.01).diagnosed()?;
     let more: Vec<String> = ids(&answer).into_iter().filter(|id| !ids(&none).contains(id)).collect();
-    check(more == ["readout-lowpass"], format!("{more:?}"))?;
+    check(more == ["readout-lowpass"], format!("{more:?}: {}", worded(answer.clone()).verdict.sentence))?;
     holds(&answer, "readout-lowpass", with_lines(0.01), 5e-4)
 }
 

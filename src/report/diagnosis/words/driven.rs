@@ -155,7 +155,12 @@ fn shares(answer: &Answer, laws: &[String], unit: &str) -> String {
     let after = test.rmse_after.unwrap_or(test.rmse_before);
     let verb = if laws.len() == 1 { "removes" } else { "remove" };
     let rest = if answer.outcome == Outcome::Explained {
-        "; what remains is noise".to_owned()
+        // What has no name is stated apart: the share is that of the names.
+        let further = answer.fit.with_unnamed.as_ref().map_or(String::new(), |repaired| {
+            let terms = repaired.terms.join(", ");
+            format!("; corrections that are not named ({terms}) bring it to {} {unit}", short(repaired.test_rmse))
+        });
+        format!("{further}; what remains is noise")
     } else {
         let depends = answer.places.argument.as_ref().map_or(String::new(), |a| {
             format!(" and depends on {} ({} % of it)", a.name, short(100.0 * a.share.value))
