@@ -111,8 +111,15 @@ pub(super) fn judge(question: &Question<'_>, tried: usize) -> Standing {
         p_value: (p_value * tried as f64).min(1.0),
         fall,
         least_fall,
-        plausible: value.iter().zip(&half_widths).all(|(v, half)| term.allows(*v, *half)),
-        largest: value.iter().map(|v| term.size(v.abs())).fold(0.0, f64::max),
+        // An element that the motion hardly shows says nothing for or against the others.
+        plausible: value.iter().zip(&half_widths).all(|(v, half)| term.allows(*v, *half))
+            && half_widths.iter().any(|half| term.knows(*half)),
+        largest: value
+            .iter()
+            .zip(&half_widths)
+            .filter(|(_, half)| term.knows(**half))
+            .map(|(v, _)| term.size(v.abs()))
+            .fold(0.0, f64::max),
         matters: value.iter().any(|v| term.matters(*v, tilt_rad, interval_s))
             && fall >= least_part * held.sums(usize::MAX).0,
         half_widths,

@@ -60,11 +60,18 @@ impl Term {
         self.candidate.parameters.iter().map(|p| p.range.1).fold(0.0, f64::max) / self.unit.per_si
     }
 
-    /// Whether a parameter of the fit with the half width of its interval may be such a sensor's; what
-    /// is known less well than to the largest size says nothing.
+    /// Whether the motion determines a parameter at all: to better than the largest size that there is.
+    pub(in crate::trajectory) fn knows(&self, half_width: f64) -> bool {
+        match self.measure {
+            Measure::Plain => half_width <= self.largest(),
+            Measure::Time => true,
+        }
+    }
+
+    /// Whether a parameter of the fit with the half width of its interval may be such a sensor's.
     pub(in crate::trajectory) fn allows(&self, value: f64, half_width: f64) -> bool {
         match self.measure {
-            Measure::Plain => value.abs() - half_width <= self.largest() && half_width <= self.largest(),
+            Measure::Plain => value.abs() - half_width <= self.largest(),
             Measure::Time => value > half_width && value - half_width <= self.largest().powi(2),
         }
     }
