@@ -8,6 +8,7 @@ pub(super) mod shard;
 
 use std::path::{Path, PathBuf};
 
+use super::diagnose::gate;
 use super::launched::refuse_ranks;
 use super::numbers;
 use super::say::{remark, say, sayln};
@@ -18,6 +19,7 @@ use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};
 use proofmass_base::progress;
 use proofmass_base::shard::Shard;
+use proofmass_diagnosis::gate::Gate;
 use proofmass_diagnosis::recordings::Recordings;
 use proofmass_diagnosis::verdict::Verdict;
 use proofmass_diagnosis::{self as diagnosis, model};
@@ -55,6 +57,13 @@ pub struct Arguments {
     /// Only these cases of the book, by their names up to the colon, e.g. 1-17,1-23
     #[arg(long, value_name = "LIST", requires = "book", value_delimiter = ',')]
     pub only: Vec<String>,
+    /// Then ask each verdict of the book again without each rule that acted in it, and write what each
+    /// rule is worth to gates.md
+    #[arg(long, requires = "book", conflicts_with = "shard")]
+    pub ablate: bool,
+    /// Rules that never act (ids as in gates.md): for measuring what they are worth
+    #[arg(long, value_name = "GATE", requires = "book", value_delimiter = ',', hide = true, value_parser = gate)]
+    pub without: Vec<Gate>,
     /// Replace files in DIR even if they are not from an earlier run of this command on the same
     /// input
     #[arg(long, requires = "folder")]
@@ -138,10 +147,14 @@ impl Arguments {
 pub fn run(arguments: &Arguments, json: bool) -> Result<u8> {
     let control = progress::terminal();
     if let Some(folder) = &arguments.book {
-        let Arguments { against, sample, only, shard, recordings, seed, force, resume, .. } = arguments.clone();
         let folder = folder.clone();
-        let request = book::Request { folder, against, sample, only, shard, recordings, seed, force, resume };
-        return book::run(&request, &tool(&control), &control, json);
+        let Arguments { against, sample, only, shard, recordings, seed, force, resume, ablate, without, .. } =
+            arguments.clone();
+        let request =
+            book::Request { folder, against, sample, only, shard, recordings, seed, force, resume, ablate, without };
+        // Many diagnoses run at once: their stages would write over each other.
+        let quiet = control.without_stages();
+        return book::run(&request, &|files, without| diagnosed(files, without, &quiet), &control, json);
     }
     trial(arguments, json, &control).map(|()| 0)
 }
@@ -316,12 +329,14 @@ fn one(plan: &Plan, number: usize, path: &Path, force: bool, json: bool, subject
 fn tool(control: &Control) -> impl Fn(&Files) -> Result<Verdict> + Sync {
     // Many diagnoses run at once: their stages would write over each other.
     let control = control.without_stages();
-    move |files| {
-        let model = model::read(&files.model)?;
-        let train = [model::read_recording(&files.recording, &model, &control)?];
-        let test: Result<Vec<_>> =
-            files.judging.iter().map(|path| model::read_recording(path, &model, &control)).collect();
-        let recordings = Recordings { train: &train, test: &test? };
-        Ok(worded(diagnosis::diagnose_all(recordings, &model, &control)?).verdict)
-    }
+    move |files| diagnosed(files, &[], &control)
+}
+
+/// One verdict with its trace, without some rules.
+fn diagnosed(files: &Files, without: &[Gate], control: &Control) -> Result<Verdict> {
+    let model = model::read(&files.model)?.without(without);
+    let train = [model::read_recording(&files.recording, &model, control)?];
+    let test: Result<Vec<_>> = files.judging.iter().map(|path| model::read_recording(path, &model, control)).collect();
+    let recordings = Recordings { train: &train, test: &test? };
+    Ok(worded(diagnosis::diagnose_all(recordings, &model, control)?).with_trace().verdict)
 }

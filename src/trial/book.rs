@@ -5,8 +5,9 @@
 //! real recordings with what is known of them. Whoever changes a rule of the diagnosis writes a book
 //! before and after: each verdict that changed stands in the comparison, with exact odds.
 //!
-//! Imports run `corpus` → `entry` → `run` → `against`.
+//! Imports run `corpus` → `entry` → `run` → `against` → `ablation`.
 
+pub mod ablation;
 pub mod against;
 pub mod corpus;
 pub mod entry;

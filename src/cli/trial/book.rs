@@ -8,7 +8,10 @@ use proofmass_base::document::to_json;
 use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};
 use proofmass_base::shard::Shard;
-use proofmass_trial::ask::Subject;
+use proofmass_diagnosis::gate::Gate;
+use proofmass_diagnosis::verdict::Verdict;
+use proofmass_trial::ask::{Files, Subject};
+use proofmass_trial::book::ablation;
 use proofmass_trial::book::against::Against;
 use proofmass_trial::book::corpus::Choice;
 use proofmass_trial::book::entry::Entry;
@@ -16,9 +19,14 @@ use proofmass_trial::book::run::{self, Places};
 use proofmass_trial::page::book as report;
 use proofmass_trial::real::{self, Real};
 
-/// The sealed truth, and the lines as they are given.
-const STATES: [&str; 2] = ["truth.json", "verdicts.jsonl"];
+/// The sealed truth, and the lines as they are given; the same of the verdicts without a rule.
+const STATES: [&str; 4] = ["truth.json", "verdicts.jsonl", "truth-gates.json", "gates.jsonl"];
 const BOOK: &str = "book.jsonl";
+/// What each rule is worth.
+const GATES: &str = "gates.md";
+
+/// Turns files into a verdict, without these rules.
+pub(super) type Asked<'a> = dyn Fn(&Files, &[Gate]) -> Result<Verdict> + Sync + 'a;
 
 /// Request to the book.
 #[derive(Debug, Clone)]
@@ -41,6 +49,10 @@ pub(super) struct Request {
     pub force: bool,
     /// Go on with what is there.
     pub resume: bool,
+    /// Ask again without each rule that acted.
+    pub ablate: bool,
+    /// Rules that never act.
+    pub without: Vec<Gate>,
 }
 
 /// Writes the book, prints what it says, and compares it. Returns the exit code: 1 where it is worse
@@ -48,7 +60,7 @@ pub(super) struct Request {
 ///
 /// # Errors
 /// Nothing can be written, a case or recipe is not there, or on Ctrl-C.
-pub(super) fn run(request: &Request, subject: &Subject<'_>, control: &Control, json: bool) -> Result<u8> {
+pub(super) fn run(request: &Request, subject: &Asked<'_>, control: &Control, json: bool) -> Result<u8> {
     if !(request.sample > 0.0 && request.sample <= 1.0) {
         let cause = format!("need a part above 0 and at most 1, got {}", request.sample);
         return Err(Error::new("could not choose a sample", cause, "a tenth is --sample 0.1"));
@@ -70,14 +82,25 @@ pub(super) fn run(request: &Request, subject: &Subject<'_>, control: &Control, j
         ));
     }
     STATES.iter().try_for_each(|name| folder.state(name, request.resume))?;
-    let [truth, lines] = STATES.map(|name| path.join(name));
-    if !request.resume && lines.exists() {
-        std::fs::remove_file(&lines).map_err(|e| Error::io("replace", &lines, &e))?;
+    let [truth, lines, truth_of_gates, lines_of_gates] = STATES.map(|name| path.join(name));
+    for lines in [&lines, &lines_of_gates].into_iter().filter(|lines| !request.resume && lines.exists()) {
+        std::fs::remove_file(lines).map_err(|e| Error::io("replace", lines, &e))?;
     }
     let places = Places { truth: &truth, lines: &lines, data: &data };
-    let book = run::run(&items, seed, done, &places, subject, control)?;
+    let with: &Subject<'_> = &|files| subject(files, &request.without);
+    let book = run::run(&items, seed, done, &places, with, control)?;
     folder.write(BOOK, run::text(&book)?.as_bytes())?;
-    STATES.iter().for_each(|name| folder.record(name));
+    let worth = if request.ablate {
+        let places = Places { truth: &truth_of_gates, lines: &lines_of_gates, data: &data };
+        let without: &ablation::Subject<'_> =
+            &|files, gate| subject(files, &[request.without.as_slice(), &[gate]].concat());
+        let worth = ablation::worth(&book, &ablation::run(&book, &items, seed, &places, without, control)?);
+        folder.write(GATES, report::gates(&worth, book.len()).as_bytes())?;
+        Some(worth)
+    } else {
+        None
+    };
+    STATES.iter().filter(|name| path.join(name).exists()).for_each(|name| folder.record(name));
     folder.finish()?;
     let against = other.map(|other| Against::of(&other, &book));
     if json {
@@ -87,6 +110,7 @@ pub(super) fn run(request: &Request, subject: &Subject<'_>, control: &Control, j
             "cases": book.len(),
             "cpu": report::Cost::of(book.iter()),
             "against": against,
+            "gates": worth,
         });
         sayln!("{}", to_json(&document)?)?;
     } else {
@@ -95,6 +119,9 @@ pub(super) fn run(request: &Request, subject: &Subject<'_>, control: &Control, j
             say(format_args!("\n{}", report::against(against)))?;
         }
         sayln!("\nbook: {}", path.join(BOOK).display())?;
+        if worth.is_some() {
+            sayln!("what each rule is worth: {}", path.join(GATES).display())?;
+        }
     }
     Ok(u8::from(against.is_some_and(|against| against.is_worse())))
 }
@@ -103,7 +130,7 @@ fn keep(path: &Path, request: &Request) -> Result<Folder> {
     let files = output::Request {
         command: "trial --book",
         reads: request.recordings.iter().cloned().collect(),
-        writes: vec![BOOK.into()],
+        writes: vec![BOOK.into(), GATES.into()],
         force: request.force,
         ..output::Request::default()
     };

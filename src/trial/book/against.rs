@@ -109,14 +109,10 @@ pub struct Against {
     pub unmatched: [usize; 2],
 }
 
-fn is_false_name(entry: &Entry) -> bool {
-    entry.mark.is_false_name() || entry.mark == Mark::FalseAlarm
-}
-
 impl Row {
     fn of(family: Option<&str>, pairs: &[(&Entry, &Entry)], level: f64) -> Self {
         let right = Shift::of(pairs, |e| e.mark == Mark::Right, Worse::Fewer);
-        let false_names = Shift::of(pairs, is_false_name, Worse::More);
+        let false_names = Shift::of(pairs, Entry::is_false, Worse::More);
         Self {
             family: family.map(str::to_owned),
             cases: pairs.len(),

@@ -152,7 +152,7 @@ impl Entry {
             parameters: said.numbers.into_iter().map(Parameter::of).collect(),
             held: Held { before, after, floor },
             cpu_s: said.seconds,
-            gates: Vec::new(),
+            gates: verdict.map_or_else(Vec::new, |verdict| gates(&verdict)),
             mark,
         }
     }
@@ -163,6 +163,11 @@ impl Entry {
         told(self) == told(other)
     }
 
+    /// Whether it is a false name or a false alarm.
+    pub(super) fn is_false(&self) -> bool {
+        self.mark.is_false_name() || self.mark == Mark::FalseAlarm
+    }
+
     /// Returns what it says in one line: "explained cubic-stiffness (right)".
     pub(crate) fn words(&self) -> String {
         let ties = self.ties.iter().map(|tie| tie.join(" | "));
@@ -170,6 +175,17 @@ impl Entry {
         let space = if names.is_empty() { "" } else { " " };
         format!("{}{space}{} ({})", self.verdict.name(), names.join(" + "), self.mark.word())
     }
+}
+
+/// Ids of the gates that acted, each once, in the order in which they last did.
+fn gates(verdict: &Verdict) -> Vec<String> {
+    let mut ids: Vec<String> = Vec::new();
+    for step in verdict.trace.iter().flatten() {
+        let id = step.gate.id();
+        ids.retain(|other| other != id);
+        ids.push(id.to_owned());
+    }
+    ids
 }
 
 impl Parameter {

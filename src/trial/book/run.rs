@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::corpus::{CASES, Item, ROWS};
+use super::corpus::{self, CASES, Item, ROWS};
 use super::entry::Entry;
 use crate::ask::{self, Subject};
 use crate::independent::case::Case;
@@ -34,13 +34,54 @@ pub fn read(path: &Path) -> Result<Vec<Entry>> {
 }
 
 /// A case that is there to be asked.
-enum Made<'a> {
-    Drawn(&'a Case),
+pub(super) enum Made<'a> {
+    /// A case of the second generator.
+    Drawn(Case),
+    /// A real recording.
     Recorded(&'a Real),
 }
 
+impl Made<'_> {
+    /// Asks for the verdict and returns its line.
+    pub(super) fn ask(&self, seed: u64, subject: &Subject<'_>, data: &Path, scratch: &Scratch) -> Result<Entry> {
+        match self {
+            Self::Drawn(case) => Ok(Entry::drawn(seed, case, run::ask(case, subject, scratch)?)),
+            Self::Recorded(real) => {
+                let folder = scratch.case()?;
+                let files = real.files(data, folder.path())?;
+                Ok(Entry::recorded(real, ask::ask(&files, subject)?))
+            }
+        }
+    }
+
+    /// Returns the name of the case in the book.
+    pub(super) fn name(&self, seed: u64) -> String {
+        match self {
+            Self::Drawn(case) => corpus::name(seed, case.number),
+            Self::Recorded(real) => real.id(),
+        }
+    }
+}
+
+/// Makes the cases of these items and seals them in a file; recordings come first, as they take
+/// longest. Returns them with the seal.
+pub(super) fn made<'a>(
+    items: &[&Item<'a>],
+    seed: u64,
+    truth: &Path,
+    control: &Control,
+) -> Result<(String, Vec<Made<'a>>)> {
+    let orders: Vec<run::Order> =
+        items.iter().filter_map(|item| if let Item::Drawn(order) = item { Some(*order) } else { None }).collect();
+    let (sealed, cases) = seal(Plan { seed, cases: CASES, rows: ROWS }, &orders, truth, control)?;
+    control.remark(&format!("sealed truth of {} cases, SHA-256 {sealed}", cases.len()));
+    let recorded =
+        items.iter().filter_map(|item| if let Item::Recorded(real) = item { Some(Made::Recorded(real)) } else { None });
+    Ok((sealed, recorded.chain(cases.into_iter().map(Made::Drawn)).collect()))
+}
+
 /// Asks for every verdict that is not `done` yet. Returns the whole book in the order of its items,
-/// without cases that cannot be made, and the seal.
+/// without cases that cannot be made.
 ///
 /// # Errors
 /// Nothing can be written, the sealed truth was changed, or the work was stopped.
@@ -54,23 +95,9 @@ pub fn run(
 ) -> Result<Vec<Entry>> {
     let mut lines: BTreeMap<String, Entry> = done.into_iter().map(|entry| (entry.case.clone(), entry)).collect();
     let open: Vec<&Item<'_>> = items.iter().filter(|item| !lines.contains_key(&item.name(seed))).collect();
-    let orders: Vec<run::Order> =
-        open.iter().filter_map(|item| if let Item::Drawn(order) = item { Some(*order) } else { None }).collect();
-    let (sealed, cases) = seal(Plan { seed, cases: CASES, rows: ROWS }, &orders, places.truth, control)?;
-    control.remark(&format!("sealed truth of {} cases, SHA-256 {sealed}", cases.len()));
-    // Recordings take longest, and come first.
-    let recorded =
-        open.iter().filter_map(|item| if let Item::Recorded(real) = item { Some(Made::Recorded(real)) } else { None });
-    let made: Vec<Made<'_>> = recorded.chain(cases.iter().map(Made::Drawn)).collect();
+    let (sealed, made) = made(&open, seed, places.truth, control)?;
     let scratch = Scratch::new(places.lines.parent())?;
-    let fresh = keep(&made, places.lines, control, |made| match made {
-        Made::Drawn(case) => Ok(Entry::drawn(seed, case, run::ask(case, subject, &scratch)?)),
-        Made::Recorded(real) => {
-            let folder = scratch.case()?;
-            let files = real.files(places.data, folder.path())?;
-            Ok(Entry::recorded(real, ask::ask(&files, subject)?))
-        }
-    })?;
+    let fresh = keep(&made, places.lines, control, |made| made.ask(seed, subject, places.data, &scratch))?;
     // What was judged is what was sealed.
     run::open(places.truth, &sealed)?;
     lines.extend(fresh.into_iter().map(|entry| (entry.case.clone(), entry)));

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::book::ablation::{LEAST_CHANGED, Worth};
 use crate::book::against::{Against, LEVEL, Row, Shift};
 use crate::book::entry::Entry;
 use crate::independent::judge::Mark;
@@ -124,4 +125,26 @@ pub fn against(found: &Against) -> String {
         "p: chance of a change for the worse as large as this, where better and worse are alike; the whole book is \
          tested at {level} % for both figures together, its families together at another {level} %\n"
     )
+}
+
+/// Returns the table of what each gate is worth, as Markdown, with how it was measured.
+pub fn gates(worths: &[Worth], verdicts: usize) -> String {
+    let mut text = format!(
+        "# What each rule of a driven diagnosis is worth\n\nOf {verdicts} verdicts of the book, each in which a rule \
+         acted was asked for again without it. *Better* and *worse*: verdicts whose mark is so because of the rule. \
+         A rule earns its place where it changes at least {} % of the verdicts, and more for the better than for the \
+         worse.\n\n| rule | what it says | acted | changed | better | worse | false names prevented | time with → without \
+         it | earned |\n|:--|:--|--:|--:|--:|--:|--:|--:|:--|\n",
+        significant(100.0 * LEAST_CHANGED, 2)
+    );
+    for worth in worths {
+        let Worth { gate, statement, acted, changed, better, worse, prevents, cpu_s } = worth;
+        let [with, without] = cpu_s.map(duration);
+        let earned = if worth.is_earned(verdicts) { "yes" } else { "no" };
+        text += &format!(
+            "| `{gate}` | {statement} | {acted} | {changed} | {better} | {worse} | {prevents} | {with} → {without} | \
+             {earned} |\n"
+        );
+    }
+    text
 }
