@@ -24,6 +24,7 @@ use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 use crate::recording::Recording;
 use crate::trace::Step;
+use crate::verdict::Outcome;
 
 use super::answer::Answer;
 use super::model;
@@ -49,7 +50,7 @@ use selection::judged::{self, Judged, Selection};
 use selection::stepwise;
 use simulation::run;
 use verdict::asked::Asked;
-use verdict::by_simulation::{self, Simulation};
+use verdict::by_simulation::{self, Searched, Simulation};
 use verdict::conclude::{self, Conclusion};
 pub use verdict::detail::Detail;
 use verdict::dropped::Dropped;
@@ -119,8 +120,15 @@ fn by_likelihood(recording: &Recording, taken: Taken, model: &model::Driven, con
     {
         return Ok(answer);
     }
-    let selection = course.select(base, &scales, control).map_err(|s| Refusal::from(s).of(recording))?;
-    let conclusion = course.conclude(&selection, &scales);
+    let explained = course.explained(&base, &scales, control).map_err(|s| Refusal::from(s).of(recording))?;
+    let (selection, conclusion) = match explained {
+        Some(found) => found,
+        None => {
+            let selection = course.select(base, &scales, control).map_err(|s| Refusal::from(s).of(recording))?;
+            let conclusion = course.conclude(&selection, &scales);
+            (selection, conclusion)
+        }
+    };
     let (selection, conclusion, simulation) = course.simulated(selection, conclusion, &scales);
     let Course { data, notes, .. } = course;
     let mut answer = answer::answer(&asked, &data, &scales, &selection, &conclusion, notes);
@@ -145,6 +153,8 @@ struct Course {
     notes: Notes,
     /// What the search may cost.
     budget: Budget,
+    /// What free simulation found over the base model.
+    searched: Option<Searched>,
 }
 
 impl Course {
@@ -159,7 +169,7 @@ impl Course {
             ));
         }
         let budget = narrow.work.budget(Stage::Search, narrow.hull.len());
-        Self { data, narrow, start, own_test, follows: true, filled, notes, budget }
+        Self { data, narrow, start, own_test, follows: true, filled, notes, budget, searched: None }
     }
 
     /// Whether terms are chosen on all of the recording.
@@ -289,6 +299,39 @@ impl Course {
         Some((base, scales))
     }
 
+    /// Laws that free simulation finds, and the noise beside them, where all of these laws keep their
+    /// names.
+    fn explained(
+        &mut self,
+        base: &Fit,
+        scales: &Scales,
+        control: &Control,
+    ) -> Result<Option<(Selection, Conclusion)>, Stopped> {
+        if !self.follows || self.notes.broken.is_some() || self.narrow.windows.is_some() {
+            return Ok(None);
+        }
+        let base = judged::judge(&self.narrow, base.clone(), scales);
+        let Some((searched, selection)) = by_simulation::searched(&self.narrow, &base, scales) else { return Ok(None) };
+        self.searched = Some(searched);
+        let Some(mut selection) = selection else { return Ok(None) };
+        let laws = selection.chosen.fit.structure.terms.clone();
+        if selection.departing.is_none() {
+            let mut noise = self.candidates(scales);
+            noise.retain(|t| t.noise().is_some());
+            selection = stepwise::with_noise(&self.narrow, selection, scales, &noise, self.budget, control)?;
+        }
+        let (data, notes) = (self.data.clone(), self.notes.clone());
+        let conclusion = self.conclude(&selection, scales);
+        let terms = &conclusion.model.fit.structure.terms;
+        let keeps_all = laws.iter().all(|law| conclusion.named.iter().any(|n| terms[n.index] == *law));
+        // What is left must be what a departing form leaves, or nothing.
+        if keeps_all && (conclusion.departing.is_some() || conclusion.outcome != Outcome::Unexplained) {
+            return Ok(Some((selection, conclusion)));
+        }
+        (self.data, self.notes) = (data, notes);
+        Ok(None)
+    }
+
     /// The terms that the recording asks for; searched again where another way of the input between
     /// its samples fits better.
     fn select(&mut self, base: Fit, scales: &Scales, control: &Control) -> Result<Selection, Stopped> {
@@ -412,16 +455,18 @@ impl Course {
 
     /// What free simulation adds to a conclusion.
     fn simulated(
-        &self,
+        &mut self,
         selection: Selection,
         conclusion: Conclusion,
         scales: &Scales,
     ) -> (Selection, Conclusion, Simulation) {
+        let searched = self.searched.take();
         if self.is_whole() {
-            return by_simulation::simulated(&self.data, selection, conclusion, scales);
+            return by_simulation::simulated(&self.data, selection, conclusion, scales, searched);
         }
         let had = conclusion.named.len();
-        let (selection, conclusion, simulation) = by_simulation::simulated(&self.narrow, selection, conclusion, scales);
+        let (selection, conclusion, simulation) =
+            by_simulation::simulated(&self.narrow, selection, conclusion, scales, searched);
         let is_new = conclusion.named.len() > had;
         let conclusion = if is_new { conclude::widened(conclusion, &self.data, scales) } else { conclusion };
         (selection, conclusion, simulation)

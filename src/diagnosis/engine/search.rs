@@ -10,7 +10,7 @@ use crate::parallel;
 use super::evidence::{Gain, gain};
 use super::fit::{Fitted, MOST_STEPS, fit};
 use super::kind::{Form, Kind, Point, Set};
-use super::levels::{AT_NOISE, INEXACT, LEAST_SHARE, NAME, TIE};
+use super::levels::{INEXACT, LEAST_SHARE, NAME, OTHER_LAW, TIE};
 use super::linear::Products;
 
 /// Sets that are followed in parallel.
@@ -75,11 +75,6 @@ impl<'a, K: Kind> Search<'a, K> {
         gain.removed <= 0.0 || (gain.is_known && gain.errors < TIE)
     }
 
-    /// Whether a model leaves no more than the noise.
-    fn is_at_noise(&self, model: &Fitted) -> bool {
-        model.variance < (1.0 + AT_NOISE) * self.noise
-    }
-
     /// Whether two sets are equally good.
     pub(crate) fn as_good(&self, one: &Fitted, best: &Fitted) -> bool {
         let gain = self.gain(one, best);
@@ -102,7 +97,7 @@ impl<'a, K: Kind> Search<'a, K> {
             // is tried with it.
             let argument = |f: &Fitted| f.set.last().map(|law| self.kind.argument(*law));
             let first = |i: &usize| next[..*i].iter().all(|f| argument(f) != argument(&next[*i]));
-            let bent: Vec<usize> = (0..next.len()).filter(first).filter(|i| !self.is_at_noise(&next[*i])).collect();
+            let bent: Vec<usize> = (0..next.len()).filter(first).collect();
             let bent: Vec<Arc<Fitted>> = bent.into_iter().map(|i| self.with_exponents(next[i].clone())).collect();
             next.extend(bent);
             order::sort_by_key(&mut next, |f| f.error);
@@ -122,7 +117,9 @@ impl<'a, K: Kind> Search<'a, K> {
             let Some(without) = place.and_then(|place| self.without(&best, place)) else { continue };
             let fits = self.instead(&without, law, Form::Exponent).into_iter();
             let bent = fits.min_by(|a, b| a.error.total_cmp(&b.error));
-            best = bent.filter(|bent| self.holds(&best, bent)).unwrap_or(best);
+            let whole = self.gain(&without, &best).removed;
+            let is_other = |bent: &Arc<Fitted>| self.gain(&best, bent).removed >= OTHER_LAW * whole;
+            best = bent.filter(|bent| self.holds(&best, bent) && is_other(bent)).unwrap_or(best);
         }
         best
     }
