@@ -15,6 +15,7 @@ use proofmass_diagnosis::recordings::Recordings;
 use proofmass_diagnosis::{self as diagnosis, proposal, repair, repaired};
 use proofmass_recording::{Recording, Request, inspection};
 use proofmass_report::diagnosis::{self as page, Diagnosis};
+use proofmass_report::inspection::in_a_line;
 
 /// Arguments of `diagnose`.
 #[derive(Debug, clap::Args)]
@@ -116,7 +117,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         diagnosis = diagnosis.with_trace();
     }
     if let Some(text) = &proposal {
-        let words = text.lines().map(str::trim).filter(|line| *line != "[columns]").collect::<Vec<_>>().join(", ");
+        let words = in_a_line(text);
         diagnosis.verdict.findings.insert(0, format!("no model was given; it was chosen by the headings: {words}"));
     }
     let costs = page::costs(&diagnosis, &control)?;

@@ -48,7 +48,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     report::tables(&seen).iter().try_for_each(|table| sayln!("{table}"))?;
     report::notes(&seen).iter().try_for_each(|note| sayln!("{note}"))?;
-    match (&seen.obstacle, report::next(&file, &seen)) {
+    match (report::obstacle(&file, &seen), report::next(&file, &seen)) {
         (Some(obstacle), _) => {
             sayln!("problem: {}", obstacle.cause)?;
             sayln!("next: {}", obstacle.hint)

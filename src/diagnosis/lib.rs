@@ -91,7 +91,8 @@ pub fn diagnose(recording: &Recording, model: &Model, control: &Control) -> Resu
 /// Diagnoses several recordings of one sensor together.
 ///
 /// # Errors
-/// As [`diagnose`], and where several recordings are of a kind that is judged one by one.
+/// As [`diagnose`], and where several recordings are of a kind that is judged one by one, or one is
+/// part of another.
 pub fn diagnose_all(recordings: Recordings<'_>, model: &Model, control: &Control) -> Result<Answer> {
     let only = || {
         recordings.only().ok_or_else(|| {
@@ -101,6 +102,7 @@ pub fn diagnose_all(recordings: Recordings<'_>, model: &Model, control: &Control
             Error::new("could not diagnose them together", cause, hint)
         })
     };
+    recordings.check_distinct()?;
     recordings.all().try_for_each(|recording| stated_units::check(recording, model))?;
     let mut answer = match model {
         Model::Driven(model) => driven::diagnose_all(recordings, model, control)?,

@@ -107,7 +107,9 @@ pub fn proposed(file: &str, seen: &Inspection, named: &Named) -> Result<String> 
 /// The same without a rate.
 fn of_kind(file: &str, seen: &Inspection, named: &Named) -> Result<String> {
     let fail = |cause: String, hint: String| Err(refused(file, cause, hint));
-    if let Some(obstacle) = &seen.obstacle {
+    // A sweep's steps need no clock.
+    let is_sweep = seen.rows.as_ref().and_then(suited) == Some(Suited::Sweeps);
+    if let Some(obstacle) = seen.obstacle.as_ref().filter(|_| !is_sweep) {
         return fail(obstacle.cause.clone(), obstacle.hint.clone());
     }
     let Some(rows) = &seen.rows else {
@@ -264,12 +266,22 @@ fn driven(file: &str, rows: &Rows, named: &Named) -> Result<String> {
                 ),
             ))
         }
+        (None, []) => Err(refused(
+            file,
+            "its columns are the surroundings of a sensor, and none is a reading".into(),
+            "record these columns with the sensor's readings, and name them under environment in [columns] of its model".into(),
+        )),
         (None, several) => {
             let names: Vec<&str> = several.iter().map(|c| c.name.as_str()).collect();
             Err(refused(
                 file,
-                format!("of its {} columns no one is the input and no one the output by its heading", several.len()),
-                format!("name them with --input and --output: {}", names.join(", ")),
+                format!("the headings of its {} columns do not say which are a sensor's readings", several.len()),
+                format!(
+                    "of a proof mass, name the force and the reading: proofmass diagnose {file} --input COLUMN --output \
+                     COLUMN; of an inertial sensor, its axes: proofmass allan {file} --gyro X,Y,Z --accelerometer X,Y,Z; \
+                     the columns are {}",
+                    names.join(", ")
+                ),
             ))
         }
     }

@@ -2,6 +2,13 @@
 //!
 //! A file is known by its first bytes, whatever its name; what no format knows is text. A folder
 //! stands for the one recording in it, as a EuRoC set or a ROS 2 bag is laid out.
+//!
+//! Readers are the project's own where the crate of a format holds much more than columns of
+//! numbers. Weighed in 2026: `parquet` 60 brings 10 crates that this tree has not (its part here has
+//! some 1,200 lines), `arrow-ipc` 60 brings 14 (500 lines), `zip` 9 brings 6 (the directory of an
+//! archive is half of `npz`), and `rusqlite` 271,000 lines of C (430 lines), against the rule that a
+//! reader is pure Rust. Each would need the same [`Budget`](super::budget::Budget) around it, as a
+//! crate decides by itself what it allocates for what a file claims. Compression is left to crates.
 
 use std::path::{Path, PathBuf};
 
@@ -98,6 +105,7 @@ const REFUSED: &[(&[u8], &str, &str)] = &[
     (b"\xfd7zXZ\0", "this is xz data, not text", "unpack it first: unxz FILE"),
     (b"PK\x03\x04", "this is a zip archive or a spreadsheet", "save it as CSV"),
     (b"\xd0\xcf\x11\xe0", "this is an old spreadsheet", "save it as CSV"),
+    (b"{", "this is JSON, not a table", "save the samples as CSV with a header, one row each; or as .npz or Parquet"),
 ];
 const HDF5: &str = "build with --features hdf5 where the HDF5 library is installed; or save it as .npz or Parquet, or in MATLAB \
                     with save(…, '-v7')";

@@ -4,8 +4,9 @@ use serde_json::{Value, json};
 
 use super::table::Table;
 use proofmass_base::document::toml_string;
+use proofmass_base::error::Error;
 use proofmass_base::number::{duration, rounded, short};
-use proofmass_diagnosis::proposal::{Suited, is_turned, longest, suited, total_s};
+use proofmass_diagnosis::proposal::{Named, Suited, is_turned, longest, proposed, suited, total_s};
 use proofmass_recording::finding::sentences;
 use proofmass_recording::inspection::{Inspection, Rows};
 use proofmass_recording::unit::Quantity;
@@ -65,10 +66,13 @@ pub fn notes(seen: &Inspection) -> Vec<String> {
     out.extend(sentences(&rows.findings).into_iter().map(|s| format!("found: {s}")));
     if let (Some(longest), Some(rate_hz)) = (longest(&rows.still), rows.rate_hz) {
         out.push(format!(
-            "still for {} of {}, in {} stretches; the longest from {} to {} s",
+            "still for {} of {}, in {}; the longest from {} to {} s",
             duration(total_s(&rows.still)),
             duration(rows.samples as f64 / rate_hz),
-            rows.still.len(),
+            match rows.still.len() {
+                1 => "one stretch".to_owned(),
+                several => format!("{several} stretches"),
+            },
             rounded(longest.from_s, 4),
             rounded(longest.to_s, 4)
         ));
@@ -98,34 +102,46 @@ fn quoted(word: &str) -> String {
     }
 }
 
-/// The command that suits what was seen; none where something must be chosen first, or nothing
+/// The command that suits what was seen, or the choice that must come first; none where nothing
 /// suits.
 pub fn next(file: &str, seen: &Inspection) -> Option<String> {
     let rows = seen.rows.as_ref()?;
+    let suited = suited(rows)?;
     let several = seen.parts.iter().filter(|p| p.is_imu).count() > 1 || seen.parts.iter().all(|p| !p.is_imu);
     let topic = seen.part.as_ref().filter(|_| several).map_or(String::new(), |t| format!(" --topic {}", quoted(t)));
     let allan = format!("proofmass allan {}{topic}", quoted(file));
-    let model = |kind: &str| {
-        format!(
-            "proofmass diagnose {}{topic} --model model.toml, where model.toml begins with kind = \"{kind}\"",
-            quoted(file)
-        )
-    };
-    match suited(rows)? {
-        Suited::Reference => Some(format!(
+    let diagnose = format!("proofmass diagnose {}{topic}", quoted(file));
+    Some(match suited {
+        Suited::Reference => format!(
             "proofmass diagnose IMU.csv --model model.toml, where model.toml begins with kind = \"trajectory\" and its \
              [reference] has file = {}",
             toml_string(file)
-        )),
-        Suited::Driven => Some(model("driven")),
-        Suited::Sweeps => Some(model("response")),
-        Suited::Poses => Some(model("tumble")),
-        Suited::Rest => Some(allan),
-        Suited::RestFor(rest) => {
-            Some(format!("{allan} --from-s {} --to-s {}", rounded(rest.from_s, 4), rounded(rest.to_s, 4)))
+        ),
+        Suited::Motion => {
+            format!("{diagnose} --model model.toml, where model.toml begins with kind = \"trajectory\"")
         }
-        Suited::Motion => Some(model("trajectory")),
-    }
+        Suited::Rest => allan,
+        Suited::RestFor(rest) => {
+            format!("{allan} --from-s {} --to-s {}", rounded(rest.from_s, 4), rounded(rest.to_s, 4))
+        }
+        Suited::Driven | Suited::Sweeps | Suited::Poses => {
+            match proposed(&format!("{}{topic}", quoted(file)), seen, &Named::default()) {
+                Ok(model) => format!("{diagnose}, which chooses {}", in_a_line(&model)),
+                Err(refused) => refused.hint,
+            }
+        }
+    })
+}
+
+/// A model's lines as one, without its tables' names.
+pub fn in_a_line(model: &str) -> String {
+    let lines = model.lines().map(|line| line.split(" #").next().unwrap_or_default().trim());
+    lines.filter(|line| *line != "[columns]").collect::<Vec<_>>().join(", ")
+}
+
+/// Returns why nothing can be run yet; steps of a sweep need no clock.
+pub fn obstacle<'a>(file: &str, seen: &'a Inspection) -> Option<&'a Error> {
+    seen.obstacle.as_ref().filter(|_| next(file, seen).is_none())
 }
 
 /// The public document `proofmass.inspect/1`.
@@ -146,7 +162,7 @@ pub fn document(file: &str, seen: &Inspection) -> Value {
         "topic": seen.part,
         "clock": seen.clock,
         "next": next(file, seen),
-        "obstacle": seen.obstacle.as_ref().map(|e| json!({ "cause": e.cause, "hint": e.hint })),
+        "obstacle": obstacle(file, seen).map(|e| json!({ "cause": e.cause, "hint": e.hint })),
     });
     if let (Some(rows), Some(fields)) = (&seen.rows, document.as_object_mut()) {
         fields.extend(of_rows(rows));

@@ -1,4 +1,4 @@
-//! `inspect` names the command that suits a file: forty small files, each with what it should name.
+//! `inspect` names the command that suits a file: small files, each with what it should name.
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::rng::{Philox, Stream};
@@ -11,7 +11,8 @@ use super::world::{check, program, test};
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
     vec![
-        test("inspect: forty files get the command that suits them", forty),
+        test("inspect: each of many files gets the command that suits it", suited),
+        test("inspect: what is no table of numbers is named, with a cell as example", no_table),
         test("inspect: what was assumed of units and surroundings is reported", assumed),
         test("diagnose: without a model a recording is read by its headings, and two readings are refused", unmodelled),
     ]
@@ -122,6 +123,9 @@ fn files() -> Vec<(&'static str, String, &'static str)> {
     const PART: &str = "allan FILE --from-s";
     const DRIVEN: &str = "kind = \"driven\"";
     const REFERENCE: &str = "[reference] has file";
+    const SWEEP: &str = "diagnose FILE, which chooses kind = \"response\", frequency = \"frequency_hz\"";
+    const NAMED: &str = "of an inertial sensor, its axes: proofmass allan FILE --gyro X,Y,Z --accelerometer X,Y,Z";
+    const AROUND: &str = "record these columns with the sensor's readings";
     let [rest, fly] = [inertial(&still()), inertial(&flight())];
     let [turned, long] = [inertial(&poses(6.0, 2.0)), inertial(&poses(30.0, 2.0))];
     let [after, soon, lights] =
@@ -214,10 +218,26 @@ fn files() -> Vec<(&'static str, String, &'static str)> {
             REFERENCE,
         ),
         ("a shaken mass", driven("t_s,force_m_s2,x_um", true), DRIVEN),
-        ("a circuit", driven("t_s,V1_V,V2_V", true), DRIVEN),
+        ("a circuit", driven("t_s,V1_V,V2_V", true), "diagnose FILE --input V1_V --output V2_V, or"),
         ("a ring-down", driven("t_s,x_um", false), DRIVEN),
         ("a ring-down in volts", driven("t_s,reading_V", false), DRIVEN),
+        ("steps of a lock-in at an even pace", sweep(|k| 2.0 * k), SWEEP),
+        // No one rate describes its clock, and none is needed.
+        ("steps of a lock-in that slow down", sweep(|k| 2.0 * k + 0.01 * k * k), SWEEP),
+        ("readings without headings", table("", &rest, SI, false, "").trim_start().to_owned(), NAMED),
+        ("surroundings alone", "t_s,temp_C,pressure_hPa\n".to_owned() + &pose_rows(|t| format!("{t},{t},{t}")), AROUND),
     ]
+}
+
+/// A lock-in's record of one resonance: one step a row, at the times given.
+fn sweep(time_s: impl Fn(f64) -> f64) -> String {
+    let mut text = String::from("t_s,frequency_hz,x_v,y_v,drive_v\n");
+    for k in 0..200 {
+        let (off, time_s) = (f64::from(k) * 0.1 - 10.0, time_s(f64::from(k)));
+        let size = 1.0 / (1.0 + off * off);
+        text += &format!("{time_s:.3},{:.1},{:.6},{:.6},0.1\n", 1000.0 + off, size, off * size);
+    }
+    text
 }
 
 /// Findings of a diagnosis without a model, or what it is refused with, and the names of the files that
@@ -269,11 +289,9 @@ fn inspected(text: &str) -> Result<(String, Value), Failed> {
     Ok((document["next"].as_str().unwrap_or("nothing").to_owned(), document))
 }
 
-fn forty() -> Result<(), Failed> {
-    let files = files();
-    check(files.len() == 40, format!("{} files", files.len()))?;
+fn suited() -> Result<(), Failed> {
     let mut wrong = Vec::new();
-    for (name, text, expected) in files {
+    for (name, text, expected) in files() {
         let (next, document) = inspected(&text)?;
         let expected = expected.replace("FILE", "file.csv");
         let exact = !expected.starts_with("allan") || expected.contains("--from-s") || !next.contains("--from-s");
@@ -285,6 +303,25 @@ fn forty() -> Result<(), Failed> {
         }
     }
     check(wrong.is_empty(), wrong.join("\n"))
+}
+
+fn no_table() -> Result<(), Failed> {
+    let problem = |text: &str| -> Result<String, Failed> {
+        let folder = tempfile::tempdir()?;
+        std::fs::write(folder.path().join("file.csv"), text)?;
+        let output = program().current_dir(folder.path()).args(["inspect", "file.csv"]).output()?;
+        Ok(String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned())
+    };
+    for (text, words) in [
+        ("{\"t\": 0.1, \"gx\": 0.2}\n{\"t\": 0.2, \"gx\": 0.1}\n", "this is JSON, not a table"),
+        ("t_s,gx,gy\n0.1,0x3E8,0x3E9\n0.2,0x3E8,0x3E9\n", "the first cell of `gx` is `0x3E8`"),
+        ("version: 9\nstorage: mcap\nfiles: 3\n", "no column holds numbers"),
+    ] {
+        let said = problem(text)?;
+        check(said.contains(words), format!("need {words}, got {said}"))?;
+    }
+    // Control: a table has no such problem.
+    check(!problem("t_s,gx\n0.1,0.2\n0.2,0.3\n0.3,0.1\n")?.contains("no column holds"), "a table")
 }
 
 fn assumed() -> Result<(), Failed> {

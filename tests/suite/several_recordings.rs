@@ -93,16 +93,18 @@ fn together() -> Result<(), Failed> {
 fn refused() -> Result<(), Failed> {
     let (bench, planted) = (Bench::new()?, planted()?);
     let first = bench.file("first.csv", &csv(&planted, 0..2000, 0.0))?;
-    let short = bench.file("short.csv", &csv(&planted, 0..230, 0.0))?;
+    let second = bench.file("second.csv", &csv(&planted, 4000..6000, 0.0))?;
+    let part = bench.file("part.csv", &csv(&planted, 1200..2000, 0.0))?;
+    let short = bench.file("short.csv", &csv(&planted, 4000..4230, 0.0))?;
     let other = bench.file("other.csv", &csv(&planted, 0..2000, 0.0).replacen("u,y", "u,z", 1))?;
-    let timed = |name: &str, step_s: f64| {
+    let timed = |name: &str, step_s: f64, from: usize| {
         let mut text = String::from("t,u,y\n");
         for k in 0..1000 {
-            let _ = writeln!(text, "{},{},{}", step_s * k as f64, planted.input[k], planted.reading[k]);
+            let _ = writeln!(text, "{},{},{}", step_s * k as f64, planted.input[from + k], planted.reading[from + k]);
         }
         bench.file(name, &text)
     };
-    let (fast, slow) = (timed("fast.csv", 1e-3)?, timed("slow.csv", 2e-3)?);
+    let (fast, slow) = (timed("fast.csv", 1e-3, 0)?, timed("slow.csv", 2e-3, 4000)?);
     let model = bench.file("model.toml", MODEL)?;
     let clock = bench
         .file("clock.toml", &MODEL.replace("rate_hz = 1000.0\n", "").replace("[columns]", "[columns]\ntime = \"t\""))?;
@@ -112,6 +114,9 @@ fn refused() -> Result<(), Failed> {
     of(&[&fast, &slow], &clock, &[])?.refuses("two rates", "500 Hz")?;
     of(&[&first], &model, &[&short])?.refuses("a short judge", "too few for validation")?;
     of(&[&first, &other], &model, &[])?.refuses("another column", "other.csv")?;
-    of(&[&first, &first], &split, &[])?.refuses("a split", "[split]")?;
-    of(&[&first], &still, &[&first])?.refuses("at rest", "2 recordings")
+    of(&[&first, &second], &split, &[])?.refuses("a split", "[split]")?;
+    of(&[&first], &still, &[&second])?.refuses("at rest", "2 recordings")?;
+    of(&[&first], &model, &[&first])?.refuses("a recording that judges itself", "from row 0 on")?;
+    of(&[&first], &model, &[&part])?.refuses("a part that judges the whole", "part.csv is also in")?;
+    of(&[&first, &first], &model, &[])?.refuses("one recording given twice", "give each recording once")
 }

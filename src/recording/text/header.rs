@@ -122,6 +122,23 @@ impl Text {
         }
     }
 
+    /// Says that no column holds numbers, with a cell as example.
+    fn no_numbers(&self) -> String {
+        let cells = (0..self.width).filter(|place| !format::names_a_clock(&self.headings.names[*place]));
+        let example = cells
+            .filter(|place| self.held && *place < self.cells.len())
+            .map(|place| (place, headings::text(self.cells.of(self.lines.line(), place))))
+            .find(|(_, cell)| !cell.trim().is_empty());
+        match example {
+            Some((place, cell)) => format!(
+                "no column holds numbers: the first cell of `{}` is `{}`",
+                headings::shortened(&self.headings.names[place]),
+                headings::shortened(cell.trim())
+            ),
+            None => "no column holds numbers".into(),
+        }
+    }
+
     /// Places of the columns that hold numbers and are no clock, by the first row.
     ///
     /// # Errors
@@ -133,7 +150,9 @@ impl Text {
             .collect();
         let comma = (0..self.width).any(|place| matches!(self.first(place), Cell::DecimalComma(_)));
         match places.len() {
-            0 => Err(self.fail("no column holds numbers", if comma { POINT } else { "name the columns wanted" })),
+            0 if comma => Err(self.fail("no column holds numbers", POINT)),
+            0 => Err(self
+                .fail(self.no_numbers(), "write numbers as digits with a decimal point, and at most a power of ten")),
             1..=64 => Ok(places),
             n => Err(self.fail(format!("it has {n} columns of numbers"), "name the columns wanted")),
         }
