@@ -37,6 +37,7 @@ mod mean;
 mod near_law;
 mod otherwise;
 mod plausible;
+mod products;
 mod profile;
 mod residual;
 mod rival_column;

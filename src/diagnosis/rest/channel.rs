@@ -7,10 +7,13 @@ use nalgebra::{DMatrix, DVector};
 use super::cause::Cause;
 use super::disturbance::Disturbances;
 use super::followed::Followed;
+use super::products::Products;
 use super::spectrum::{self, Bin, Law, Part, Strengths};
 use crate::numerics::cosine;
 use crate::numerics::moments::mean;
 
+/// Times that curves and laws are fitted in turn.
+const ROUNDS: usize = 4;
 /// Part of the white level behind a filter that may be leakage.
 const LEAKAGE: f64 = 0.05;
 
@@ -237,52 +240,34 @@ impl Channel {
     pub(super) fn fit(&self, terms: Vec<Term>) -> Fitted {
         let laws = laws(&terms);
         let curves: Vec<&Curve> = curves(&terms).collect();
-        let mut own: Vec<f64> = Vec::new();
-        let mut amplitudes = vec![(0.0, f64::INFINITY); curves.len()];
-        let rounds = if curves.is_empty() { 1 } else { 4 };
+        let fitted_to = |bins: &[Bin]| {
+            let strengths = spectrum::fit(bins, &laws, &self.promised, Part::All);
+            let variances = spectrum::variances(bins, &laws, &strengths.values, &self.promised);
+            (strengths, variances)
+        };
         let mut bins = spectrum::bins(&self.coefficients);
+        if curves.is_empty() {
+            let (strengths, variances) = fitted_to(&bins);
+            let residual = self.coefficients.clone();
+            return Fitted { terms, strengths, amplitudes: Vec::new(), residual, bins, variances };
+        }
+        let all: Vec<&[f64]> =
+            std::iter::once(&self.coefficients[..]).chain(curves.iter().map(|c| &c.coefficients[..])).collect();
+        let products = Products::of(&all, &bins);
         let mut variances: Vec<f64> = vec![1.0; bins.len()];
-        let mut strengths = Strengths { values: Vec::new(), errors: Vec::new(), log_likelihood: 0.0 };
-        for _ in 0..rounds {
-            if !curves.is_empty() {
-                amplitudes = self.amplitudes(&curves, &bins, &variances);
-                own.clear();
-                own.extend_from_slice(&self.coefficients);
-                for (curve, (amplitude, _)) in curves.iter().zip(&amplitudes) {
-                    own.iter_mut().zip(curve.coefficients.iter()).for_each(|(r, c)| *r -= amplitude * c);
-                }
-                bins = spectrum::bins(&own);
-            }
-            strengths = spectrum::fit(&bins, &laws, &self.promised, Part::All);
-            variances = spectrum::variances(&bins, &laws, &strengths.values, &self.promised);
+        for _ in 1..ROUNDS {
+            products.leave(&products.amplitudes(&variances), &mut bins);
+            variances = fitted_to(&bins).1;
         }
-        let residual = if own.is_empty() { self.coefficients.clone() } else { own.into() };
-        Fitted { terms, strengths, amplitudes, residual, bins, variances }
-    }
-
-    fn amplitudes(&self, curves: &[&Curve], bins: &[Bin], variances: &[f64]) -> Vec<(f64, f64)> {
-        let count = curves.len();
-        let mut normal = DMatrix::<f64>::zeros(count, count);
-        let mut target = DVector::<f64>::zeros(count);
-        for (bin, variance) in bins.iter().zip(variances) {
-            for k in bin.from..bin.to {
-                for p in 0..count {
-                    let weighted = curves[p].coefficients[k] / variance;
-                    target[p] += weighted * self.coefficients[k];
-                    for q in p..count {
-                        normal[(p, q)] += weighted * curves[q].coefficients[k];
-                    }
-                }
-            }
+        // The last round takes the curves from the coefficients themselves, where nothing cancels.
+        let amplitudes = products.amplitudes(&variances);
+        let mut residual = self.coefficients.to_vec();
+        for (curve, (amplitude, _)) in curves.iter().zip(&amplitudes) {
+            residual.iter_mut().zip(curve.coefficients.iter()).for_each(|(r, c)| *r -= amplitude * c);
         }
-        normal.fill_lower_triangle_with_upper_triangle();
-        match normal.try_inverse() {
-            Some(inverse) => {
-                let solution = &inverse * target;
-                (0..count).map(|p| (solution[p], inverse[(p, p)].max(0.0).sqrt())).collect()
-            }
-            None => vec![(0.0, f64::INFINITY); count],
-        }
+        let bins = spectrum::bins(&residual);
+        let (strengths, variances) = fitted_to(&bins);
+        Fitted { terms, strengths, amplitudes, residual: residual.into(), bins, variances }
     }
 
     /// Share of the mean square on every second of sixteen stretches that curves remove when fitted

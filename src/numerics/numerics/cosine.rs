@@ -6,8 +6,49 @@
 //! a likelihood over these coefficients needs no window and no correction for leakage, which a
 //! Fourier periodogram of a walk does.
 
-use realfft::RealFftPlanner;
+use std::f64::consts::PI;
+use std::sync::{Arc, Mutex, PoisonError};
+
 use realfft::num_complex::Complex64;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+
+/// Lengths whose plans are kept: a search transforms many sequences of one length.
+const KEPT: usize = 4;
+
+/// What transforms of one length share.
+struct Plan {
+    count: usize,
+    forward: Arc<dyn RealToComplex<f64>>,
+    inverse: Arc<dyn ComplexToReal<f64>>,
+    /// e^(−iπk/(2N)).
+    turns: Vec<Complex64>,
+}
+
+/// Returns the plan of this length, made where it is not among those used last.
+fn plan(count: usize) -> Arc<Plan> {
+    static PLANS: Mutex<Vec<Arc<Plan>>> = Mutex::new(Vec::new());
+    let known = |plans: &[Arc<Plan>]| plans.iter().position(|p| p.count == count);
+    let mut plans = PLANS.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(place) = known(&plans) {
+        plans[..=place].rotate_right(1);
+        return plans[0].clone();
+    }
+    drop(plans);
+    let mut planner = RealFftPlanner::new();
+    let turn = |k: usize| Complex64::from_polar(1.0, -PI * k as f64 / (2.0 * count as f64));
+    let made = Arc::new(Plan {
+        count,
+        forward: planner.plan_fft_forward(count),
+        inverse: planner.plan_fft_inverse(count),
+        turns: (0..count).map(turn).collect(),
+    });
+    let mut plans = PLANS.lock().unwrap_or_else(PoisonError::into_inner);
+    if known(&plans).is_none() {
+        plans.insert(0, made.clone());
+        plans.truncate(KEPT);
+    }
+    made
+}
 
 /// Coefficients c₀ … c_{N−1}; c_k belongs to the frequency k·rate/(2N), Σ c_k² = Σ x². Empty in,
 /// empty out.
@@ -16,20 +57,19 @@ pub fn transform(values: &[f64]) -> Vec<f64> {
     if count == 0 {
         return Vec::new();
     }
+    let plan = plan(count);
     // Makhoul 1980: one real FFT of the even samples followed by the odd ones backwards.
     let mut input: Vec<f64> = values.iter().step_by(2).copied().collect();
     input.extend(values.iter().skip(1).step_by(2).rev());
-    let fft = RealFftPlanner::new().plan_fft_forward(count);
-    let mut bins = fft.make_output_vec();
+    let mut bins = plan.forward.make_output_vec();
     // Fails only for buffers of another length than planned.
-    if fft.process(&mut input, &mut bins).is_err() {
+    if plan.forward.process(&mut input, &mut bins).is_err() {
         return vec![0.0; count];
     }
     let scale = (2.0 / count as f64).sqrt();
     let coefficient = |k: usize| {
         let bin = if k < bins.len() { bins[k] } else { bins[count - k].conj() };
-        let turn = Complex64::from_polar(1.0, -std::f64::consts::PI * k as f64 / (2.0 * count as f64));
-        (bin * turn).re * if k == 0 { scale / 2f64.sqrt() } else { scale }
+        (bin * plan.turns[k]).re * if k == 0 { scale / 2f64.sqrt() } else { scale }
     };
     (0..count).map(coefficient).collect()
 }
@@ -40,14 +80,13 @@ pub fn invert(coefficients: &[f64]) -> Vec<f64> {
     if count == 0 {
         return Vec::new();
     }
-    let fft = RealFftPlanner::new().plan_fft_inverse(count);
-    let mut bins = fft.make_input_vec();
+    let plan = plan(count);
+    let mut bins = plan.inverse.make_input_vec();
     let scale = (count as f64 / 2.0).sqrt();
     for (k, bin) in bins.iter_mut().enumerate() {
         let mirrored = if k == 0 { 0.0 } else { coefficients[count - k] };
         let own = coefficients[k] * if k == 0 { 2f64.sqrt() } else { 1.0 };
-        let turn = Complex64::from_polar(scale, std::f64::consts::PI * k as f64 / (2.0 * count as f64));
-        *bin = Complex64::new(own, -mirrored) * turn;
+        *bin = Complex64::new(own, -mirrored) * plan.turns[k].conj() * scale;
     }
     bins[0].im = 0.0;
     if count.is_multiple_of(2)
@@ -55,9 +94,9 @@ pub fn invert(coefficients: &[f64]) -> Vec<f64> {
     {
         last.im = 0.0;
     }
-    let mut output = fft.make_output_vec();
+    let mut output = plan.inverse.make_output_vec();
     // Fails only for buffers of another length than planned.
-    if fft.process(&mut bins, &mut output).is_err() {
+    if plan.inverse.process(&mut bins, &mut output).is_err() {
         return vec![0.0; count];
     }
     let mut out = vec![0.0; count];
@@ -72,6 +111,24 @@ pub fn invert(coefficients: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lengths_do_not_mix_whatever_was_transformed_before() {
+        // c_k = √(2/N) Σ x_n cos(πk(2n+1)/(2N)), with one over √2 for k = 0 (Rao & Yip 1990).
+        let by_definition = |x: &[f64], k: usize| {
+            let n = x.len() as f64;
+            let wave = |i: usize| (PI * k as f64 * (2 * i + 1) as f64 / (2.0 * n)).cos();
+            let sum: f64 = x.iter().enumerate().map(|(i, v)| v * wave(i)).sum();
+            sum * (2.0 / n).sqrt() * if k == 0 { 0.5f64.sqrt() } else { 1.0 }
+        };
+        for count in [7, 12, 30, 7, 9, 16, 5, 12, 7] {
+            let values: Vec<f64> = (0..count).map(|i| ((i * 37 + 11) % 17) as f64 - 8.0).collect();
+            let found = transform(&values);
+            assert!((0..count).all(|k| (found[k] - by_definition(&values, k)).abs() < 1e-12 * 17.0), "{count}");
+            // Control: another length's coefficients are others.
+            assert!((found[1] - by_definition(&values[1..], 1)).abs() > 1e-3, "{count}");
+        }
+    }
 
     #[test]
     fn it_is_orthonormal_and_inverts() {
