@@ -36,7 +36,7 @@ pub fn read(path: &Path) -> Result<Vec<Entry>> {
 /// A case that is there to be asked.
 pub(super) enum Made<'a> {
     /// A case of the second generator.
-    Drawn(Case),
+    Drawn(Box<Case>),
     /// A real recording.
     Recorded(&'a Real),
 }
@@ -77,7 +77,7 @@ pub(super) fn made<'a>(
     control.remark(&format!("sealed truth of {} cases, SHA-256 {sealed}", cases.len()));
     let recorded =
         items.iter().filter_map(|item| if let Item::Recorded(real) = item { Some(Made::Recorded(real)) } else { None });
-    Ok((sealed, recorded.chain(cases.into_iter().map(Made::Drawn)).collect()))
+    Ok((sealed, recorded.chain(cases.into_iter().map(|case| Made::Drawn(Box::new(case)))).collect()))
 }
 
 /// Asks for every verdict that is not `done` yet. Returns the whole book in the order of its items,
