@@ -3,8 +3,8 @@
 //!
 //! The strength is stated as the damping at a velocity v_r, which is chosen and not fitted (see
 //! `power_law_stiffness`): c v_r^(1−n) is the coefficient of |v|ⁿ⁻¹v. It is not searched for
-//! ([`Law::tried`]): a diagnosis looks for it in the place of a drag, or of a friction, that departs
-//! from its form. No study runs it.
+//! by itself ([`Law::tried`]): a diagnosis tries it in the place of another law of the velocity that it
+//! betters. No study runs it.
 
 use crate::numerics::elementary::{Real, fma};
 

@@ -5,8 +5,8 @@
 //! (about the largest that the recording reaches) and not fitted: k is the slope of the line from
 //! the origin to the force there, and k x_r^(1−n) is the coefficient of |x|ⁿ⁻¹x.
 //!
-//! Beside the cube (`cubic_stiffness`) it is not searched for ([`Law::tried`]): a diagnosis looks
-//! for it in the place of a cube that departs from its form. No study runs it.
+//! It is not searched for by itself ([`Law::tried`]): a diagnosis tries it in the place of another law
+//! of the displacement that it betters. No study runs it.
 
 use crate::numerics::elementary::{Real, fma};
 

@@ -30,8 +30,8 @@ const FIELDS: [&str; 13] = [
     "verdict",
 ];
 
-/// Nulls of three kinds, which cost little.
-const CASES: &str = "1-1,1-2,1-5,1-8,1-13,1-21,1-27,1-32,1-40";
+/// Nulls of three kinds, which cost little; a rule of the search acts in the last two.
+const CASES: &str = "1-1,1-2,1-5,1-8,1-13,1-21,1-27,1-32,1-40,1-112,1-115";
 
 fn write(folder: &Path, more: &[&str]) -> Result<Answer, Failed> {
     run(program().args(["--json", "trial", "--book"]).arg(folder).args(["--only", CASES]).args(more))
@@ -95,6 +95,20 @@ fn book() -> Result<(), Failed> {
     check(better.code == Some(0), format!("a better book ends with {:?} {}", better.code, better.stderr))?;
     let said = better.stdout;
     check(said.contains("(confidently wrong) → ") && said.contains("processor time of the verdicts"), said)?;
+    // Rules that acted are each asked for once more, and no others.
+    let resumed = ["--resume", "--ablate"];
+    let ablated = run(program().args(["--json", "trial", "--book"]).arg(&first).args(["--only", CASES]).args(resumed))?;
+    let document = ablated.json()?;
+    let gates = document["gates"].as_array().ok_or("no gates")?.clone();
+    check(gates.len() > 40, format!("{} gates", gates.len()))?;
+    for gate in &gates {
+        let is_in = |line: &&Value| line["gates"].as_array().is_some_and(|all| all.contains(&gate["gate"]));
+        let acted = book.iter().filter(is_in).count();
+        check(gate["acted"] == acted, format!("acted in {acted} lines: {gate}"))?;
+    }
+    check(gates.iter().any(|gate| gate["acted"] != 0), "no rule acted: the comparison would be empty")?;
+    let table = std::fs::read_to_string(first.join("gates.md"))?;
+    check(table.lines().filter(|line| line.starts_with("| `")).count() == gates.len(), table)?;
     // What is not there is refused before an hour of work.
     run(program().args(["trial", "--book"]).arg(path("new")).arg("--against").arg(path("none")))?
         .refuses("no other book", "there is no book.jsonl")?;
