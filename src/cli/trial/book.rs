@@ -22,7 +22,7 @@ use proofmass_trial::real::{self, Real};
 /// The sealed truth, and the lines as they are given; the same of the verdicts without a rule.
 const STATES: [&str; 4] = ["truth.json", "verdicts.jsonl", "truth-gates.json", "gates.jsonl"];
 const BOOK: &str = "book.jsonl";
-/// What each rule is worth.
+/// Table of the worth of each rule.
 const GATES: &str = "gates.md";
 
 /// Turns files into a verdict, without these rules.

@@ -96,8 +96,7 @@ impl Course {
         let conclusion = self.conclude(&selection, scales);
         let terms = &conclusion.model.fit.structure.terms;
         let keeps_all = laws.iter().all(|law| conclusion.named.iter().any(|n| terms[n.index] == *law));
-        // What is left must be what a departing form leaves, or nothing.
-        if keeps_all && (conclusion.departing.is_some() || conclusion.outcome != Outcome::Unexplained) {
+        if keeps_all && conclusion.outcome != Outcome::Unexplained {
             return Ok(Some((selection, conclusion)));
         }
         (self.data, self.notes) = (data, notes);

@@ -10,7 +10,7 @@ use crate::parallel;
 use super::evidence::{Gain, gain};
 use super::fit::{Fitted, MOST_STEPS, fit};
 use super::kind::{Form, Kind, Point, Set};
-use super::levels::{INEXACT, LEAST_SHARE, NAME, OTHER_LAW, TIE};
+use super::levels::{AT_NOISE, INEXACT, LEAST_SHARE, NAME, OTHER_LAW, TIE};
 use super::linear::Products;
 
 /// Sets that are followed in parallel.
@@ -75,6 +75,11 @@ impl<'a, K: Kind> Search<'a, K> {
         gain.removed <= 0.0 || (gain.is_known && gain.errors < TIE)
     }
 
+    /// Whether a model leaves no more than the noise.
+    fn is_at_noise(&self, model: &Fitted) -> bool {
+        model.variance < (1.0 + AT_NOISE) * self.noise
+    }
+
     /// Whether two sets are equally good.
     pub(crate) fn as_good(&self, one: &Fitted, best: &Fitted) -> bool {
         let gain = self.gain(one, best);
@@ -97,7 +102,7 @@ impl<'a, K: Kind> Search<'a, K> {
             // is tried with it.
             let argument = |f: &Fitted| f.set.last().map(|law| self.kind.argument(*law));
             let first = |i: &usize| next[..*i].iter().all(|f| argument(f) != argument(&next[*i]));
-            let bent: Vec<usize> = (0..next.len()).filter(first).collect();
+            let bent: Vec<usize> = (0..next.len()).filter(first).filter(|i| !self.is_at_noise(&next[*i])).collect();
             let bent: Vec<Arc<Fitted>> = bent.into_iter().map(|i| self.with_exponents(next[i].clone())).collect();
             next.extend(bent);
             order::sort_by_key(&mut next, |f| f.error);

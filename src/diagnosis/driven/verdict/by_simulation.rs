@@ -104,15 +104,15 @@ pub(crate) fn searched(data: &Data, base: &Judged, scales: &Scales) -> Option<(S
 }
 
 fn selected(data: &Data, base: &Judged, scales: &Scales, simulated: &Simulated, found: &Found) -> Option<Selection> {
-    // What leaves more than the noise in its stated form must do so by that form alone.
-    let is_inexact = found.model.variance > (1.0 + AT_NOISE) * simulated.variance;
-    let departs = found.named.iter().any(|n| n.departs.is_some());
-    if found.named.is_empty() || is_inexact && !departs || found.model.set.iter().any(|law| is_broad(simulated, *law)) {
+    // What leaves more than the noise may need laws or noise that only the likelihood tells.
+    if found.named.is_empty()
+        || found.model.variance > (1.0 + AT_NOISE) * simulated.variance
+        || found.model.set.iter().any(|law| is_broad(simulated, *law))
+    {
         return None;
     }
     let reach = Reach::of(data, &base.fit);
-    // Under one line or two no form of a law shows.
-    if reach.few_cycles.is_some() || departs && reach.tells_nothing_linear_apart() {
+    if reach.few_cycles.is_some() {
         return None;
     }
     let trial = |(law, gain): &(usize, Gain)| Trial {
