@@ -7,6 +7,17 @@ use crate::numerics::exponential;
 /// Least argument in sizes: below it the logarithm is held, so that a law is finite at rest.
 pub(super) const LEAST: f64 = 1e-6;
 
+/// Says whether the exponent of a law is fitted.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Exponent {
+    /// It is a parameter like the others.
+    #[default]
+    Free,
+    /// It stays what it is, and the strength has either sign: one power of a sum of several. Such a
+    /// form is fitted to hold a law of one power against it, and never named.
+    Held,
+}
+
 /// A function of f64 at a number of either width.
 #[inline(always)]
 pub(super) fn by<T: Real>(value: T, f: impl Fn(f64) -> f64) -> T {

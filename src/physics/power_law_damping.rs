@@ -3,20 +3,20 @@
 //!
 //! The strength is stated as the damping at a velocity v_r, which is chosen and not fitted (see
 //! `power_law_stiffness`): c v_r^(1−n) is the coefficient of |v|ⁿ⁻¹v. It is not searched for
-//! by itself ([`Law::tried`]): a diagnosis tries it in the place of another law of the velocity that it
-//! betters. No study runs it.
+//! ([`Law::tried`]): a diagnosis looks for it in the place of a drag, or of a friction, that departs
+//! from its form. No study runs it.
 
 use crate::numerics::elementary::{Real, fma};
 
 use super::candidate::{Candidate, Kind, Parameter};
 use super::law::{Law, Role};
-use super::power::{LEAST, bounded_power};
+use super::power::{Exponent, LEAST, bounded_power};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 
 /// Damping force c (|v|/v_r)ⁿ⁻¹ v per unit mass.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct PowerLawDamping;
+pub struct PowerLawDamping(pub Exponent);
 
 /// Exponents that a fit may take: below lies dry friction.
 const EXPONENTS: [f64; 2] = [0.2, 6.0];
@@ -47,9 +47,15 @@ impl Law for PowerLawDamping {
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
         let size = s.zeta * s.omega_rad_s;
-        // Below zero it would feed the motion.
-        let strength = Coordinate::Bounded(size, 0.0, f64::MAX);
-        vec![strength, Coordinate::Held, Coordinate::Log(EXPONENTS[0], EXPONENTS[1])]
+        match self.0 {
+            // Below zero it would feed the motion.
+            Exponent::Free => vec![
+                Coordinate::Bounded(size, 0.0, f64::MAX),
+                Coordinate::Held,
+                Coordinate::Log(EXPONENTS[0], EXPONENTS[1]),
+            ],
+            Exponent::Held => vec![Coordinate::Linear(size), Coordinate::Held, Coordinate::Held],
+        }
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
         [0.5, 1.5, 3.0].map(|n| vec![0.1 * s.zeta * s.omega_rad_s, 2.0 * s.velocity, n]).to_vec()
@@ -77,12 +83,14 @@ mod tests {
     use super::super::test_problem::Mass;
     use super::*;
 
+    const FREE: PowerLawDamping = PowerLawDamping(Exponent::Free);
+
     #[test]
     fn the_second_power_is_the_quadratic_damping() {
         let mass = Mass { omega: 2.0, zeta: 0.05, gain: 1.0 };
         let push = |t: f64| (1.7 * t).sin();
         let square = mass.moved(&QuadraticDamping, &[0.8], [0.5, 0.1], 6.0, 4000, push);
-        let power = |n: f64| mass.moved(&PowerLawDamping, &[0.8 * 0.7, 0.7, n], [0.5, 0.1], 6.0, 4000, push);
+        let power = |n: f64| mass.moved(&FREE, &[0.8 * 0.7, 0.7, n], [0.5, 0.1], 6.0, 4000, push);
         for (a, b) in power(2.0).iter().zip(square) {
             assert!((a - b).abs() < 1e-12, "{a} {b}");
         }
@@ -94,7 +102,7 @@ mod tests {
     fn a_free_mass_slows_down_as_the_power_says() {
         for (n, v0) in [(1.5, 3.0), (2.5, -3.0), (0.5, 3.0)] {
             let (c, reference, time_s): (f64, f64, f64) = (0.7, 2.0, 1.5);
-            let [_, v] = Mass::default().moved(&PowerLawDamping, &[c, reference, n], [0.0, v0], time_s, 4000, |_| 0.0);
+            let [_, v] = Mass::default().moved(&FREE, &[c, reference, n], [0.0, v0], time_s, 4000, |_| 0.0);
             let rate = c * reference.powf(1.0 - n);
             let exact = (v0.abs().powf(1.0 - n) + (n - 1.0) * rate * time_s).powf(1.0 / (1.0 - n));
             assert!((v.abs() - exact).abs() < 1e-8 && v * v0 > 0.0, "{n}: {v} {exact}");

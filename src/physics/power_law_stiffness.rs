@@ -5,20 +5,20 @@
 //! (about the largest that the recording reaches) and not fitted: k is the slope of the line from
 //! the origin to the force there, and k x_r^(1−n) is the coefficient of |x|ⁿ⁻¹x.
 //!
-//! It is not searched for by itself ([`Law::tried`]): a diagnosis tries it in the place of another law
-//! of the displacement that it betters. No study runs it.
+//! Beside the cube (`cubic_stiffness`) it is not searched for ([`Law::tried`]): a diagnosis looks
+//! for it in the place of a cube that departs from its form. No study runs it.
 
 use crate::numerics::elementary::{Real, fma};
 
 use super::candidate::{Candidate, Kind, Parameter};
 use super::law::{Law, Role};
-use super::power::{LEAST, bounded_power};
+use super::power::{Exponent, LEAST, bounded_power};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 
 /// Restoring force k (|x|/x_r)ⁿ⁻¹ x per unit mass.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct PowerLawStiffness;
+pub struct PowerLawStiffness(pub Exponent);
 
 /// Exponents that a fit may take: nearer to one it is the linear spring of the base model.
 const EXPONENTS: [f64; 2] = [1.1, 8.0];
@@ -48,7 +48,10 @@ impl Law for PowerLawStiffness {
         Role::Force
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
-        let exponent = Coordinate::Log(EXPONENTS[0], EXPONENTS[1]);
+        let exponent = match self.0 {
+            Exponent::Free => Coordinate::Log(EXPONENTS[0], EXPONENTS[1]),
+            Exponent::Held => Coordinate::Held,
+        };
         vec![Coordinate::Linear(0.1 * s.omega_rad_s.powi(2)), Coordinate::Held, exponent]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
@@ -77,13 +80,15 @@ mod tests {
     use super::super::test_problem::Mass;
     use super::*;
 
+    const FREE: PowerLawStiffness = PowerLawStiffness(Exponent::Free);
+
     // k (x/x_r)² x = (k/x_r²) x³.
     #[test]
     fn the_third_power_is_the_cubic_spring() {
         let mass = Mass { omega: 2.0, zeta: 0.05, gain: 1.0 };
         let push = |t: f64| (1.7 * t).sin();
         let cubic = mass.moved(&CubicStiffness, &[0.8], [0.5, 0.1], 6.0, 4000, push);
-        let power = |n: f64| mass.moved(&PowerLawStiffness, &[0.8 * 0.49, 0.7, n], [0.5, 0.1], 6.0, 4000, push);
+        let power = |n: f64| mass.moved(&FREE, &[0.8 * 0.49, 0.7, n], [0.5, 0.1], 6.0, 4000, push);
         for (a, b) in power(3.0).iter().zip(cubic) {
             assert!((a - b).abs() < 1e-12, "{a} {b}");
         }
@@ -98,8 +103,7 @@ mod tests {
             let (k, reference, a): (f64, f64, f64) = (3.0, 0.7, 0.5);
             let c = k * reference.powf(1.0 - n);
             for time_s in [0.3, 0.9, 1.4] {
-                let [x, v] =
-                    Mass::default().moved(&PowerLawStiffness, &[k, reference, n], [a, 0.0], time_s, 8000, |_| 0.0);
+                let [x, v] = Mass::default().moved(&FREE, &[k, reference, n], [a, 0.0], time_s, 8000, |_| 0.0);
                 let energy = 0.5 * v * v + c * x.abs().powf(n + 1.0) / (n + 1.0);
                 let before = c * a.powf(n + 1.0) / (n + 1.0);
                 assert!((energy / before - 1.0).abs() < 1e-7 && v.abs() > 0.01, "{n} {time_s}: {energy} {before}");

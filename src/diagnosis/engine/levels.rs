@@ -28,6 +28,3 @@ pub(crate) const AT_NOISE: f64 = 0.1;
 pub(crate) const FAINT: f64 = 0.3;
 /// Effective number of blocks below which scatter between blocks says nothing.
 pub(crate) const FEWEST_BLOCKS: f64 = 3.0;
-/// Part of what a law removes that an exponent of its own must remove besides to be named instead: laws
-/// hold to about 3 % of what they do, a thousandth of its power. Less is a departure of the stated law.
-pub(crate) const OTHER_LAW: f64 = 1e-3;

@@ -64,6 +64,9 @@ pub(crate) fn names<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>) -> Found
         named.clear();
     }
     let rest = dependences(search, &model);
+    for name in &mut named {
+        name.departs = departs(search, &model, name.place);
+    }
     let mut alone: Vec<(usize, Gain)> = search
         .all()
         .into_iter()
@@ -93,27 +96,24 @@ fn named<K: Kind>(search: &Search<'_, K>, best: &Arc<Fitted>, place: usize) -> O
         return None;
     }
     let law = best.set[place];
-    let departs = departs(search, best, place);
-    let is_inexact = departs.is_some() || excess(search, best) >= AT_NOISE;
     search.children(&without, false);
-    search.instead(&without, law, Form::Exponent);
     let instead = |f: &Arc<Fitted>| {
         let same = f.set.len() == best.set.len() && sorted(&f.set) != sorted(&best.set);
         let kept = without.set.iter().all(|l| f.set.contains(l));
         let other = f.set.iter().copied().find(|l| !without.set.contains(l))?;
-        // A richer law is one only where it leads and the best set is not exact itself: it may hold that law
-        // as a special case.
-        let simple = f.point.shared.len() <= best.point.shared.len() || is_inexact && f.error < best.error;
-        let is_other = search.kind.form(other) != Form::Free && !search.kind.excludes(other, law);
-        let is_within = !f.at_bound.iter().any(|b| *b);
-        (same && kept && simple && is_other && is_within && search.as_good(f, best)).then(|| (other, f.clone()))
+        let simple = f.point.shared.len() <= best.point.shared.len();
+        let stated = search.kind.form(other) == Form::Stated && !search.kind.excludes(other, law);
+        (same && kept && simple && stated && search.as_good(f, best)).then(|| (other, f.clone()))
     };
     let rivals = search.all().iter().filter_map(instead).collect();
-    Some(Named { place, gain, rivals, departs })
+    Some(Named { place, gain, rivals, departs: None })
 }
 
 /// The model with the form of one of its laws free, where that holds over the stated form.
 fn departs<K: Kind>(search: &Search<'_, K>, model: &Arc<Fitted>, place: usize) -> Option<(Arc<Fitted>, Gain)> {
+    if excess(search, model) < AT_NOISE {
+        return None;
+    }
     let without = search.without(model, place)?;
     let fits = search.instead(&without, model.set[place], Form::Free).into_iter();
     let best = fits.min_by(|a, b| a.error.total_cmp(&b.error))?;

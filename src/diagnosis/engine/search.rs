@@ -10,7 +10,7 @@ use crate::parallel;
 use super::evidence::{Gain, gain};
 use super::fit::{Fitted, MOST_STEPS, fit};
 use super::kind::{Form, Kind, Point, Set};
-use super::levels::{AT_NOISE, INEXACT, LEAST_SHARE, NAME, OTHER_LAW, TIE};
+use super::levels::{AT_NOISE, INEXACT, LEAST_SHARE, NAME, TIE};
 use super::linear::Products;
 
 /// Sets that are followed in parallel.
@@ -122,9 +122,7 @@ impl<'a, K: Kind> Search<'a, K> {
             let Some(without) = place.and_then(|place| self.without(&best, place)) else { continue };
             let fits = self.instead(&without, law, Form::Exponent).into_iter();
             let bent = fits.min_by(|a, b| a.error.total_cmp(&b.error));
-            let whole = self.gain(&without, &best).removed;
-            let is_other = |bent: &Arc<Fitted>| self.gain(&best, bent).removed >= OTHER_LAW * whole;
-            best = bent.filter(|bent| self.holds(&best, bent) && is_other(bent)).unwrap_or(best);
+            best = bent.filter(|bent| self.holds(&best, bent)).unwrap_or(best);
         }
         best
     }

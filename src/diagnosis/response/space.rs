@@ -15,6 +15,7 @@ use crate::physics::coupled_mode::CoupledMode;
 use crate::physics::cubic_stiffness::CubicStiffness;
 use crate::physics::free_form::{Extent, FreeForm, Freed};
 use crate::physics::library::Term;
+use crate::physics::power::Exponent;
 use crate::physics::power_law_damping::PowerLawDamping;
 use crate::physics::power_law_stiffness::PowerLawStiffness;
 use crate::physics::quadratic_damping::QuadraticDamping;
@@ -52,7 +53,7 @@ fn stated(with_time: bool) -> Vec<Term> {
 
 /// Laws with an exponent of their own.
 fn powers() -> [Term; 2] {
-    [Term::PowerLawStiffness(PowerLawStiffness), Term::PowerLawDamping(PowerLawDamping)]
+    [Term::PowerLawStiffness(PowerLawStiffness(Exponent::Free)), Term::PowerLawDamping(PowerLawDamping(Exponent::Free))]
 }
 
 /// All laws that sweeps of these sizes are tried against.

@@ -15,7 +15,7 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 /// Lengths whose plans are kept: a search transforms many sequences of one length.
 const KEPT: usize = 4;
 
-/// What transforms of one length share.
+/// Plan and twiddles that transforms of one length share.
 struct Plan {
     count: usize,
     forward: Arc<dyn RealToComplex<f64>>,

@@ -161,7 +161,7 @@ pub(crate) fn freed(data: &Data, model: &Fit, index: usize, scales: &Scales, scr
 fn may_be_another(selection: &Selection) -> bool {
     match selection.chosen.fit.structure.terms.as_slice() {
         [Term::ReadoutSaturation(_)] => true,
-        // A stop is compared with springs of other powers by free simulation.
+        // Springs and stops are told apart elsewhere (`other_power`).
         [Term::EndStop(_)] => false,
         [term] => selection.reach.tells_nothing_linear_apart() && term.noise().is_none() && !is_linear(term),
         _ => false,

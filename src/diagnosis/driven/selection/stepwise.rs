@@ -13,10 +13,11 @@ use crate::trace::Step;
 
 use super::earned::{earned, pruned};
 use super::forms;
-use super::hysteresis_exponent::settle_exponent;
 use super::identifiability::{Reach, is_linear};
 use super::judged::{Judged, Selection, Trial};
 use super::kept_back::settle_kept_back;
+use super::kept_shape::settle_shape;
+use super::other_power::{settle_power, settle_stop};
 use super::residual_structure::residual_structure;
 use super::rivals::{Look, TIE};
 use super::round::{SURE, round};
@@ -115,44 +116,12 @@ pub(crate) fn search(
         settle_kept_back(data, &mut selection, scales, budget, control)?;
         let budget = data.work.budget(Stage::Forms, data.hull.len());
         forms::settle(data, &mut selection, scales, budget);
+        settle_power(data, &mut selection, scales, budget);
+        settle_stop(data, &mut selection, scales, budget);
         let budget = data.work.budget(Stage::KeptShapes, data.hull.len());
-        settle_exponent(data, &mut selection, scales, budget);
+        settle_shape(data, &mut selection, scales, budget);
     }
     Ok(selection)
-}
-
-/// The selection with the noise that its residual asks for: noise is named last, from what laws leave.
-///
-/// # Errors
-/// Stopped.
-pub(crate) fn with_noise(
-    data: &Data,
-    selection: Selection,
-    scales: &Scales,
-    noise: &[Term],
-    budget: Budget,
-    control: &Control,
-) -> Result<Selection, Stopped> {
-    let progress = control.stage("candidates", MOST_TERMS as u64);
-    let mut steps = Stepwise {
-        data,
-        base: &selection.base,
-        scales,
-        tried: noise.len(),
-        control,
-        progress,
-        budget,
-        alone: selection.alone.clone(),
-        follows_input: false,
-    };
-    let way = steps.forward(selection.chosen.clone(), noise)?;
-    let before = &selection.chosen.fit.structure.terms;
-    let rivals_of = |term: &Term| {
-        let place = before.iter().position(|t| t == term);
-        place.and_then(|place| selection.rivals.get(place)).cloned().unwrap_or_default()
-    };
-    let rivals = way.chosen.fit.structure.terms.iter().map(rivals_of).collect();
-    Ok(Selection { chosen: way.chosen, rivals, cut_short: way.cut_short, ..selection })
 }
 
 /// A search's steps from a model to richer ones.

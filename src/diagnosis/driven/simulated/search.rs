@@ -17,10 +17,9 @@ use crate::engine::search::Search;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 
-use super::space;
 use super::space::Member;
 use super::system::System;
-use super::under_input::{self, Reaches};
+use super::{space, under_input};
 
 /// A recording with all laws that it is held against.
 pub(in crate::driven) struct Simulated {
@@ -46,17 +45,11 @@ pub(in crate::driven) struct Worth {
 impl Simulated {
     /// A recording with its base model and these laws beside those that it is tried against; `None`
     /// where its noise cannot be measured.
-    pub(in crate::driven) fn of(
-        data: &Data,
-        base: &Fit,
-        further: &[Term],
-        scales: &Scales,
-        reaches: Reaches,
-    ) -> Option<Self> {
+    pub(in crate::driven) fn of(data: &Data, base: &Fit, further: &[Term], scales: &Scales) -> Option<Self> {
         let noise = reading_noise(&Sample::of(data))?;
         // What rounding adds is not smoothed away below a thousandth of the motion.
         let variance = noise.deviation.max(1e-6 * scales.output).powi(2);
-        let rows = under_input::rows(data, TAU / (base.point[OMEGA] * data.interval_s()), reaches);
+        let rows = under_input::rows(data, TAU / (base.point[OMEGA] * data.interval_s()));
         let mut members = space::members(data.environments, data.input.is_some(), scales);
         for term in further {
             if members.iter().all(|m| m.term != *term) {
@@ -68,11 +61,10 @@ impl Simulated {
         Some(Self { system, variance, base })
     }
 
-    /// What the engine finds where the base model leaves this part of the noise's variance or more over
-    /// the noise; `None` where it leaves less, or no free simulation of it comes to rest.
-    pub(in crate::driven) fn search(&self, least: f64) -> Option<Found> {
+    /// What the engine finds; `None` where no free simulation of the base model comes to rest.
+    pub(in crate::driven) fn search(&self) -> Option<Found> {
         let (search, base) = Search::begin(&self.system, self.variance, &self.base)?;
-        (names::excess(&search, &base) >= least).then(|| names::names(&search, base))
+        Some(names::names(&search, base))
     }
 
     /// What the laws at these places of a model are worth, with what the rest depends on where that is

@@ -4,9 +4,9 @@
 use crate::engine::kind::{Argument, Form};
 use crate::physics::end_stop::{EndStop, Side};
 use crate::physics::free_form::{Extent, FreeForm, Freed};
-use crate::physics::hysteresis::{Hysteresis, Sharpness};
 use crate::physics::law::Role;
 use crate::physics::library::Term;
+use crate::physics::power::Exponent;
 use crate::physics::power_law_damping::PowerLawDamping;
 use crate::physics::power_law_stiffness::PowerLawStiffness;
 use crate::physics::scales::Scales;
@@ -44,9 +44,8 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
     }
     let stated = terms.into_iter().map(|term| Member { term, form: Form::Stated });
     let powers = [
-        Term::PowerLawStiffness(PowerLawStiffness),
-        Term::PowerLawDamping(PowerLawDamping),
-        Term::Hysteresis(Hysteresis(Sharpness::Own)),
+        Term::PowerLawStiffness(PowerLawStiffness(Exponent::Free)),
+        Term::PowerLawDamping(PowerLawDamping(Exponent::Free)),
     ]
     .map(|term| Member { term, form: Form::Exponent });
     let speed = 2.0 * scales.velocity;
@@ -62,9 +61,6 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
         free(Freed::Friction, speed),
         free(Freed::Film, size),
         free(Freed::Drift, scales.duration_s),
-        free(Freed::Stop(Side::Both), size),
-        free(Freed::Stop(Side::Upper), size),
-        free(Freed::Stop(Side::Lower), size),
     ];
     if is_driven {
         forms.extend([free(Freed::Drive, 2.0 * scales.input), free(Freed::Readout, size)]);

@@ -2,17 +2,14 @@
 //! without any, and the part of the error that each name removes.
 
 use crate::answer::Answer;
-use crate::driven::identification::fit::{Fit, fit};
+use crate::driven::identification::fit::fit;
 use crate::driven::identification::interval;
 use crate::driven::intake::data::Data;
-use crate::driven::selection::held_out::{Comparison, held_out, ratio_interval};
-use crate::driven::selection::identifiability::Reach;
-use crate::driven::selection::judged::{Departing, Judged, Rival, Selection, Trial, judge};
+use crate::driven::selection::held_out::{held_out, ratio_interval};
+use crate::driven::selection::judged::{Departing, Judged, Rival, Selection};
 use crate::driven::selection::residual_structure::residual_structure_of_noise;
 use crate::driven::selection::term_worth::weighed;
 use crate::driven::simulated::search::{Simulated, Worth};
-use crate::driven::simulated::under_input::Reaches;
-use crate::driven::simulation::structure::ModelStructure;
 use crate::engine::evidence::Gain;
 use crate::engine::fit::Fitted;
 use crate::engine::kind::{Argument, Kind};
@@ -37,20 +34,17 @@ pub(crate) struct Simulation {
 }
 
 /// The conclusion with the names that hold in free simulation where it had none, and what all its
-/// names are worth. What was searched `earlier` over the same base model is not searched again.
+/// names are worth.
 pub(crate) fn simulated(
     data: &Data,
     selection: Selection,
     c: Conclusion,
     scales: &Scales,
-    earlier: Option<Searched>,
 ) -> (Selection, Conclusion, Simulation) {
     let says_something = !c.named.is_empty() || c.outcome == Outcome::Unexplained;
     let base = &selection.base.fit;
     let terms: Vec<_> = c.named.iter().map(|n| c.model.fit.structure.terms[n.index]).collect();
-    let known = (says_something && selection.base_follows)
-        .then(|| Simulated::of(data, base, &terms, scales, Reaches::End))
-        .flatten();
+    let known = (says_something && selection.base_follows).then(|| Simulated::of(data, base, &terms, scales)).flatten();
     let Some(simulated) = known else { return (selection, c, Simulation::default()) };
     let noise = (c.outcome == Outcome::Unexplained).then(|| simulated.variance.sqrt());
     let silent = Simulation { noise, ..Simulation::default() };
@@ -59,8 +53,7 @@ pub(crate) fn simulated(
         let worth = simulated.worth(data, &c.model.fit, &places, c.outcome == Outcome::Unexplained);
         return (selection, c, Simulation { worth: worth.unwrap_or_default(), ..silent });
     }
-    let known = earlier.filter(|earlier| earlier.base == base.point).map(|earlier| earlier.found);
-    let Some(found) = known.or_else(|| simulated.search(0.0)) else { return (selection, c, silent) };
+    let Some(found) = simulated.search() else { return (selection, c, silent) };
     let id = |law: usize| simulated.system.members[law].term.id();
     match named(data, &selection, &c, scales, &simulated, &found) {
         Some((selection, conclusion)) => {
@@ -77,114 +70,6 @@ pub(crate) fn simulated(
     }
 }
 
-/// What a search by free simulation found over a base model.
-#[derive(Debug, Clone)]
-pub(crate) struct Searched {
-    /// Parameters of the base model.
-    base: Vec<f64>,
-    found: Found,
-}
-
-/// Searches by free simulation, and selects what it finds where that holds no law that is linear or goes
-/// with time alone: such a law takes up whatever is broad or slow. Returns what was found, and no
-/// selection where the stepwise search has to go on; `None` where the base model itself leaves no more
-/// than the noise. Where nothing holds to the end of the recording, the simulations begin anew after a few
-/// cycles: a model that lacks much loses the motion, and every law with it.
-pub(crate) fn searched(data: &Data, base: &Judged, scales: &Scales) -> Option<(Searched, Option<Selection>)> {
-    let simulated = Simulated::of(data, &base.fit, &[], scales, Reaches::End)?;
-    let found = simulated.search(AT_NOISE)?;
-    let selection = if found.named.is_empty() {
-        let again = Simulated::of(data, &base.fit, &[], scales, Reaches::FewCycles);
-        let found = again.as_ref().and_then(|simulated| simulated.search(AT_NOISE));
-        again.zip(found).and_then(|(simulated, found)| selected(data, base, scales, &simulated, &found))
-    } else {
-        selected(data, base, scales, &simulated, &found)
-    };
-    Some((Searched { base: base.fit.point.clone(), found }, selection))
-}
-
-fn selected(data: &Data, base: &Judged, scales: &Scales, simulated: &Simulated, found: &Found) -> Option<Selection> {
-    // What leaves more than the noise may need laws or noise that only the likelihood tells.
-    if found.named.is_empty()
-        || found.model.variance > (1.0 + AT_NOISE) * simulated.variance
-        || found.model.set.iter().any(|law| is_broad(simulated, *law))
-    {
-        return None;
-    }
-    let reach = Reach::of(data, &base.fit);
-    if reach.few_cycles.is_some() {
-        return None;
-    }
-    let trial = |(law, gain): &(usize, Gain)| Trial {
-        term: simulated.system.members[*law].term,
-        promised: 1.0 - gain.share,
-        judged: None,
-        follows_input: false,
-        comparison: Comparison { gain: gain.share, ci95: gain.ci95(), p_value: 1.0 },
-    };
-    let selection = Selection {
-        base: base.clone(),
-        chosen: base.clone(),
-        base_follows: true,
-        tried: simulated.system.members.len(),
-        alone: found.alone.iter().map(trial).collect(),
-        rivals: Vec::new(),
-        stand_ins: Vec::new(),
-        departing: None,
-        cut_short: false,
-        follows_input: false,
-        reach,
-        rivals_left_out: false,
-    };
-    chosen(
-        &selection,
-        simulated,
-        found,
-        |fit| judge(data, fit, scales),
-        |structure, point| fit(data, structure, point, scales, 20),
-    )
-}
-
-/// Whether a law is linear or goes with time alone.
-fn is_broad(simulated: &Simulated, law: usize) -> bool {
-    matches!(simulated.system.argument(law), Argument::Frequency | Argument::Time)
-}
-
-/// A selection with the laws that free simulation found, their rivals and the form that departs, fitted
-/// and judged; `None` where one of these fits breaks down.
-fn chosen(
-    selection: &Selection,
-    simulated: &Simulated,
-    found: &Found,
-    judge: impl Fn(Fit) -> Judged,
-    fit: impl Fn(&ModelStructure, &[f64]) -> Option<Fit>,
-) -> Option<Selection> {
-    let set = &found.model.set;
-    let judged = |fitted: &Fitted| {
-        let (structure, point) = simulated.model(fitted, &selection.base.fit);
-        Some(judge(fit(&structure, &point)?))
-    };
-    let rivals = |place: usize| -> Vec<Rival> {
-        let own = found.named.iter().filter(|n| n.place == place).flat_map(|n| &n.rivals);
-        let rival = |(law, fitted): &(usize, std::sync::Arc<Fitted>)| {
-            Some(Rival { judged: judged(fitted)?, id: simulated.system.members[*law].term.id() })
-        };
-        own.filter_map(rival).collect()
-    };
-    let departing = found.named.iter().find_map(|n| {
-        let (freed, _) = n.departs.as_ref()?;
-        let index = freed.set.iter().position(|law| !set.contains(law))?;
-        Some(Departing { judged: judged(freed)?, index })
-    });
-    Some(Selection {
-        chosen: judged(&found.model)?,
-        rivals: (0..set.len()).map(rivals).collect(),
-        stand_ins: Vec::new(),
-        departing,
-        ..selection.clone()
-    })
-}
-
 /// The conclusion with the names that were found, fitted and weighed as those of the stepwise search
 /// are; `None` where they do not hold so.
 fn named(
@@ -199,19 +84,42 @@ fn named(
     let set = &found.model.set;
     let excess = found.model.variance / simulated.variance - 1.0;
     // What is linear, or goes with time alone, takes up whatever is broad or slow.
+    let is_broad = |law: &usize| matches!(simulated.system.argument(*law), Argument::Frequency | Argument::Time);
     if found.named.is_empty()
         || selection.reach.few_cycles.is_some()
-        || (excess >= AT_NOISE && set.iter().any(|law| is_broad(simulated, *law)))
+        || (excess >= AT_NOISE && set.iter().any(is_broad))
     {
         return None;
     }
-    let judge = |fit: Fit| Judged { held_out: held_out(data, &fit, scales, &data.test), fit };
-    let again = |structure: &ModelStructure, point: &[f64]| fit(data, structure, point, scales, 20);
-    let selection = chosen(selection, simulated, found, judge, again)?;
-    let Selection { chosen: model, rivals, departing, .. } = selection.clone();
+    let judged = |fitted: &Fitted| {
+        let (structure, point) = simulated.model(fitted, &selection.base.fit);
+        let fit = fit(data, &structure, &point, scales, 20)?;
+        Some(Judged { held_out: held_out(data, &fit, scales, &data.test), fit })
+    };
+    let model = judged(&found.model)?;
     if ratio_interval(&c.base.held_out, &model.held_out)[1] >= 1.0 || model.fit.at_bound(scales) {
         return None;
     }
+    let rivals = |place: usize| -> Vec<Rival> {
+        let own = found.named.iter().filter(|n| n.place == place).flat_map(|n| &n.rivals);
+        let rival = |(law, fitted): &(usize, std::sync::Arc<Fitted>)| {
+            Some(Rival { judged: judged(fitted)?, id: simulated.system.members[*law].term.id() })
+        };
+        own.filter_map(rival).collect()
+    };
+    let rivals: Vec<Vec<Rival>> = (0..set.len()).map(rivals).collect();
+    let departing = found.named.iter().find_map(|n| {
+        let (freed, _) = n.departs.as_ref()?;
+        let index = freed.set.iter().position(|law| !set.contains(law))?;
+        Some(Departing { judged: judged(freed)?, index })
+    });
+    let selection = Selection {
+        chosen: model.clone(),
+        rivals: rivals.clone(),
+        stand_ins: Vec::new(),
+        departing: departing.clone(),
+        ..selection.clone()
+    };
     let named = weighed(data, &selection, &model, scales, &rivals, &c.base);
     if named.iter().any(|n| n.worsens(&model)) {
         return None;

@@ -1,0 +1,326 @@
+//! Laws with a shape of their own that the search keeps back: a spring and a damping of one power,
+//! and hysteresis with an exponent. Beside the stated law each would fit whatever departs from it a
+//! little; it is looked for only where a law that was chosen departs from its form, and takes its
+//! place only where the data tell the shape: where its own free form gains nothing over it, and no
+//! other departure of one number does as well.
+
+use crate::driven::identification::fit::{Fit, fit};
+use crate::driven::identification::interval;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::work::Budget;
+use crate::gate::Gate;
+use crate::parallel;
+use crate::physics::free_form::{Extent, FreeForm, Freed};
+use crate::physics::hysteresis::{Hysteresis, Sharpness};
+use crate::physics::library::Term;
+use crate::physics::power::Exponent;
+use crate::physics::power_law_damping::PowerLawDamping;
+use crate::physics::power_law_stiffness::PowerLawStiffness;
+use crate::physics::scales::Scales;
+use crate::trace::Step;
+
+use super::earned::{ITERATIONS, earned};
+use super::forms::{LEAST_LEAD, UNDONE, with_instead};
+use super::judged::{Departing, Judged, Selection, judge};
+use super::residual_structure::residual_structure;
+use super::rivals::TIE;
+
+/// Most further heats of a fit that moves exponent and strength along each other.
+const HEATS: usize = 4;
+/// A heat that gains less log-likelihood than this was the last.
+const AT_REST: f64 = 0.1;
+/// Place of the exponent among the values of a power, and of hysteresis.
+const OF_POWER: usize = 2;
+const OF_MEMORY: usize = 3;
+/// An exponent within this many intervals of the one found counts as the same.
+const SAME: f64 = 2.0;
+/// Exponents of a memory from which fits begin, beside the stated one.
+const MEMORIES: [f64; 4] = [0.7, 1.0, 1.6, 2.6];
+
+/// Puts a law with its own exponent in the place of one that departs from its form, where the data
+/// tell that shape from others.
+pub(super) fn settle_shape(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
+    let search = Search { data, scales, tried: selection.tried, budget };
+    let departing = selection.departing.as_ref().filter(|_| data.trace.is_on(Gate::OwnPower));
+    let power = departing.and_then(|departing| search.power(&selection.chosen, departing));
+    let memory = || data.trace.is_on(Gate::OwnSharpness).then(|| search.memory(selection)).flatten();
+    let power = power.map(|found| (Gate::OwnPower, found));
+    if let Some((gate, found)) = power.or_else(|| Some((Gate::OwnSharpness, memory()?))) {
+        let lead = found.score() - selection.chosen.score();
+        data.trace.acts(Step::of(gate, selection.chosen.words(), found.words()).measured(lead, 0.0));
+        take(selection, found);
+    }
+}
+
+/// A model takes the place of the chosen one: what stood beside each of its terms and is not clearly
+/// behind it stays its rival.
+fn take(selection: &mut Selection, found: Judged) {
+    let before = &selection.chosen.fit.structure.terms;
+    let score = found.score();
+    let rivals_of = |t: &Term, only: bool| {
+        // The law of a power stands where the law of which it is a power stood.
+        let place = before.iter().position(|b| b.id() == t.id()).or(only.then_some(0));
+        let all = place.and_then(|p| selection.rivals.get(p)).into_iter().flatten();
+        all.filter(|r| !found.has(r.id) && score - r.judged.score() < TIE).cloned().collect()
+    };
+    let only = before.len() == 1;
+    selection.rivals = found.fit.structure.terms.iter().map(|t| rivals_of(t, only)).collect();
+    selection.chosen = found;
+    selection.departing = None;
+}
+
+struct Search<'a> {
+    data: &'a Data,
+    scales: &'a Scales,
+    tried: usize,
+    budget: Budget,
+}
+
+/// Which law of one power may stand in the place of a free form, its strength and exponent where it
+/// comes nearest, and the exponents that other names have.
+struct Power {
+    term: fn(Exponent) -> Term,
+    size: f64,
+    strength: f64,
+    exponent: f64,
+    /// Exponents from which fits begin besides.
+    further: &'static [f64],
+    /// Exponents that belong to the base model and to the stated law.
+    known: &'static [f64],
+    /// Powers, one of which beside the stated law is another departure of one number.
+    beside: &'static [f64],
+    stated: Freed,
+}
+
+fn stiffness(exponent: Exponent) -> Term {
+    Term::PowerLawStiffness(PowerLawStiffness(exponent))
+}
+
+fn damping(exponent: Exponent) -> Term {
+    Term::PowerLawDamping(PowerLawDamping(exponent))
+}
+
+impl Power {
+    /// Of a free form with these values: c a³ s^d of a spring is (c size²) s^(2 + d) a, and c |a|a s^d
+    /// of a drag (c size) s^(1 + d) a.
+    fn of(form: &FreeForm, values: &[f64]) -> Option<Self> {
+        let (size, beyond) = (form.size, values.get(1).copied().unwrap_or(0.0));
+        let spring = Self {
+            term: stiffness,
+            size,
+            strength: values[0] * size * size,
+            exponent: (3.0 + beyond).clamp(1.3, 7.0),
+            further: &[1.7, 2.3, 4.0, 5.5],
+            known: &[1.0, 3.0],
+            beside: &[2.0, 4.0, 5.0, 7.0],
+            stated: form.law,
+        };
+        // A form of one number is the power already.
+        let further: &[f64] = if form.extent == Extent::Narrow { &[] } else { &[0.5, 1.5, 2.8] };
+        match form.law {
+            Freed::CubicSpring if form.extent == Extent::Narrow => Some(Self { further, ..spring }),
+            Freed::CubicSpring => Some(spring),
+            Freed::Drag => Some(Self {
+                term: damping,
+                strength: values[0] * size,
+                exponent: (2.0 + beyond).clamp(0.3, 5.0),
+                further,
+                known: &[0.0, 1.0, 2.0],
+                beside: &[0.0, 3.0, 4.0],
+                ..spring
+            }),
+            Freed::Friction => Some(Self {
+                term: damping,
+                strength: values[0] / size,
+                exponent: 0.3,
+                further: &[0.5, 0.8, 1.5],
+                known: &[0.0, 1.0, 2.0],
+                beside: &[2.0, 3.0],
+                ..spring
+            }),
+            _ => None,
+        }
+    }
+
+    /// Values from which fits begin: as strong at half the size, whatever the exponent.
+    fn starts(&self) -> Vec<Vec<f64>> {
+        let at = |n: f64| vec![self.strength * 0.5f64.powf(self.exponent - n), self.size, n];
+        std::iter::once(self.exponent).chain(self.further.iter().copied()).map(at).collect()
+    }
+}
+
+impl Search<'_> {
+    fn is_over(&self) -> bool {
+        self.data.work.is_spent(self.budget)
+    }
+
+    fn fitted(&self, model: &Fit, index: usize, term: Term, values: &[f64]) -> Option<Fit> {
+        let (structure, point) = with_instead(model, index, term, values);
+        fit(self.data, &structure, &point, self.scales, ITERATIONS)
+    }
+
+    /// The best of fits from these values of one law, taken further until it rests.
+    fn best(&self, model: &Fit, index: usize, term: Term, starts: &[Vec<f64>]) -> Option<Judged> {
+        let all: Vec<Fit> = parallel::filter_map(starts, |start| self.fitted(model, index, term, start));
+        let mut best = all.into_iter().min_by(|a, b| a.variance.total_cmp(&b.variance))?;
+        for _ in 0..HEATS {
+            if best.converged || self.is_over() {
+                break;
+            }
+            let Some(further) = fit(self.data, &best.structure, &best.point, self.scales, ITERATIONS) else { break };
+            let gained = further.log_likelihood() - best.log_likelihood();
+            if gained <= 0.0 {
+                break;
+            }
+            best = further;
+            if gained < AT_REST {
+                break;
+            }
+        }
+        Some(judge(self.data, best, self.scales))
+    }
+
+    /// Whether the interval of an exponent, this many times as wide, holds none of these.
+    fn is_apart(&self, model: &Fit, place: usize, times: f64, known: &[f64]) -> bool {
+        let Some(free) = model.free.iter().position(|f| *f == place) else { return false };
+        let (n, reach) = (model.point[place], interval::spread(model).reach[free].map(|r| times * r));
+        // By its logarithm, as it is fitted.
+        let holds = |k: &f64| *k > 0.0 && n * (-reach[0]).exp() <= *k && *k <= n * reach[1].exp();
+        reach.iter().all(|r| r.is_finite()) && !known.iter().any(holds)
+    }
+
+    /// Whether a model leaves next to nothing, or no more than another.
+    fn leaves_no_more(&self, model: &Judged, than: &Judged) -> bool {
+        let left = |j: &Judged| residual_structure(self.data, &j.fit).r_squared;
+        let found = left(model);
+        found <= UNDONE || found <= left(than)
+    }
+
+    /// A law of one power in the place of the law that departs, where the data tell that it is one.
+    fn power(&self, stated: &Judged, departing: &Departing) -> Option<Judged> {
+        let (free, index) = (&departing.judged, departing.index);
+        let Term::FreeForm(form) = free.fit.structure.terms[index] else { return None };
+        let law = Power::of(&form, free.fit.structure.of(index, &free.fit.point))?;
+        // The stated model has the same terms, in the same places.
+        if self.is_over() || stated.fit.structure.terms.len() != free.fit.structure.terms.len() {
+            return None;
+        }
+        let found = self.best(&free.fit, index, (law.term)(Exponent::Free), &law.starts())?;
+        // A law of another family must lead; one of the same family must only not fall behind.
+        let least = if law.stated == Freed::Friction { TIE } else { -LEAST_LEAD };
+        let holds = found.score() - free.score() >= least
+            && !found.fit.at_bound(self.scales)
+            && self.is_apart(&found.fit, found.fit.structure.first[index] + OF_POWER, 1.0, law.known)
+            && earned(self.data, stated, &found, self.scales, self.tried).is_some()
+            && self.leaves_no_more(&found, free);
+        (holds && !self.is_free_to_gain(&law, &found, index) && !self.is_matched(&law, stated, &found, index))
+            .then_some(found)
+    }
+
+    /// Whether the free form of the stated law, begun at the power, gains over it.
+    fn is_free_to_gain(&self, law: &Power, found: &Judged, index: usize) -> bool {
+        let [strength, size, n] = *found.fit.structure.of(index, &found.fit.point) else { return true };
+        let (freed, first, stated) = match law.stated {
+            Freed::CubicSpring => (Freed::CubicSpring, strength / (size * size), 3.0),
+            _ => (Freed::Drag, strength / size, 2.0),
+        };
+        let wide = Term::FreeForm(FreeForm { law: freed, size, extent: Extent::Wide });
+        let free = self.best(&found.fit, index, wide, &[vec![first, n - stated, 0.0, 0.0]]);
+        free.is_some_and(|free| free.score() > found.score() + LEAST_LEAD)
+    }
+
+    /// Whether another departure of one number does as well: one further power of a fixed exponent
+    /// beside the stated law, or a friction that is smooth.
+    fn is_matched(&self, law: &Power, stated: &Judged, found: &Judged, index: usize) -> bool {
+        let bar = found.score() - TIE;
+        let size = found.fit.structure.of(index, &found.fit.point)[1];
+        let plain = match law.stated {
+            Freed::CubicSpring => self.as_stated(stated, found, index),
+            _ => self.as_drag(stated, found, index),
+        };
+        let Some(plain) = plain else { return true };
+        // The very power that was found is no other departure: beside it nothing is left of the rest.
+        let place = found.fit.structure.first[index] + OF_POWER;
+        let others: Vec<f64> =
+            law.beside.iter().copied().filter(|q| self.is_apart(&found.fit, place, SAME, &[*q])).collect();
+        let beside = |exponent: &f64| {
+            let values = [0.0, size, *exponent];
+            let (structure, point) = plain.with((law.term)(Exponent::Held), &values);
+            let other = fit(self.data, &structure, &point, self.scales, ITERATIONS)?;
+            Some(judge(self.data, other, self.scales).score())
+        };
+        if parallel::filter_map(&others, beside).into_iter().any(|score| score > bar) {
+            return true;
+        }
+        if law.stated == Freed::CubicSpring {
+            return false;
+        }
+        let form = FreeForm { law: Freed::Friction, size, extent: Extent::Narrow };
+        let strength = found.fit.structure.of(index, &found.fit.point)[0] * size;
+        let starts: Vec<Vec<f64>> = [0.05, 0.3, 1.0].map(|part| vec![0.5 * strength, part * size]).to_vec();
+        self.best(&found.fit, index, Term::FreeForm(form), &starts).is_some_and(|smooth| smooth.score() > bar)
+    }
+
+    /// The model of the power with the stated law in its place.
+    fn as_stated(&self, stated: &Judged, found: &Judged, index: usize) -> Option<Fit> {
+        let old = &stated.fit;
+        self.fitted(&found.fit, index, old.structure.terms[index], old.structure.of(index, &old.point))
+    }
+
+    /// The same with a quadratic damping, whichever law departed.
+    fn as_drag(&self, stated: &Judged, found: &Judged, index: usize) -> Option<Fit> {
+        if let Term::QuadraticDamping(_) = stated.fit.structure.terms[index] {
+            return self.as_stated(stated, found, index);
+        }
+        let [strength, size, _] = *found.fit.structure.of(index, &found.fit.point) else { return None };
+        self.fitted(&found.fit, index, Term::QuadraticDamping(Default::default()), &[strength / size])
+    }
+
+    /// Hysteresis with an exponent in the place of one with n = 1 that was chosen; or of all that was
+    /// chosen, where that leaves something, departs or is several laws.
+    fn memory(&self, selection: &Selection) -> Option<Judged> {
+        let chosen = &selection.chosen;
+        let is_memory = |t: &Term| matches!(t, Term::Hysteresis(Hysteresis(Sharpness::One)));
+        let own = chosen.fit.structure.terms.iter().position(is_memory);
+        let beside = || {
+            let leaves = selection.departing.is_some() || chosen.fit.structure.terms.len() > 1;
+            let is_law = chosen.fit.structure.terms.iter().any(|t| t.role().acts_on_mass());
+            let alone = selection.alone.iter().filter_map(|t| t.judged.as_ref());
+            let mut all = alone.filter(|j| matches!(j.fit.structure.terms.as_slice(), [t] if is_memory(t)));
+            if is_law && leaves { all.next() } else { None }
+        };
+        let (from, index) = match own {
+            Some(index) => (chosen, index),
+            None => (beside()?, 0),
+        };
+        if self.is_over() {
+            return None;
+        }
+        let mut values = from.fit.structure.of(index, &from.fit.point).to_vec();
+        values.insert(OF_MEMORY, 1.0);
+        let starts: Vec<Vec<f64>> = MEMORIES
+            .map(|n| {
+                values[OF_MEMORY] = n;
+                values.clone()
+            })
+            .to_vec();
+        let found = self.best(&from.fit, index, Term::Hysteresis(Hysteresis(Sharpness::Own)), &starts)?;
+        let found = Departing { judged: found, index }.pruned(self.data, self.scales, chosen.score());
+        let Departing { judged: found, index } = found;
+        let before = selection.departing.as_ref().map_or(chosen, |d| &d.judged);
+        let fewer = found.fit.structure.terms.len() < before.fit.structure.terms.len();
+        let lead = found.score() - before.score();
+        let least = match (own.is_some(), fewer) {
+            (true, true) => -LEAST_LEAD,
+            (true, false) => LEAST_LEAD,
+            (false, _) => TIE,
+        };
+        let is_earned = fewer || earned(self.data, chosen, &found, self.scales, self.tried).is_some();
+        let holds = lead >= least
+            && is_earned
+            && !found.fit.at_bound(self.scales)
+            && self.is_apart(&found.fit, found.fit.structure.first[index] + OF_MEMORY, 1.0, &[1.0])
+            && self.leaves_no_more(&found, before);
+        holds.then_some(found)
+    }
+}
