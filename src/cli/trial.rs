@@ -62,7 +62,8 @@ pub struct Arguments {
     #[arg(long, requires = "book", conflicts_with = "shard")]
     pub ablate: bool,
     /// Rules that never act (ids as in gates.md): for measuring what they are worth
-    #[arg(long, value_name = "GATE", requires = "book", value_delimiter = ',', hide = true, value_parser = gate)]
+    #[arg(long, value_name = "GATE", requires = "book", conflicts_with = "resume", value_delimiter = ',', hide = true,
+        value_parser = gate)]
     pub without: Vec<Gate>,
     /// Replace files in DIR even if they are not from an earlier run of this command on the same
     /// input

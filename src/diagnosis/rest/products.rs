@@ -16,7 +16,7 @@ pub(super) struct Products {
 }
 
 impl Products {
-    /// Of the channel's coefficients, then each curve's.
+    /// Sums the products of the channel's coefficients (first) and those of each curve.
     pub(super) fn of(all: &[&[f64]], bins: &[Bin]) -> Self {
         let width = all.len();
         let mut sums = Vec::with_capacity(bins.len() * width * (width + 1) / 2);
@@ -100,7 +100,7 @@ mod tests {
         // 1e-9: rounding of sums of 3000 products of order one, with room.
         let near = |a: &Bin, b: &Bin| (0..2).all(|f| (a.sum[f] - b.sum[f]).abs() < 1e-9 * (1.0 + b.sum[f]));
         assert!(found.iter().zip(&bins(&left)).all(|(a, b)| near(a, b)));
-        // Under one variance it is a plain regression: what is left is at right angles to each curve.
+        // With equal variances this is ordinary regression: the residual is orthogonal to each curve.
         // The first value belongs to no bin.
         for curve in [&one, &two] {
             let angle: f64 = left.iter().zip(curve).skip(1).map(|(l, c)| l * c).sum();

@@ -1,4 +1,4 @@
-//! What each gate of the diagnosis is worth: every case in which it acted, asked again without it.
+//! Measures the worth of each gate of the diagnosis: every case in which it acted is asked again without it.
 //!
 //! A gate that did not act cannot change a verdict by being switched off, so that only the others are
 //! asked. A gate is worth what the marks lose without it.
@@ -12,7 +12,7 @@ use super::entry::Entry;
 use super::run::{self, Made, Places};
 use crate::ask::Files;
 use crate::independent::judge::Mark;
-use crate::independent::run::{keep, kept};
+use crate::independent::run::{self as independent, keep, kept};
 use crate::scratch::Scratch;
 use proofmass_base::control::Control;
 use proofmass_base::error::Result;
@@ -22,21 +22,21 @@ use proofmass_diagnosis::verdict::Verdict;
 /// Share of all verdicts that a gate must change to be worth its place.
 pub const LEAST_CHANGED: f64 = 0.003;
 
-/// The verdict on one case without one gate: a line of gates.jsonl.
+/// Verdict on one case without one gate: a line of gates.jsonl.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Without {
     /// The gate that was switched off.
     pub gate: String,
-    /// What is said without it.
+    /// Line of the book without it.
     pub entry: Entry,
 }
 
-/// What one gate is worth.
+/// Worth of one gate.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Worth {
     /// The gate.
     pub gate: &'static str,
-    /// What it says.
+    /// Its rule, in a sentence.
     pub statement: &'static str,
     /// Verdicts in which it acted.
     pub acted: usize,
@@ -53,14 +53,14 @@ pub struct Worth {
 }
 
 impl Worth {
-    /// Whether it earns its place in a book of so many verdicts: it changes enough of them, and more
-    /// of these for the better than for the worse.
+    /// Says that it earns its place in a book of this many verdicts: it changes enough of them, and
+    /// betters more of these than it worsens.
     pub fn is_earned(&self, verdicts: usize) -> bool {
         self.changed as f64 >= LEAST_CHANGED * verdicts as f64 && self.better > self.worse
     }
 }
 
-/// How good a mark is.
+/// Orders marks from wrong (0) to right (4).
 fn rank(mark: Mark) -> i32 {
     match mark {
         Mark::Right => 4,
@@ -96,7 +96,7 @@ pub fn run(
     let open: BTreeMap<&str, Vec<Gate>> = book.iter().map(|entry| (entry.case.as_str(), gates(entry))).collect();
     let open_of = |name: &str| open.get(name).map_or(&[][..], Vec::as_slice);
     let asked: Vec<&Item<'_>> = items.iter().filter(|item| !open_of(&item.name(seed)).is_empty()).collect();
-    let (_, made) = run::made(&asked, seed, places.truth, control)?;
+    let (sealed, made) = run::made(&asked, seed, places.truth, control)?;
     let pairs: Vec<(&Made<'_>, Gate)> =
         made.iter().flat_map(|made| open_of(&made.name(seed)).iter().map(move |gate| (made, *gate))).collect();
     let scratch = Scratch::new(places.lines.parent())?;
@@ -104,11 +104,13 @@ pub fn run(
         let entry = made.ask(seed, &|files| subject(files, *gate), places.data, &scratch)?;
         Ok(Without { gate: gate.id().to_owned(), entry })
     })?;
+    // What was judged is what was sealed.
+    independent::open(places.truth, &sealed)?;
     lines.extend(fresh);
     Ok(lines)
 }
 
-/// Returns what each gate is worth, in the order of the chain.
+/// Returns the worth of each gate, in the order of the chain.
 pub fn worth(book: &[Entry], without: &[Without]) -> Vec<Worth> {
     let with: BTreeMap<&str, &Entry> = book.iter().map(|entry| (entry.case.as_str(), entry)).collect();
     let of = |gate: &Gate| {

@@ -163,7 +163,7 @@ impl Entry {
         told(self) == told(other)
     }
 
-    /// Whether it is a false name or a false alarm.
+    /// Says that it is a false name or a false alarm.
     pub(super) fn is_false(&self) -> bool {
         self.mark.is_false_name() || self.mark == Mark::FalseAlarm
     }
