@@ -11,6 +11,9 @@ pub(crate) struct Gain {
     pub removed: f64,
     /// The same over its standard error.
     pub errors: f64,
+    /// The same over the standard error that white noise gives it: two models whose predictions differ by Δ
+    /// differ in their sums of squares by 2 σ √ΣΔ² from chance alone (Vuong, Econometrica 57, 1989).
+    pub apart: f64,
     /// Part of the excess error of the model without, that over the noise.
     pub share: f64,
     /// Whether enough blocks differ for their scatter to say anything.
@@ -51,7 +54,8 @@ pub(crate) fn gain(layout: &Layout, without: &Fitted, with: &Fitted, noise: f64)
     let excess = without.error - noise * layout.rows() as f64;
     // What is removed of a model that is at the noise is all that there was.
     let share = if removed > 0.0 { (removed / excess.max(removed)).min(1.0) } else { removed / excess.max(-removed) };
-    Gain { removed, errors, share: if share.is_finite() { share } else { 0.0 }, is_known: few.is_finite() }
+    let apart = removed / (2.0 * (noise * size).sqrt()).max(1e-300);
+    Gain { removed, errors, apart, share: if share.is_finite() { share } else { 0.0 }, is_known: few.is_finite() }
 }
 
 #[cfg(test)]

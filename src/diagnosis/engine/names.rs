@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::evidence::Gain;
 use super::fit::Fitted;
 use super::kind::{Argument, Form, Kind};
-use super::levels::{AT_NOISE, CLEAR, TOGETHER};
+use super::levels::{AT_NOISE, CLEAR, EXACT, TOGETHER};
 use super::search::{Search, sorted};
 
 /// A law that holds.
@@ -53,7 +53,7 @@ pub(crate) struct Found {
 /// Searches, and says what holds; `base` is the fitted base model.
 pub(crate) fn names<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>) -> Found {
     let found = search.run(&base);
-    let (best, mut named) = held(search, &found);
+    let (best, mut named) = held(search, &base, &found);
     named.sort_by(|a, b| b.gain.removed.total_cmp(&a.gain.removed));
     let together = search.gain(&base, &best);
     let whole = !named.is_empty() && named.len() == best.set.len();
@@ -79,10 +79,10 @@ pub(crate) fn names<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>) -> Found
 }
 
 /// The laws of a set that hold, and the set without those that do not: each is weighed without them.
-fn held<K: Kind>(search: &Search<'_, K>, found: &Arc<Fitted>) -> (Arc<Fitted>, Vec<Named>) {
+fn held<K: Kind>(search: &Search<'_, K>, base: &Fitted, found: &Arc<Fitted>) -> (Arc<Fitted>, Vec<Named>) {
     let mut best = found.clone();
     loop {
-        let all: Vec<Option<Named>> = (0..best.set.len()).map(|place| named(search, &best, place)).collect();
+        let all: Vec<Option<Named>> = (0..best.set.len()).map(|place| named(search, base, &best, place)).collect();
         // The one that was added last had the least to add.
         let idle = (0..best.set.len()).rev().filter(|place| all[*place].is_none());
         match idle.filter_map(|place| search.without(&best, place)).next() {
@@ -98,15 +98,20 @@ pub(crate) fn excess<K: Kind>(search: &Search<'_, K>, model: &Fitted) -> f64 {
 }
 
 /// The law at a place of the best set, where it holds, on no bound, with its interval clear of zero.
-fn named<K: Kind>(search: &Search<'_, K>, best: &Arc<Fitted>, place: usize) -> Option<Named> {
-    let without = search.without(best, place)?;
+fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, place: usize) -> Option<Named> {
+    let without = search.weighed_without(best, place)?;
     let gain = search.gain(&without, best);
     let own = search.kind.coordinates(&best.set, place);
     let on_bound = own.clone().any(|i| best.at_bound[i]);
     let strengths = search.kind.strengths(&best.set, place);
     let is_clear = |i: &usize| best.point.shared[*i].abs() > CLEAR * best.deviations[*i];
     let may_be_zero = !strengths.is_empty() && !strengths.iter().any(is_clear);
-    if on_bound || may_be_zero || !search.holds(&without, best) {
+    // What is linear, or goes with time alone, takes up whatever is broad or slow: what is left, or what
+    // the other laws are inexact by.
+    let is_broad = matches!(search.kind.argument(best.set[place]), Argument::Frequency | Argument::Time);
+    let is_little = gain.removed < EXACT * (base.error - best.error);
+    let is_broad = is_broad && (is_little || excess(search, best) >= AT_NOISE);
+    if on_bound || may_be_zero || is_broad || !search.holds(&without, best) {
         return None;
     }
     let law = best.set[place];
@@ -128,9 +133,7 @@ fn departs<K: Kind>(search: &Search<'_, K>, model: &Arc<Fitted>, place: usize) -
     if excess(search, model) < AT_NOISE {
         return None;
     }
-    let without = search.without(model, place)?;
-    let fits = search.instead(&without, model.set[place], Form::Free).into_iter();
-    let best = fits.min_by(|a, b| a.error.total_cmp(&b.error))?;
+    let best = search.freed(model, place)?;
     search.holds(model, &best).then(|| (best.clone(), search.gain(model, &best)))
 }
 

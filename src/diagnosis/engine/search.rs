@@ -10,7 +10,7 @@ use crate::parallel;
 use super::evidence::{Gain, gain};
 use super::fit::{Fitted, MOST_STEPS, fit};
 use super::kind::{Form, Kind, Point, Set};
-use super::levels::{AT_NOISE, INEXACT, LEAST_SHARE, NAME, TIE};
+use super::levels::{AT_NOISE, EXACT, INEXACT, LEAST_SHARE, NAME, TIE};
 use super::linear::Products;
 
 /// Sets that are followed in parallel.
@@ -72,7 +72,7 @@ impl<'a, K: Kind> Search<'a, K> {
     /// Whether a set is as good as the best one but for chance.
     fn is_no_worse(&self, one: &Fitted, best: &Fitted) -> bool {
         let gain = self.gain(one, best);
-        gain.removed <= 0.0 || (gain.is_known && gain.errors < TIE)
+        gain.removed <= 0.0 || (gain.is_known && gain.errors.min(gain.apart) < TIE)
     }
 
     /// Whether a model leaves no more than the noise.
@@ -112,7 +112,7 @@ impl<'a, K: Kind> Search<'a, K> {
             next.retain(|f| f.set.len() < MOST_LAWS);
             frontier = next;
         }
-        self.simplest(&held)
+        self.simplest(base, &held)
     }
 
     /// With an exponent of its own for each law that it betters.
@@ -139,15 +139,45 @@ impl<'a, K: Kind> Search<'a, K> {
     }
 
     /// The best of these sets; of equally good ones that with the fewest laws, and the fewest
-    /// coordinates.
-    fn simplest(&self, held: &[Arc<Fitted>]) -> Arc<Fitted> {
+    /// coordinates. A set is equally good, too, where only the exact form of one of its laws is missing.
+    fn simplest(&self, base: &Fitted, held: &[Arc<Fitted>]) -> Arc<Fitted> {
         let lowest = held.iter().min_by(|a, b| a.error.total_cmp(&b.error)).cloned();
         let best = lowest.unwrap_or_else(|| held[0].clone());
         let lacks = |f: &Fitted| held.iter().any(|g| f.set.iter().all(|l| g.set.contains(l)) && self.holds(f, g));
-        let good = held.iter().filter(|f| f.set.len() <= best.set.len() && self.is_no_worse(f, &best) && !lacks(f));
         let size = |f: &Fitted| (f.set.len(), f.point.shared.len());
+        let is_near = |f: &Fitted| {
+            let is_exact = f.error - best.error <= EXACT * (base.error - best.error);
+            let is_a_form = || {
+                let freed = (0..f.set.len()).filter_map(|place| self.freed(f, place));
+                freed.into_iter().any(|freed| self.is_no_worse(&freed, &best))
+            };
+            match [is_exact, self.is_at_noise(f)] {
+                [true, true] => true,
+                [false, false] => false,
+                _ => is_a_form(),
+            }
+        };
+        let is_good =
+            |f: &Arc<Fitted>| (self.is_no_worse(f, &best) && !lacks(f)) || (size(f) < size(&best) && is_near(f));
+        let good = held.iter().filter(|f| f.set.len() <= best.set.len() && is_good(f));
         let simple = good.min_by(|a, b| size(a).cmp(&size(b)).then(a.error.total_cmp(&b.error)));
         self.pruned(simple.cloned().unwrap_or(best))
+    }
+
+    /// The set with the form of the law at a place free.
+    pub(crate) fn freed(&self, from: &Fitted, place: usize) -> Option<Arc<Fitted>> {
+        let without = self.without(from, place)?;
+        let fits = self.instead(&without, from.set[place], Form::Free).into_iter();
+        fits.min_by(|a, b| a.error.total_cmp(&b.error))
+    }
+
+    /// The set without the law at a place, and where no fit of that comes to rest, the best set of fewer
+    /// of its laws that does.
+    pub(crate) fn weighed_without(&self, from: &Fitted, place: usize) -> Option<Arc<Fitted>> {
+        let law = from.set[place];
+        let is_part = |f: &Arc<Fitted>| !f.set.contains(&law) && f.set.iter().all(|l| from.set.contains(l));
+        let fewer = || self.all().into_iter().filter(is_part).min_by(|a, b| a.error.total_cmp(&b.error));
+        self.without(from, place).or_else(fewer)
     }
 
     /// Without the laws that do not hold beside the others.

@@ -12,7 +12,6 @@ use crate::driven::selection::term_worth::weighed;
 use crate::driven::simulated::search::{Simulated, Worth};
 use crate::engine::evidence::Gain;
 use crate::engine::fit::Fitted;
-use crate::engine::kind::{Argument, Kind};
 use crate::engine::levels::{AT_NOISE, FAINT};
 use crate::engine::names::Found;
 use crate::physics::scales::Scales;
@@ -83,12 +82,7 @@ fn named(
     let scales = &Scales { fineness: c.fineness, ..scales.clone() };
     let set = &found.model.set;
     let excess = found.model.variance / simulated.variance - 1.0;
-    // What is linear, or goes with time alone, takes up whatever is broad or slow.
-    let is_broad = |law: &usize| matches!(simulated.system.argument(*law), Argument::Frequency | Argument::Time);
-    if found.named.is_empty()
-        || selection.reach.few_cycles.is_some()
-        || (excess >= AT_NOISE && set.iter().any(is_broad))
-    {
+    if found.named.is_empty() || selection.reach.few_cycles.is_some() {
         return None;
     }
     let judged = |fitted: &Fitted| {
