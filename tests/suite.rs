@@ -62,6 +62,7 @@ mod suite {
     pub mod parity;
     pub mod planted;
     pub mod ranks;
+    pub mod read_quantity;
     pub mod readout;
     pub mod recording;
     pub mod require;
@@ -140,6 +141,7 @@ fn main() {
         // parity: CPU and GPU agree.
         suite::parity::tests(),
         // readout: a low-pass and a delay behind the proof mass follow their closed forms.
+        suite::read_quantity::tests(),
         suite::readout::tests(),
         // laws: the same law in both precisions, on both backends, in the diagnosis and as the trial wrote it.
         suite::laws::tests(),

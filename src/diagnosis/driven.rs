@@ -59,6 +59,10 @@ use verdict::{answer, findings};
 /// it.
 const BY_FAR: f64 = 0.5;
 
+/// Reason why a reading of velocity or acceleration is refused.
+const NOT_SIMULATED: &str = "`output_is` is not \"displacement\": that is diagnosed in one recording alone, of a mass that \
+     swings, without samples of its own for validation";
+
 /// Diagnoses it.
 ///
 /// # Errors
@@ -76,8 +80,12 @@ pub(crate) fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, co
     let taken = several::taken(recordings, model, settled, control)?;
     let trace = taken.prepared.data.trace.clone();
     let answer = match decayed(recording, &taken, model) {
+        None if model.output_is != model::Output::Displacement => {
+            return Err(Refusal::Cause(NOT_SIMULATED.to_owned()).of(recording));
+        }
         None => by_likelihood(recording, taken, model, control)?,
         Some((answer, false)) => answer,
+        Some((answer, true)) if model.output_is != model::Output::Displacement => answer,
         // Noise is named last, from what remains, by its likelihood.
         Some((answer, true)) => {
             by_likelihood(recording, taken, model, control).ok().filter(names_noise_alone).unwrap_or(answer)
@@ -90,12 +98,17 @@ pub(crate) fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, co
 /// an input drives it, samples are kept for validation, or nothing swings.
 fn decayed(recording: &Recording, taken: &Taken, model: &model::Driven) -> Option<(Answer, bool)> {
     let Taken { prepared, pieces, judging } = taken;
-    if prepared.data.input.is_some() || prepared.own_test || pieces.len() != 1 {
+    let is_displacement = model.output_is == model::Output::Displacement;
+    let is_driven = prepared.data.input.is_some();
+    if (is_driven && is_displacement) || prepared.own_test || pieces.len() != 1 {
         return None;
     }
-    let decay = decay::searched::decay(&prepared.data, &prepared.filled)?;
+    let decay = match is_driven {
+        true => decay::searched::driven(&prepared.data)?,
+        false => decay::searched::decay(&prepared.data, &prepared.filled)?,
+    };
     let asked = Asked { recording, pieces, judging, columns: &model.columns, unit: model.unit.as_deref() };
-    let answer = decay::answer::answer(&asked, &prepared.data, &decay, prepared.notes.clone());
+    let answer = decay::answer::answer(&asked, &decay, prepared.notes.clone());
     Some((answer, decay.leaves_noise_with_memory()))
 }
 

@@ -3,6 +3,7 @@
 
 mod asked;
 mod driven;
+mod output;
 mod response;
 mod rest;
 mod split;
@@ -11,7 +12,8 @@ mod tumble;
 
 pub use asked::{Seconds, read_part, read_recording, requested};
 pub use driven::{Driven, DrivenColumns, Start};
-pub use response::{Output, Response, ResponseColumns};
+pub use output::Output;
+pub use response::{Response, ResponseColumns};
 pub use rest::{Noise, Static, StaticColumns};
 pub use split::{Ranges, Split};
 pub use trajectory::{Half, InertialNoise, Reference, Trajectory, TrajectoryColumns};

@@ -52,6 +52,14 @@ pub struct Scales {
     pub lag_samples: f64,
 }
 
+impl Scales {
+    /// Sets gain, ω₀ in rad/s and ζ of the base model, and the velocity that goes with them.
+    pub fn begun(&mut self, [gain, omega_rad_s, zeta]: &[f64; 3]) {
+        (self.gain, self.omega_rad_s, self.zeta) = (*gain, *omega_rad_s, *zeta);
+        self.velocity = self.output * omega_rad_s;
+    }
+}
+
 #[cfg(test)]
 impl Scales {
     /// Those of a mass at ω₀ = 2 rad/s that moves by about 1, in the tests of laws.

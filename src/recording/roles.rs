@@ -64,6 +64,7 @@ impl Stated {
         match Unit::of_heading(text) {
             Some(unit) => Some(Self::Inertial(unit)),
             None if unit::is_count(text) => Some(Self::Counts),
+            None if matches!(text, "m_s" | "mm_s" | "um_s") => Some(Self::Other(text.replace('_', "/"))),
             None => Self::is_symbol(text).then(|| Self::Other(text.to_owned())),
         }
     }
@@ -319,6 +320,7 @@ mod tests {
             ("V2_V", None, Some("V")),
             ("force_m_s2", None, Some("m/s²")),
             ("x_um", None, Some("um")),
+            ("v_m_s", None, Some("m/s")),
             ("force_g", None, Some("g")),
             ("a", Some("m/s^2"), Some("m/s²")),
             ("wx_deg_s", None, Some("°/s")),

@@ -194,6 +194,7 @@ mod tests {
         model::Driven {
             topic: None,
             unit: None,
+            output_is: model::Output::Displacement,
             rate_hz: Some(200.0),
             force_rate: false,
             rows: Vec::new(),

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 use libtest_mimic::{Failed, Trial};
 use proofmass::control::Control;
 use proofmass::diagnosis::driven;
-use proofmass::diagnosis::model::{Driven, DrivenColumns, Split, Start};
+use proofmass::diagnosis::model::{Driven, DrivenColumns, Output, Split, Start};
 use proofmass::diagnosis::verdict::{Outcome, Verdict};
 use proofmass::recording::{Column, Recording, Request, read};
 use proofmass::report::diagnosis::worded;
@@ -83,6 +83,7 @@ fn diagnosed(reading: Vec<f64>, rate_hz: f64) -> Result<Verdict, Failed> {
     };
     let model = Driven {
         topic: None,
+        output_is: Output::Displacement,
         unit: None,
         rate_hz: Some(rate_hz),
         force_rate: false,

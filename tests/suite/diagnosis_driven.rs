@@ -9,7 +9,7 @@ use std::path::Path;
 use libtest_mimic::{Failed, Trial};
 use proofmass::control::Control;
 use proofmass::diagnosis::driven;
-use proofmass::diagnosis::model::{Driven, DrivenColumns, Split, Start};
+use proofmass::diagnosis::model::{Driven, DrivenColumns, Output, Split, Start};
 use proofmass::diagnosis::verdict::{Outcome, Verdict};
 use proofmass::physics::library::CANDIDATES;
 use proofmass::recording::{Column, Recording, Request, read};
@@ -75,6 +75,7 @@ fn plan(physics: Option<Physics>, share: f64) -> Plan {
 fn model(input: Option<&str>, split: Split) -> Driven {
     Driven {
         force_rate: false,
+        output_is: Output::Displacement,
         topic: None,
         unit: None,
         rate_hz: Some(1000.0),
@@ -259,6 +260,7 @@ fn silverbox(folder: &Path, train: [usize; 2]) -> Result<Diagnosis, Failed> {
     let recording = read(&folder.join("silverbox/SNLS80mV.csv"), &request).map_err(|e| e.to_string())?;
     let model = Driven {
         force_rate: false,
+        output_is: Output::Displacement,
         topic: None,
         unit: None,
         rate_hz: request.rate_hz,

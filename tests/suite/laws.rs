@@ -13,6 +13,7 @@ use proofmass::diagnosis::driven::identification::fit::fit;
 use proofmass::diagnosis::driven::identification::start::first_scales;
 use proofmass::diagnosis::driven::intake::data::Data;
 use proofmass::diagnosis::driven::intake::input::{Input, Interpolation};
+use proofmass::diagnosis::driven::intake::observed::Observed;
 use proofmass::diagnosis::driven::simulation::filter::Nothing;
 use proofmass::diagnosis::driven::simulation::run::{Run, innovations};
 use proofmass::diagnosis::driven::simulation::structure::ModelStructure;
@@ -126,6 +127,7 @@ fn data(reading: Vec<f64>, input: Vec<f64>) -> Data {
         environment: Vec::new(),
         environments: 0,
         followed: Vec::new(),
+        observed: Observed::default(),
         rate_hz: RATE_HZ,
         hull: 0..SAMPLES,
         breaks: Vec::new(),

@@ -12,6 +12,7 @@ use proofmass::diagnosis::driven::identification::start::first_scales;
 use proofmass::diagnosis::driven::identification::start_search::StartSearch;
 use proofmass::diagnosis::driven::intake::data::Data;
 use proofmass::diagnosis::driven::intake::input::{Input, Interpolation};
+use proofmass::diagnosis::driven::intake::observed::Observed;
 use proofmass::diagnosis::driven::intake::work::Stage;
 use proofmass::diagnosis::driven::simulation::filter::Nothing;
 use proofmass::diagnosis::driven::simulation::run::{Run, innovations};
@@ -54,6 +55,7 @@ fn data(interpolation: Interpolation) -> Data {
         environment: Vec::new(),
         environments: 0,
         followed: Vec::new(),
+        observed: Observed::default(),
         rate_hz: RATE_HZ,
         hull: 24..samples - 24,
         breaks: Vec::new(),

@@ -1,15 +1,16 @@
 //! A free decay: a recording of one proof mass without an input, from where it is let go until it
-//! rests.
+//! rests; or one under an input whose velocity or acceleration is read.
 //!
 //! Intake finds the motion (`swings`) and its rows (`rows`); the engine searches the laws of a proof
 //! mass (`simulated`) by free simulation from the base model (`base_model`, `searched`); `answer` says
-//! what was found.
+//! what was found, in the units of what was read (`read`).
 
 pub mod answer;
 mod base_model;
 mod effects;
 mod findings;
 mod form;
+mod read;
 mod rows;
 pub mod searched;
 mod swings;

@@ -9,6 +9,7 @@ pub mod excerpt;
 pub mod input;
 pub mod lines;
 pub mod notes;
+pub mod observed;
 pub mod prepare;
 pub mod reading_noise;
 pub(crate) mod refusal;

@@ -6,4 +6,4 @@ pub(in crate::driven) mod rows;
 pub(in crate::driven) mod search;
 pub(in crate::driven) mod space;
 pub(in crate::driven) mod system;
-mod under_input;
+pub(super) mod under_input;

@@ -135,16 +135,16 @@ impl Products {
         Self { starts: self.starts, shared: self.shared + more, blocks, segments }
     }
 
-    fn reduced(&self, products: &DMatrix<f64>) -> Option<Reduced> {
+    fn reduced(&self, products: &DMatrix<f64>, damping: f64) -> Option<Reduced> {
         let (q, all) = (self.starts, products.nrows());
         let right = products.view((0, q), (q, all - q)).clone_owned();
-        let starts = solve(&products.view((0, 0), (q, q)).clone_owned(), &right, 0.0)?;
+        let starts = solve(&products.view((0, 0), (q, q)).clone_owned(), &right, damping)?;
         let products = products.view((q, q), (all - q, all - q)) - right.transpose() * &starts;
         Some(Reduced { products, starts })
     }
 
-    fn all_reduced(&self) -> Option<(Vec<Reduced>, DMatrix<f64>)> {
-        let reduced = self.segments.iter().map(|s| self.reduced(s)).collect::<Option<Vec<_>>>()?;
+    fn all_reduced(&self, damping: f64) -> Option<(Vec<Reduced>, DMatrix<f64>)> {
+        let reduced = self.segments.iter().map(|s| self.reduced(s, damping)).collect::<Option<Vec<_>>>()?;
         let total = reduced.iter().fold(DMatrix::zeros(self.shared + 1, self.shared + 1), |sum, r| sum + &r.products);
         Some((reduced, total))
     }
@@ -157,8 +157,8 @@ impl Products {
 
     /// Steps that lower the sum of squares, one for each damping.
     pub(crate) fn steps(&self, dampings: &[f64]) -> Option<Vec<Step>> {
-        let (reduced, total) = self.all_reduced()?;
         let step = |damping: &f64| {
+            let (reduced, total) = self.all_reduced(*damping)?;
             let shared = self.shared_step(&total, *damping)?;
             let starts = reduced.iter().map(|r| start_step(&r.starts, &shared)).collect();
             Some(Step { shared, starts })
@@ -168,7 +168,7 @@ impl Products {
 
     /// Sum of squares of the residual, and the one that a full step promises.
     pub(crate) fn sums(&self) -> Option<[f64; 2]> {
-        let (_, total) = self.all_reduced()?;
+        let (_, total) = self.all_reduced(0.0)?;
         let last = self.starts + self.shared;
         let sum = self.segments.iter().map(|s| s[(last, last)]).sum();
         let step = self.shared_step(&total, 0.0)?;
@@ -179,7 +179,7 @@ impl Products {
 
     /// Inverse of the normal matrix of the shared coordinates.
     pub(crate) fn inverse(&self) -> Option<DMatrix<f64>> {
-        let (_, total) = self.all_reduced()?;
+        let (_, total) = self.all_reduced(0.0)?;
         let p = self.shared;
         solve(&total.view((0, 0), (p, p)).clone_owned(), &DMatrix::identity(p, p), 0.0)
     }
@@ -187,7 +187,7 @@ impl Products {
     /// Every block under the fit to all others. The starts are those of all rows: they are where a
     /// prediction begins, and no part of it.
     pub(crate) fn left_out(&self, layout: &Layout, model: &Linearised) -> Option<LeftOut> {
-        let (reduced, total) = self.all_reduced()?;
+        let (reduced, total) = self.all_reduced(0.0)?;
         let (p, q) = (self.shared, self.starts);
         let mut residual = vec![0.0; model.residual.len()];
         let mut steps = Vec::with_capacity(self.blocks.len());

@@ -52,14 +52,14 @@ pub(crate) struct Found {
 
 /// Searches, and says what holds; `base` is the fitted base model.
 pub(crate) fn names<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>) -> Found {
-    let best = search.run(&base);
-    let mut named: Vec<Named> = (0..best.set.len()).filter_map(|place| named(search, &best, place)).collect();
+    let found = search.run(&base);
+    let (best, mut named) = held(search, &found);
     named.sort_by(|a, b| b.gain.removed.total_cmp(&a.gain.removed));
     let together = search.gain(&base, &best);
-    let whole = named.len() == best.set.len();
+    let whole = !named.is_empty() && named.len() == best.set.len();
     let enough = together.share >= TOGETHER || excess(search, &best) < AT_NOISE;
     let (model, imitations) =
-        if whole && enough { (best.clone(), Vec::new()) } else { (base.clone(), best.set.clone()) };
+        if whole && enough { (best.clone(), Vec::new()) } else { (base.clone(), found.set.clone()) };
     if !imitations.is_empty() {
         named.clear();
     }
@@ -76,6 +76,20 @@ pub(crate) fn names<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>) -> Found
     alone.sort_by(|a, b| b.1.removed.total_cmp(&a.1.removed));
     let together = (!named.is_empty()).then_some(together);
     Found { base, model, named, together, imitations, rest, alone }
+}
+
+/// The laws of a set that hold, and the set without those that do not: each is weighed without them.
+fn held<K: Kind>(search: &Search<'_, K>, found: &Arc<Fitted>) -> (Arc<Fitted>, Vec<Named>) {
+    let mut best = found.clone();
+    loop {
+        let all: Vec<Option<Named>> = (0..best.set.len()).map(|place| named(search, &best, place)).collect();
+        // The one that was added last had the least to add.
+        let idle = (0..best.set.len()).rev().filter(|place| all[*place].is_none());
+        match idle.filter_map(|place| search.without(&best, place)).next() {
+            Some(without) => best = without,
+            None => return (best, all.into_iter().flatten().collect()),
+        }
+    }
 }
 
 /// Mean square of what a model leaves over the noise's variance, less one.

@@ -4,6 +4,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use super::output::Output;
 use super::split::{Ranges, Split};
 use crate::gate::Gate;
 
@@ -24,6 +25,9 @@ pub struct Driven {
     pub rows: Ranges,
     /// Unit of the output, for words, plots and numbers; absent, what its heading ends in.
     pub unit: Option<String>,
+    /// Quantity of the mass that is read.
+    #[serde(default)]
+    pub output_is: Output,
     /// Headings of input, output and environment columns.
     pub columns: DrivenColumns,
     /// Hints, which may be off by a factor of two.

@@ -4,6 +4,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use super::output::Output;
 use super::split::Ranges;
 
 /// model.toml with kind = "response".
@@ -23,31 +24,6 @@ pub struct Response {
     pub output_is: Output,
     /// Headings: frequency, and `x` and `y` or `amplitude` and `phase`.
     pub columns: ResponseColumns,
-}
-
-/// Quantity of the resonator that a reading is in proportion to.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(rename_all = "lowercase")]
-pub enum Output {
-    /// Its displacement.
-    #[default]
-    Displacement,
-    /// Its velocity, as of a wire in a magnetic field.
-    Velocity,
-    /// Its acceleration.
-    Acceleration,
-}
-
-impl Output {
-    /// Derivatives by time from displacement to the reading.
-    pub fn derivatives(self) -> i32 {
-        match self {
-            Self::Displacement => 0,
-            Self::Velocity => 1,
-            Self::Acceleration => 2,
-        }
-    }
 }
 
 /// Columns of a stepped-sine recording, one row a step, in the order taken.

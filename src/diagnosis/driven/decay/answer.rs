@@ -5,8 +5,8 @@ use std::ops::Range;
 use crate::answer::{self, Answer, Places};
 use crate::candidate::Kind as Recorded;
 use crate::detection::structure;
+use crate::driven::base::{OFFSET, OMEGA, ZETA};
 use crate::driven::identification::fit::Fit;
-use crate::driven::intake::data::Data;
 use crate::driven::intake::notes::Notes;
 use crate::driven::selection::identifiability::FEWEST_CYCLES;
 use crate::driven::simulated::system::System;
@@ -20,6 +20,7 @@ use crate::driven::verdict::sensor::repair;
 use crate::driven::verdict::surface::{FreeRun, Surface, surface};
 use crate::engine::fit::Fitted;
 use crate::engine::levels::{AT_NOISE, FAINT};
+use crate::model::Output;
 use crate::numerics::least_squares::Linear;
 use crate::numerics::moments::rms;
 use crate::numerics::special;
@@ -29,6 +30,7 @@ use crate::verdict::{DependsOn, Fit as Score, Noise, RecordingInfo, RecordingSco
 
 use super::effects::{self, share};
 use super::findings;
+use super::read::Read;
 use super::searched::Decay;
 
 /// Cycles that a look at both models spans.
@@ -39,23 +41,25 @@ const LAGS: usize = 12;
 const CELLS: usize = 32;
 
 /// The complete answer.
-pub(crate) fn answer(asked: &Asked<'_>, data: &Data, decay: &Decay, mut notes: Notes) -> Answer {
-    let columns = asked.columns;
+pub(crate) fn answer(asked: &Asked<'_>, decay: &Decay, mut notes: Notes) -> Answer {
+    let (columns, data) = (asked.columns, &decay.data);
     let unit = asked.unit.map_or_else(|| unit_of(asked.recording, &columns.output, "output unit"), str::to_owned);
     let channels = Channels {
         output: columns.output.clone(),
         output_unit: unit.clone(),
-        input_unit: String::new(),
+        input_unit: columns.input.as_ref().map_or_else(String::new, |c| unit_of(asked.recording, c, "input unit")),
         environment_units: data
             .followed
             .iter()
             .map(|f| unit_of(asked.recording, &f.heading, "environment unit"))
             .collect(),
     };
+    let read = Read { channels, observed: data.observed };
+    let channels = read.of_displacement();
     let found = &decay.found;
     let [before, after] = [&found.base, &found.model].map(|m| decay.errors(m));
     let remainder = decay.remainder();
-    let named = effects::effects(decay, &channels);
+    let named = effects::effects(decay, &read);
     let cycles = decay.cycles();
     let few_cycles = (cycles < FEWEST_CYCLES).then_some(cycles);
     let outcome = rule(&ruling::Evidence {
@@ -74,7 +78,7 @@ pub(crate) fn answer(asked: &Asked<'_>, data: &Data, decay: &Decay, mut notes: N
         noise: decay.variance.sqrt(),
         state: &states.x,
         rate_hz: decay.system.rows.data.rate_hz,
-        unit: &unit,
+        unit: &channels.output_unit,
     };
     let (places, mut place, at_noise) = locate(&compared, decay.first());
     if let Some(words) = surfaces[0].words() {
@@ -84,6 +88,7 @@ pub(crate) fn answer(asked: &Asked<'_>, data: &Data, decay: &Decay, mut notes: N
         found.rest.first().map(|rest| DependsOn { name: rest.argument.word().to_owned(), share: share(rest.gain) });
     notes.findings.extend(findings::findings(decay, data, &unit));
     let rest = decay.structure(&after);
+    let [before, after] = [before, after].map(|errors| errors.iter().map(|e| decay.reading(*e)).collect::<Vec<f64>>());
     let account = Account {
         place,
         at_noise,
@@ -94,10 +99,11 @@ pub(crate) fn answer(asked: &Asked<'_>, data: &Data, decay: &Decay, mut notes: N
         detectable_r_squared: rest.detectable_r_squared,
         neighbour: (remainder.size == Size::Negligible && rest.own_r_squared > WHITE).then(|| neighbour(&after)),
         few_cycles,
+        has_input: data.input.is_some(),
         resonance_hz: decay.system.scales.omega_rad_s / std::f64::consts::TAU,
         ..Account::default()
     };
-    let ranking = effects::ranking(decay, &channels);
+    let ranking = effects::ranking(decay, &read.channels);
     let detail = Detail {
         output: columns.output.clone(),
         rate_hz: decay.system.rows.data.rate_hz,
@@ -122,7 +128,7 @@ pub(crate) fn answer(asked: &Asked<'_>, data: &Data, decay: &Decay, mut notes: N
         kind: Recorded::Driven,
         outcome,
         recording: RecordingInfo::of(asked.recording),
-        base: effects::base(decay, &channels),
+        base: effects::base(decay, &read),
         effects: named,
         places: Places { state_cells: detail.surfaces[0].strongest(CELLS), argument, ..places },
         fit: decay.score(asked, &unit),
@@ -142,6 +148,16 @@ fn neighbour(errors: &[f64]) -> f64 {
 }
 
 impl Decay {
+    /// A displacement as the reading that it stands for.
+    fn reading(&self, displacement: f64) -> f64 {
+        displacement * self.data.observed.per_displacement()
+    }
+
+    /// The size of that reading.
+    pub(super) fn size(&self, displacement: f64) -> f64 {
+        self.reading(displacement).abs()
+    }
+
     /// First row that is fitted, in rows of those that are.
     fn first(&self) -> usize {
         let at = &self.system.rows.at;
@@ -177,15 +193,17 @@ impl Decay {
         let excess = model.variance / self.variance - 1.0;
         let depends = !found.rest.is_empty() || found.named.iter().any(|n| n.departs.is_some());
         let is_inexact = !found.named.is_empty() && excess >= FAINT;
-        let p_value = if depends || is_inexact { 0.0 } else { self.grows_by_chance(model) };
+        // Under an input noise keeps its size, and so does a motion.
+        let is_driven = self.data.input.is_some();
+        let p_value = if depends || is_inexact || is_driven { 0.0 } else { self.grows_by_chance(model) };
         Remainder::of([Test { p_value, size: Size::of(excess, AT_NOISE, FAINT) }])
     }
 
     /// Probability that the power of the residual goes up and down with that of the motion by chance:
     /// by the correlation of their ranks over the blocks.
     fn grows_by_chance(&self, model: &Fitted) -> f64 {
-        let (layout, reading) = (&self.system.rows.layout, &self.system.rows.data.reading);
-        let centre = self.system.shared_values(&model.set, &model.point)[2];
+        let (layout, reading) = (&self.system.rows.layout, self.system.rows.readings());
+        let centre = self.system.own(OFFSET, &self.system.shared_values(&model.set, &model.point));
         let power = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
             layout.blocks.iter().map(|b| rms(b.clone().filter(|k| layout.counts[*k]).map(of))).collect()
         };
@@ -208,8 +226,8 @@ impl Decay {
         let found = &self.found;
         let rows = self.system.rows.layout.rows() as f64;
         let named = !found.named.is_empty();
-        let held_out = |m: &Fitted| (m.error / rows).sqrt();
-        let fitted = |m: &Fitted| (m.model.residual.iter().map(|e| e * e).sum::<f64>() / rows).sqrt();
+        let held_out = |m: &Fitted| self.size((m.error / rows).sqrt());
+        let fitted = |m: &Fitted| self.size((m.model.residual.iter().map(|e| e * e).sum::<f64>() / rows).sqrt());
         let of = |error: &dyn Fn(&Fitted) -> f64| crate::verdict::Score {
             rmse_before: error(&found.base),
             rmse_after: named.then(|| error(&found.model)),
@@ -234,7 +252,7 @@ impl Decay {
         });
         Score {
             unit: unit.to_owned(),
-            noise_floor: self.variance.sqrt(),
+            noise_floor: self.size(self.variance.sqrt()),
             noise: Some(self.noise_of_the_reading(unit)),
             train: of(&fitted),
             test,
@@ -260,9 +278,9 @@ impl Decay {
         let left = self.found.model.variance;
         if left > (1.0 + AT_NOISE) * self.variance && self.remainder().size == Size::Negligible {
             let said = "the residual, whose size does not follow the motion";
-            return Noise { value: left.sqrt(), unit: unit.to_owned(), how: said.to_owned() };
+            return Noise { value: self.size(left.sqrt()), unit: unit.to_owned(), how: said.to_owned() };
         }
-        Noise { value: self.noise.deviation, unit: unit.to_owned(), how: how(self.noise.how) }
+        Noise { value: self.size(self.noise.deviation), unit: unit.to_owned(), how: how(self.noise.how) }
     }
 
     /// The model as the rest of the diagnosis of driven recordings knows it; its variance is that of a
@@ -281,11 +299,16 @@ impl Decay {
         }
     }
 
+    /// The force that a model lacks; an error of velocity or acceleration is no displacement, and shows none.
     fn surface(&self, model: &Fitted, error: &[f64]) -> Surface {
+        if self.data.observed.output != Output::Displacement {
+            return Surface::default();
+        }
         let states = self.passed(model);
         let values = self.system.shared_values(&model.set, &model.point);
         let rate_hz = self.system.rows.data.rate_hz;
-        surface(&FreeRun { error, x: &states.x, v: &states.v, omega_rad_s: values[0], zeta: values[1], rate_hz })
+        let [omega_rad_s, zeta] = [OMEGA, ZETA].map(|place| self.system.own(place, &values));
+        surface(&FreeRun { error, x: &states.x, v: &states.v, omega_rad_s, zeta, rate_hz })
     }
 
     /// Both models where they differ most.
@@ -296,15 +319,15 @@ impl Decay {
         let power = |from: usize| before[from..from + length].iter().map(|e| e * e).sum::<f64>();
         let starts = (0..=rows.at.len() - length).step_by((length / 4).max(1));
         let Some(from) = starts.max_by(|a, b| power(*a).total_cmp(&power(*b))) else { return Shown::default() };
-        let reading = &rows.data.reading[from..from + length];
+        let reading: Vec<f64> = rows.readings()[from..from + length].iter().map(|y| self.reading(*y)).collect();
         let less = |errors: &[f64]| reading.iter().zip(&errors[from..]).map(|(y, e)| y - e).collect();
         let first = self.first() + from;
         Shown {
             from: first,
             held_out: std::iter::once(first..first + length).collect(),
-            reading: reading.to_vec(),
             base: less(before),
             repaired: less(after),
+            reading,
         }
     }
 }

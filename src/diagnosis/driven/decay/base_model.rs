@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
+use crate::driven::base::{GAIN, OMEGA, ZETA};
 use crate::driven::identification::refined_scales::lines;
 use crate::driven::identification::start::first_scales;
 use crate::driven::simulated::rows::Rows;
@@ -10,46 +11,57 @@ use crate::driven::simulated::space;
 use crate::driven::simulated::system::{System, z};
 use crate::engine::fit::{Fitted, MOST_STEPS, fit};
 use crate::engine::kind::Point;
+use crate::model::Output;
 use crate::numerics::moments::{mean_sd, rms};
+use crate::physics::law::Role;
 
-use super::swings::Motion;
-
-/// Damping ratios at which a base model begins.
+/// Damping ratios at which the base model of a free motion begins.
 const ZETAS: [f64; 4] = [0.003, 0.03, 0.15, 0.5];
 
+/// Gain, ω₀ in rad/s and ζ at which the base model of a free motion with a cycle of so many samples begins.
+pub(super) fn free(rate_hz: f64, cycle: f64) -> Vec<[f64; 3]> {
+    ZETAS.map(|zeta| [1.0, TAU * rate_hz / cycle, zeta]).to_vec()
+}
+
 /// The base model, with the laws whose sizes it sets.
-pub(super) fn base(rows: Rows, motion: &Motion) -> Option<(System, Fitted)> {
+pub(super) fn base(rows: Rows, cycle: f64, begins: &[[f64; 3]]) -> Option<(System, Fitted)> {
     let mut scales = first_scales(&rows.data);
-    let seen: Vec<f64> = rows.layout.segments.iter().flat_map(|s| rows.data.reading[s.clone()].to_vec()).collect();
-    let end = rows.layout.segments.last()?.end;
-    let tail = (motion.cycle / rows.step as f64).ceil() as usize;
-    let centre = mean_sd(&rows.data.reading[end.saturating_sub(2 * tail).max(rows.layout.segments[0].start)..end]).0;
+    let readings = rows.readings();
+    let seen: Vec<f64> = rows.layout.segments.iter().flat_map(|s| readings[s.clone()].to_vec()).collect();
     scales.output = mean_sd(&seen).1.max(1e-300);
-    scales.centre = centre;
+    let is_driven = rows.data.input.is_some();
+    if !is_driven {
+        // A decay ends about the place of rest.
+        let end = rows.layout.segments.last()?.end;
+        let tail = (cycle / rows.step as f64).ceil() as usize;
+        scales.centre = mean_sd(&readings[end.saturating_sub(2 * tail).max(rows.layout.segments[0].start)..end]).0;
+    }
     scales.output_range = seen.iter().fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
-    scales.omega_rad_s = TAU * rows.data.rate_hz * rows.step as f64 / motion.cycle;
-    scales.velocity = scales.output * scales.omega_rad_s;
-    scales.duration_s = rows.data.clock_s.last().copied().unwrap_or(0.0).max(scales.interval_s);
+    scales.duration_s = rows.data.clock_s.last().map_or(scales.duration_s, |last| last.max(scales.interval_s));
     scales.fineness = 1.0;
     let mut system = System { rows, scales, members: Vec::new() };
-    let fits = ZETAS.iter().filter_map(|zeta| {
-        system.scales.zeta = *zeta;
-        let start = beginning(&system, *zeta);
-        fit(&system, &[], &start, 6).map(|fitted| (fitted.variance, *zeta, fitted))
+    let fits = begins.iter().filter_map(|begin| {
+        system.scales.begun(begin);
+        let start = beginning(&system);
+        fit(&system, &[], &start, 6).map(|fitted| (fitted.variance, begin, fitted))
     });
-    let (_, zeta, fitted) = fits.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    system.scales.zeta = zeta;
+    let (_, begin, fitted) = fits.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    system.scales.begun(begin);
     let fitted = fit(&system, &[], &fitted.point, MOST_STEPS)?;
     let values = system.shared_values(&[], &fitted.point);
+    let [gain, omega, zeta] = [GAIN, OMEGA, ZETA].map(|place| system.own(place, &values));
     let (starts, scales) = (fitted.point.starts.clone(), &mut system.scales);
-    (scales.omega_rad_s, scales.zeta) = (values[0], values[1].max(1e-4));
-    scales.velocity = scales.output * values[0];
+    scales.begun(&[if is_driven { gain } else { 1.0 }, omega, zeta.max(1e-4)]);
     scales.residual = rms(fitted.model.residual.iter().copied());
     scales.lines_hz = lines(&fitted.model.residual, system.rows.data.rate_hz);
-    system.members = space::members(system.rows.data.environments, false, &system.scales);
+    system.members = space::members(system.rows.data.environments, is_driven, &system.scales);
+    // A low-pass holds a displacement.
+    if system.rows.data.observed.output != Output::Displacement {
+        system.members.retain(|m| m.term.role() != Role::LowPass);
+    }
     // Coordinates are measured by the sizes, which have moved.
     let turn = |s: &Vec<f64>, before: f64| vec![s[0], s[1] * before / system.scales.omega_rad_s];
-    let before = TAU / motion.cycle * system.rows.data.rate_hz * system.rows.step as f64;
+    let before = begin[1];
     let shared = system.shared_coordinates(&[]).iter().zip(&values).map(|(c, v)| z(*c, *v)).collect();
     let point = Point { shared, starts: starts.iter().map(|s| turn(s, before)).collect() };
     let fitted = fit(&system, &[], &point, MOST_STEPS)?;
@@ -57,21 +69,29 @@ pub(super) fn base(rows: Rows, motion: &Motion) -> Option<(System, Fitted)> {
 }
 
 /// Where the base model begins: each segment from the sine through its first half cycle.
-fn beginning(system: &System, zeta: f64) -> Point {
+fn beginning(system: &System) -> Point {
     let (s, rows) = (&system.scales, &system.rows);
     let coordinates = system.shared_coordinates(&[]);
-    let shared = coordinates.iter().zip([s.omega_rad_s, zeta, s.centre]).map(|(c, v)| z(*c, v)).collect();
+    let of = |place: &usize| match *place {
+        GAIN => s.gain,
+        OMEGA => s.omega_rad_s,
+        ZETA => s.zeta,
+        _ => s.centre,
+    };
+    let shared = coordinates.iter().zip(system.oscillator().iter().map(of)).map(|(c, v)| z(*c, v)).collect();
     let half = ((PI / (s.omega_rad_s * s.interval_s)).ceil() as usize).max(4);
     let start = |segment: &Range<usize>| {
         // Normal equations of a cosine and a sine.
         let [mut cc, mut cs, mut ss, mut cy, mut sy] = [0.0; 5];
         for k in segment.clone().take(half) {
             let (sin, cos) = (s.omega_rad_s * (k - segment.start) as f64 * s.interval_s).sin_cos();
-            let y = rows.data.reading[k] - s.centre;
+            let y = rows.readings()[k] - s.centre;
             (cc, cs, ss, cy, sy) = (cc + cos * cos, cs + cos * sin, ss + sin * sin, cy + cos * y, sy + sin * y);
         }
         let det = (cc * ss - cs * cs).max(1e-300);
         let (a, b) = ((cy * ss - sy * cs) / det, (sy * cc - cy * cs) / det);
+        // A velocity is a quarter of a cycle ahead.
+        let (a, b) = if rows.data.observed.output == Output::Velocity { (-b, a) } else { (a, b) };
         vec![a / (0.1 * s.output), b / (0.1 * s.output)]
     };
     Point { shared, starts: rows.layout.segments.iter().map(start).collect() }

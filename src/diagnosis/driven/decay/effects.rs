@@ -1,15 +1,18 @@
 //! What was found in a decay in public numbers: effects, base model, every candidate's standing.
 
+use crate::driven::base::{GAIN, OFFSET, OMEGA, ZETA};
 use crate::driven::verdict::effects::{Channels, interval_about, parameter_unit, unit};
 use crate::engine::evidence::Gain;
 use crate::engine::fit::Fitted;
 use crate::engine::kind::Kind;
 use crate::engine::names::Named;
 use crate::numerics::special;
+use crate::physics::law::Role;
 use crate::standing::{self, Note, Ranked};
 use crate::verdict::{Effect, Estimate, Evidence, Form, Share};
 
 use super::form::form;
+use super::read::Read;
 use super::searched::Decay;
 
 /// 95 % of a normal distribution lie within this many standard deviations.
@@ -28,7 +31,7 @@ pub(super) fn p_value(decay: &Decay, gain: Gain) -> f64 {
 }
 
 /// Named laws, strongest first, each followed by the laws that do as well in its place.
-pub(super) fn effects(decay: &Decay, channels: &Channels) -> Vec<Effect> {
+pub(super) fn effects(decay: &Decay, read: &Read) -> Vec<Effect> {
     let mut all: Vec<Effect> = Vec::new();
     for (named, rivals) in decay.found.named.iter().zip(&decay.numbers.rivals) {
         let model = &decay.numbers.model;
@@ -36,10 +39,10 @@ pub(super) fn effects(decay: &Decay, channels: &Channels) -> Vec<Effect> {
         let others = rivals.iter().map(|(law, _)| decay.system.members[*law].term.id().to_owned());
         let mut others: Vec<String> = others.collect();
         others.dedup();
-        all.push(Effect { confusable_with: others, ..effect(decay, named, model, named.place, channels) });
+        all.push(Effect { confusable_with: others, ..effect(decay, named, model, named.place, read) });
         for (law, rival) in rivals {
             let place = rival.set.iter().position(|l| l == law);
-            let other = place.map(|place| effect(decay, named, rival, place, channels));
+            let other = place.map(|place| effect(decay, named, rival, place, read));
             if let Some(other) = other.filter(|o| all.iter().all(|known| known.id != o.id)) {
                 all.push(Effect { confusable_with: vec![id.to_owned()], form: None, ..other });
             }
@@ -48,15 +51,15 @@ pub(super) fn effects(decay: &Decay, channels: &Channels) -> Vec<Effect> {
     all
 }
 
-fn effect(decay: &Decay, named: &Named, model: &Fitted, place: usize, channels: &Channels) -> Effect {
+fn effect(decay: &Decay, named: &Named, model: &Fitted, place: usize, read: &Read) -> Effect {
     let term = decay.system.members[model.set[place]].term;
     let words = term.candidate();
     Effect {
         id: words.id.to_owned(),
         statement: words.statement.to_owned(),
         equation: words.equation.to_owned(),
-        parameters: estimates(decay, model, place, channels),
-        channels: vec![channels.output.clone()],
+        parameters: estimates(decay, model, place, read),
+        channels: vec![read.channels.output.clone()],
         form: effect_form(decay, named),
         evidence: Evidence { held_out_gain: named.gain.share, p_value: p_value(decay, named.gain) },
         share: Some(share(named.gain)),
@@ -70,15 +73,35 @@ fn effect_form(decay: &Decay, named: &Named) -> Option<Form> {
 }
 
 /// The parameters of the law at a place of a set.
-fn estimates(decay: &Decay, model: &Fitted, place: usize, channels: &Channels) -> Vec<Estimate> {
+fn estimates(decay: &Decay, model: &Fitted, place: usize, read: &Read) -> Vec<Estimate> {
     let term = decay.system.members[model.set[place]].term;
     let own = decay.system.coordinates(&model.set, place);
     let parameters = term.candidate().parameters;
+    // What changes the reading is measured by it, what moves the mass by its displacement.
+    let is_readout = matches!(term.role(), Role::Readout(_));
+    let channels = if is_readout { read.channels.clone() } else { read.of_displacement() };
     let one = |(j, i): (usize, usize)| {
-        let (value, ci95) = interval(decay, model, i);
-        Estimate { name: parameters[j].name.to_owned(), value, unit: parameter_unit(&term, j, channels), ci95 }
+        let power = if is_readout { power_of_reading(parameters[j].unit) } else { 0 };
+        let (value, ci95) = scaled(interval(decay, model, i), read.observed.per_displacement().powi(power));
+        Estimate { name: parameters[j].name.to_owned(), value, unit: parameter_unit(&term, j, &channels), ci95 }
     };
     own.enumerate().take(parameters.len()).map(one).collect()
+}
+
+/// Power of the reading, `y`, in a parameter's unit.
+fn power_of_reading(pattern: &str) -> i32 {
+    let of = |part: &str| match part.find('y') {
+        None => 0,
+        Some(at) => part[at + 1..].strip_prefix('^').and_then(|p| p[..1].parse().ok()).unwrap_or(1),
+    };
+    let (over, under) = pattern.split_once('/').unwrap_or((pattern, ""));
+    of(over) - of(under)
+}
+
+/// A value and its interval, multiplied by a factor of either sign.
+fn scaled((value, [low, high]): (f64, [f64; 2]), factor: f64) -> (f64, [f64; 2]) {
+    let (a, b) = (low * factor, high * factor);
+    (value * factor, [a.min(b), a.max(b)])
 }
 
 /// A shared value with its interval.
@@ -88,14 +111,25 @@ fn interval(decay: &Decay, model: &Fitted, i: usize) -> (f64, [f64; 2]) {
     (value, interval_about(value, coordinate, [REACH * model.deviations[i]; 2]))
 }
 
-/// ω₀, ζ and the offset, as fitted together with the named laws.
-pub(super) fn base(decay: &Decay, channels: &Channels) -> Vec<Estimate> {
-    let rows = [("omega0", "rad/s"), ("zeta", "1"), ("offset", "y")];
-    let one = |(i, (name, pattern)): (usize, (&str, &str))| {
-        let (value, ci95) = interval(decay, &decay.numbers.model, i);
+/// ω₀, ζ, the gain under an input and the offset, as fitted together with the named laws.
+pub(super) fn base(decay: &Decay, read: &Read) -> Vec<Estimate> {
+    let displacement = read.of_displacement();
+    let one = |(i, place): (usize, usize)| {
+        let (name, pattern, channels) = match place {
+            GAIN => ("gain", "y/(u s^2)", &displacement),
+            OMEGA => ("omega0", "rad/s", &displacement),
+            ZETA => ("zeta", "1", &displacement),
+            _ => ("offset", "y", &read.channels),
+        };
+        let factor = if place == OFFSET { read.observed.per_displacement() } else { 1.0 };
+        let (value, ci95) = scaled(interval(decay, &decay.numbers.model, i), factor);
         Estimate { name: name.to_owned(), value, unit: unit(pattern, channels), ci95 }
     };
-    rows.into_iter().enumerate().map(one).collect()
+    let mut all: Vec<Estimate> = decay.system.oscillator().into_iter().enumerate().map(one).collect();
+    // ω₀ and ζ come first, as everywhere.
+    let of_gain = all.iter().position(|e| e.name == "gain").map(|i| all.remove(i));
+    all.splice(2.min(all.len())..2.min(all.len()), of_gain);
+    all
 }
 
 /// Named laws first, then each law alone.

@@ -42,7 +42,7 @@ pub(super) fn findings(decay: &Decay, data: &Data, unit: &str) -> Vec<String> {
             "the decay has {} samples to a cycle and was fitted at one of {step}, each the value of a parabola through \
              its neighbours; white noise is {} {unit} there",
             short(motion.cycle),
-            short(decay.variance.sqrt())
+            short(decay.size(decay.variance.sqrt()))
         ));
     }
     if rows.of > 1 {

@@ -15,9 +15,9 @@ const PER_CYCLE: f64 = 40.0;
 /// Half the width of a parabola, in rows that are left.
 const HALF: f64 = 0.75;
 /// Cycles of a segment.
-const CYCLES: f64 = 4.0;
+pub(super) const CYCLES: f64 = 4.0;
 /// Rows of a segment at least.
-const LEAST_SEGMENT: f64 = 24.0;
+pub(super) const LEAST_SEGMENT: f64 = 24.0;
 /// Rows of a cycle that are kept where there are many cycles.
 const FEW_PER_CYCLE: f64 = 16.0;
 /// Rows in all at about; of more, segments are left out evenly, the first one never.

@@ -1,12 +1,16 @@
 //! A decay with the laws that were found in it.
 
+use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::driven::identification::start::resonances;
 use crate::driven::intake::data::Data;
+use crate::driven::intake::observed::Observed;
 use crate::driven::intake::reading_noise::{ReadingNoise, Sample, reading_noise};
 use crate::driven::simulated::rows::Rows;
 use crate::driven::simulated::system::System;
+use crate::driven::simulated::under_input;
 use crate::driven::simulation::filter::States;
 use crate::engine::fit::{Fitted, MOST_STEPS, fit};
 use crate::engine::kind::Point;
@@ -14,12 +18,14 @@ use crate::engine::levels::FOLLOWED;
 use crate::engine::names::{self, Found};
 use crate::engine::search::Search;
 
-use super::base_model::base;
-use super::rows;
+use super::base_model::{self, base};
+use super::rows::{self, CYCLES, LEAST_SEGMENT};
 use super::swings::{self, Motion};
 
 /// A decay that was searched.
 pub(crate) struct Decay {
+    /// The recording, with readings as the displacement that stands for them.
+    pub(crate) data: Data,
     pub(super) motion: Motion,
     pub(super) system: System,
     /// Noise of the reading, and its variance in a row that is fitted.
@@ -43,13 +49,39 @@ pub(super) struct Numbers {
 /// Searches a recording without an input; `None` where nothing swings in it, or no oscillator
 /// follows it. `filled` were not recorded.
 pub(crate) fn decay(data: &Data, filled: &[Range<usize>]) -> Option<Decay> {
-    let noise = reading_noise(&Sample::of(data))?;
-    let motion = swings::motion(&data.reading, data.hull.clone(), noise.deviation)?;
-    let rows = rows::rows(data, &motion, filled);
+    let motion = swings::motion(&data.reading, data.hull.clone(), reading_noise(&Sample::of(data))?.deviation)?;
+    let data = seen(data, TAU * data.rate_hz / motion.cycle);
+    let rows = rows::rows(&data, &motion, filled);
+    let begins = base_model::free(data.rate_hz, motion.cycle);
+    searched(data, rows, motion, &begins)
+}
+
+/// Searches a recording under an input; `None` where nothing answers it like a resonance.
+pub(crate) fn driven(data: &Data) -> Option<Decay> {
+    let begins = resonances(data);
+    let [_, omega_rad_s, _] = *begins.first()?;
+    let data = seen(data, omega_rad_s);
+    let cycle = TAU * data.rate_hz / omega_rad_s;
+    let segment = (CYCLES * cycle).max(LEAST_SEGMENT) as usize;
+    let rows = under_input::rows(&data, cycle, Some(segment));
+    let stretches = std::iter::once(data.hull.clone()).collect();
+    let motion = Motion { cycle, stretches, is_released: false, knocks: Vec::new() };
+    searched(data, rows, motion, &begins)
+}
+
+/// The recording with readings as the displacement that stands for them at this frequency.
+fn seen(data: &Data, omega_rad_s: f64) -> Data {
+    let observed = Observed { omega_rad_s, ..data.observed };
+    let reading = data.reading.iter().map(|y| observed.displacement(*y)).collect();
+    Data { observed, reading, ..data.clone() }
+}
+
+fn searched(data: Data, rows: Rows, motion: Motion, begins: &[[f64; 3]]) -> Option<Decay> {
     if rows.layout.segments.is_empty() {
         return None;
     }
-    let (system, base) = base(rows, &motion)?;
+    let noise = reading_noise(&Sample::of(&data))?;
+    let (system, base) = base(rows, motion.cycle, begins)?;
     // What rounding adds is not smoothed away below a thousandth of the motion.
     let least = 1e-6 * system.scales.output;
     let variance = (noise.deviation * system.rows.noise_gain).max(least).powi(2);
@@ -57,7 +89,7 @@ pub(crate) fn decay(data: &Data, filled: &[Range<usize>]) -> Option<Decay> {
     let found = names::names(&search, base);
     drop(search);
     let numbers = numbers(&system, &found, variance);
-    Some(Decay { motion, system, noise, variance, found, numbers })
+    Some(Decay { data, motion, system, noise, variance, found, numbers })
 }
 
 /// Joins segments as long as the model follows the motion through the longer ones.

@@ -263,6 +263,7 @@ fn exponent(y: &[f64], force: &Force, interval_s: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::driven::intake::input::Interpolation;
+    use crate::driven::intake::observed::Observed;
     use crate::driven::intake::stretches::interleaved;
     use crate::driven::intake::work::Work;
     use crate::rng::{Philox, Stream};
@@ -301,6 +302,7 @@ mod tests {
         let (train, validation) = interleaved(std::slice::from_ref(&hull));
         Data {
             reading: y,
+            observed: Observed::default(),
             input: Some(Input::new(u, Interpolation::BandLimited)),
             environment: Vec::new(),
             environments: 0,

@@ -205,14 +205,30 @@ pub(crate) fn base_from(data: &Data, point: &[f64]) -> Option<(Fit, Scales)> {
     Some((found, scales))
 }
 
+/// Gains, ω₀ in rad/s and ζ at which the reading, whatever is read, answers its input like a resonance; the
+/// best one first.
+pub(in crate::driven) fn resonances(data: &Data) -> Vec<[f64; 3]> {
+    let places = data.input.as_ref().map_or(Vec::new(), |input| by_response(data, input.samples()));
+    places.iter().map(|p| [p.gain, p.omega, p.zeta]).collect()
+}
+
 fn by_response(data: &Data, input: &[f64]) -> Vec<Place> {
     let (u, y) = (&input[data.hull.clone()], &data.reading[data.hull.clone()]);
     let segment = (y.len() / 6).next_power_of_two().clamp(64, 8192);
     let response = spectrum::response(u, y, data.rate_hz, segment);
     let power = spectrum::welch(u, data.rate_hz, segment);
     let bins = response.frequency_hz.len().min(power.density.len());
-    let total: f64 =
-        (0..bins).map(|i| power.density[i] * response.gain[i].norm_sqr()).sum::<f64>().max(f64::MIN_POSITIVE);
+    // As displacement answers, with errors of what is read.
+    let derivatives = data.observed.output.derivatives();
+    let slowest = 1e-3 * TAU * data.rate_hz / segment as f64;
+    let (answers, weights): (Vec<Complex64>, Vec<f64>) = (0..bins)
+        .map(|i| {
+            let w = (TAU * response.frequency_hz[i]).max(slowest);
+            let answer = response.gain[i] / Complex64::new(0.0, w).powi(derivatives);
+            (answer, power.density[i] * w.powi(2 * derivatives))
+        })
+        .unzip();
+    let total: f64 = (0..bins).map(|i| weights[i] * answers[i].norm_sqr()).sum::<f64>().max(f64::MIN_POSITIVE);
     let mut places = Vec::new();
     let mut omega = TAU * data.rate_hz / SLOWEST;
     while omega < 0.98 * PI * data.rate_hz {
@@ -223,8 +239,8 @@ fn by_response(data: &Data, input: &[f64]) -> Vec<Place> {
                 // 1/(ω₀² − w² + 2jζω₀w), and its product with the conjugate response.
                 let (re, im) = (omega * omega - w * w, 2.0 * zeta * omega * w);
                 let size = 1.0 / (re * re + im * im);
-                hh += power.density[i] * size;
-                hy += power.density[i] * size * (re * response.gain[i].re - im * response.gain[i].im);
+                hh += weights[i] * size;
+                hy += weights[i] * size * (re * answers[i].re - im * answers[i].im);
             }
             let gain = hy / hh;
             places.push(Place { gain, omega, zeta, residual: 1.0 - hy * hy / hh / total });

@@ -8,6 +8,7 @@ use crate::numerics::moments::mean_sd;
 use crate::trace::Trace;
 
 use super::input::Input;
+use super::observed::Observed;
 use super::windows::Windows;
 use super::work::Work;
 
@@ -33,6 +34,8 @@ impl Followed {
 pub struct Data {
     /// Readings, in the unit of the output.
     pub reading: Vec<f64>,
+    /// Quantity that is read.
+    pub observed: Observed,
     /// Input; `None` for a ring-down.
     pub input: Option<Input>,
     /// Environment less its mean, row by row.

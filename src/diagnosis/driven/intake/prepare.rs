@@ -21,6 +21,7 @@ use super::dependence::depends;
 use super::input::{Input, Interpolation, REACH};
 use super::lines;
 use super::notes::{Broken, Notes};
+use super::observed::Observed;
 use super::refusal::Refusal;
 use super::shift::Shift;
 use super::stretches::{Stretches, interleaved, merged, minus, sorted};
@@ -133,6 +134,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven, control: &Control) 
     let test = if own_test { recorded(&test) } else { validation.clone() };
     let data = Data {
         reading,
+        observed: Observed { output: model.output_is, ..Observed::default() },
         input,
         environment,
         environments: columns.len(),
@@ -231,7 +233,8 @@ impl Columns<'_> {
             return Err(Refusal::Cause(format!("no oscillator can be identified: the best one {explains}")));
         }
         let lag = forward.lag;
-        if !forward.is_misaligned() {
+        // A velocity leads the displacement by a quarter of a cycle, and an acceleration by half a one.
+        if !forward.is_misaligned() || model.output_is != model::Output::Displacement {
             return Ok(None);
         }
         let shift = Shift::of(input, lag, format!("{output} is misaligned with {name}: it comes"));

@@ -125,6 +125,7 @@ fn joined(recordings: Recordings<'_>, model: &model::Driven, settle: Settle, con
         input: joined_input(&parts, model),
         hull: 0..pieces.iter().filter(|p| p.role == Role::Train).map(|p| p.range.end).max().unwrap_or(0),
         reading: all.reading,
+        observed: first.observed,
         environment,
         environments: followed.len(),
         followed,

@@ -125,6 +125,7 @@ mod tests {
     use super::*;
     use crate::driven::base::{BASE, OFFSET};
     use crate::driven::intake::input::Interpolation;
+    use crate::driven::intake::observed::Observed;
     use crate::driven::intake::work::Work;
     use crate::driven::simulation::structure::ModelStructure;
     use crate::numerics::least_squares::Linear;
@@ -141,6 +142,7 @@ mod tests {
         let n = u.len();
         let data = Data {
             reading: (0..n).map(|k| 1e-3 * (k as f64 * 12.9898).sin().mul_add(43758.5, 0.0).fract()).collect(),
+            observed: Observed::default(),
             input: Some(Input::new(u, Interpolation::BandLimited)),
             environment: Vec::new(),
             environments: 0,

@@ -28,6 +28,11 @@ pub(in crate::driven) struct Rows {
 }
 
 impl Rows {
+    /// Reading of each row.
+    pub(in crate::driven) fn readings(&self) -> &[f64] {
+        &self.data.reading[self.data.hull.clone()]
+    }
+
     /// The same rows with each two segments that follow one another as one; `None` where none do.
     pub(in crate::driven) fn joined(&self) -> Option<Self> {
         let mut segments: Vec<Range<usize>> = Vec::new();

@@ -49,7 +49,7 @@ impl Simulated {
         let noise = reading_noise(&Sample::of(data))?;
         // What rounding adds is not smoothed away below a thousandth of the motion.
         let variance = noise.deviation.max(1e-6 * scales.output).powi(2);
-        let rows = under_input::rows(data, TAU / (base.point[OMEGA] * data.interval_s()));
+        let rows = under_input::rows(data, TAU / (base.point[OMEGA] * data.interval_s()), None);
         let mut members = space::members(data.environments, data.input.is_some(), scales);
         for term in further {
             if members.iter().all(|m| m.term != *term) {

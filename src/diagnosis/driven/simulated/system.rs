@@ -47,7 +47,7 @@ impl System {
 
     /// Places of the oscillator's shared parameters: the gain where an input drives it, and the offset
     /// where it is not each recording's own.
-    fn oscillator(&self) -> Vec<usize> {
+    pub(in crate::driven) fn oscillator(&self) -> Vec<usize> {
         let all = [GAIN, OMEGA, ZETA, OFFSET];
         let is_shared = |place: &usize| match *place {
             GAIN => self.rows.data.input.is_some(),
@@ -55,6 +55,11 @@ impl System {
             _ => true,
         };
         all.into_iter().filter(is_shared).collect()
+    }
+
+    /// The oscillator's own parameter among shared values; zero where it is not shared.
+    pub(in crate::driven) fn own(&self, place: usize, shared: &[f64]) -> f64 {
+        self.oscillator().iter().position(|p| *p == place).map_or(0.0, |i| shared[i])
     }
 
     fn base_coordinates(&self) -> Vec<Coordinate> {

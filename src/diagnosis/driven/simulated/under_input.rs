@@ -1,6 +1,8 @@
 //! The rows of a recording under an input: every sample, as the input is known at no others, of its
 //! loudest stretch where it is long; in the segments that a simulation can follow.
 
+use std::ops::Range;
+
 use crate::driven::intake::data::Data;
 use crate::driven::intake::stretches::loudest_of;
 use crate::engine::kind::Layout;
@@ -12,13 +14,14 @@ const MOST: usize = 8192;
 /// Blocks in all at most.
 const BLOCKS: usize = 40;
 
-/// Rows of a recording whose resonance has a cycle of so many samples. One whose response is chaotic
-/// begins anew in each of its windows.
-pub(super) fn rows(data: &Data, cycle: f64) -> Rows {
+/// Rows of a recording whose resonance has a cycle of so many samples, simulated to the end or in
+/// segments of so many rows. One whose response is chaotic begins anew in each of its windows.
+pub(in crate::driven) fn rows(data: &Data, cycle: f64, segment: Option<usize>) -> Rows {
     let mut data = loudest_of(data, MOST, MOST).unwrap_or_else(|| data.clone());
     let hull = data.hull.clone();
     let parts = data.windows.take().map_or_else(|| data.recordings(), |w| w.parts(&hull));
     let own_offsets = !data.breaks.is_empty();
+    let parts: Vec<Range<usize>> = parts.into_iter().flat_map(|part| divided(part, segment)).collect();
     data.breaks = parts.iter().skip(1).map(|p| p.start).collect();
     let segments: Vec<_> = parts.iter().map(|p| p.start - hull.start..p.end - hull.start).collect();
     let mut counts = vec![false; hull.len()];
@@ -28,4 +31,11 @@ pub(super) fn rows(data: &Data, cycle: f64) -> Rows {
     let block = (hull.len() / BLOCKS).max(cycle as usize).max(LEAST_BLOCK);
     let layout = Layout::new(segments, block, counts);
     Rows { layout, own_offsets, at: hull.collect(), step: 1, of: 1, noise_gain: 1.0, data }
+}
+
+/// A part in pieces of about so many rows.
+fn divided(part: Range<usize>, segment: Option<usize>) -> impl Iterator<Item = Range<usize>> {
+    let count = segment.map_or(1, |rows| (part.len() / rows.max(1)).max(1));
+    let length = part.len();
+    (0..count).map(move |i| part.start + length * i / count..part.start + length * (i + 1) / count)
 }

@@ -11,6 +11,7 @@
 
 use std::ops::Range;
 
+use crate::model::Output;
 use crate::physics::law::Role;
 use crate::physics::state::{Instants, LANES, Lanes};
 
@@ -133,7 +134,7 @@ impl Pass<'_> {
                 base: &self.parts.base,
                 environment,
             };
-            let y = self.expected(&plan, &at, &offset, &motion);
+            let y = self.expected(&plan, &at, self.input(2 * k * steps, plan.delay.as_ref()), &offset, &motion);
             keep.keep(k, &motion.x, &motion.v);
             let reading = self.reading[k];
             let mut e = [0.0; LANES];
@@ -187,9 +188,20 @@ impl Pass<'_> {
 
     /// The reading expected before it is seen.
     #[inline(always)]
-    fn expected(&self, plan: &Plan<'_>, at: &Instants<'_, f64, LANES>, offset: &Lanes, motion: &StepState) -> Lanes {
-        let mut y = at.x;
+    fn expected(
+        &self,
+        plan: &Plan<'_>,
+        at: &Instants<'_, f64, LANES>,
+        acting: Lanes,
+        offset: &Lanes,
+        motion: &StepState,
+    ) -> Lanes {
+        let seen = self.parts.observed.output;
+        let mut y = if seen == Output::Displacement { at.x } else { plan.observed(at, acting, motion) };
         for r in &plan.sensing {
+            if seen != Output::Displacement && r.term.role() == Role::Mode {
+                continue;
+            }
             r.term.reading(at, &self.parts.parameters[r.first..], &motion.own[r.state..], &mut y);
         }
         for l in 0..LANES {
@@ -243,6 +255,7 @@ impl Pass<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::driven::intake::observed::Observed;
     use crate::physics::coulomb_friction::{CoulombFriction, Sides};
     use crate::physics::library::Term;
     use crate::physics::state::BaseLanes;
@@ -283,6 +296,7 @@ mod tests {
                 first: &[0],
                 interval_s: h,
                 steps: 1,
+                observed: Observed::default(),
             },
             beginnings: vec![Beginning {
                 sample: 0,

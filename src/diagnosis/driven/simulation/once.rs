@@ -67,6 +67,7 @@ pub(crate) fn once<K: Keep>(
             first: &first,
             interval_s: data.interval_s(),
             steps: run.steps,
+            observed: data.observed,
         },
         beginnings,
         gains,

@@ -7,6 +7,8 @@
 // Lanes are indexed alike in many arrays at once; iterators over one of them would hide that.
 #![allow(clippy::needless_range_loop)]
 
+use crate::driven::intake::observed::Observed;
+use crate::model::Output;
 use crate::physics::coulomb_friction::{self, Sliding};
 use crate::physics::law::{Place, Role};
 use crate::physics::library::Term;
@@ -42,6 +44,8 @@ pub(crate) struct Parts<'a> {
     pub interval_s: f64,
     /// Integration steps per sample.
     pub steps: usize,
+    /// Quantity that is read.
+    pub observed: Observed,
 }
 
 /// What a pass works out before its first step.
@@ -226,6 +230,51 @@ impl<'a> Plan<'a> {
         }
         (motion.x, motion.v) = (x, v);
         Stride { step_s: h, x0, v0, x1: x, v1: v, input: u }
+    }
+
+    /// Velocity or acceleration of mass and modes together, as the displacement that stands for it,
+    /// under an input that acts now.
+    pub(super) fn observed(&self, at: &Instants<'_, f64, LANES>, acting: Lanes, motion: &StepState) -> Lanes {
+        let Parts { base, parameters, observed, .. } = *self.parts;
+        let mut y = at.v;
+        if observed.output == Output::Acceleration {
+            let at = Instants { input: acting, ..*at };
+            let mut push: Lanes = std::array::from_fn(|l| base.gain[l] * acting[l]);
+            let mut rate = [[0.0; LANES]; MOST_STAGED];
+            for m in &self.moving {
+                let own = &motion.own[m.state..];
+                m.term.force::<f64, LANES, false>(&at, &parameters[m.first..], own, &mut rate[m.state..], &mut push);
+            }
+            let sides = self.friction.map(|friction| coulomb_friction::sides(&base, &friction, [&at.x, &at.v, &push]));
+            for l in 0..LANES {
+                let free = push[l] - base.stiffness[l] * at.x[l] - base.damping[l] * at.v[l];
+                y[l] = match self.friction.as_ref().zip(sides) {
+                    Some((_, sides)) if sides[l] == 0.0 => 0.0,
+                    Some((friction, _)) => free - self.mean_friction(friction, [at.v[l], free], l),
+                    None => free,
+                };
+            }
+        }
+        for (m, l) in
+            self.sensing.iter().filter(|m| m.term.role() == Role::Mode).flat_map(|m| (0..LANES).map(move |l| (m, l)))
+        {
+            let ([gain, omega, zeta, ..], [x, v, ..]) = (&parameters[m.first..], &motion.own[m.state..]) else {
+                continue;
+            };
+            y[l] += match observed.output {
+                Output::Acceleration => gain[l] * acting[l] - omega[l] * (omega[l] * x[l] + 2.0 * zeta[l] * v[l]),
+                _ => v[l],
+            };
+        }
+        y.map(|seen| observed.displacement(seen))
+    }
+
+    /// Dry friction at a lane's velocity and acceleration, as a reading that is the mean over its sample
+    /// sees it turn round.
+    fn mean_friction(&self, friction: &[Lanes; 2], [v, acceleration]: [f64; 2], l: usize) -> f64 {
+        let held = coulomb_friction::against(friction, v, l);
+        let turning = 0.5 * self.parts.interval_s * (acceleration.abs() + held.abs());
+        if v.abs() < turning { held * v.abs() / turning } else { held }
     }
 
     /// Carries the terms that follow the mass over one step of it.

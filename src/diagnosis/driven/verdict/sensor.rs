@@ -5,6 +5,7 @@ use std::f64::consts::{SQRT_2, TAU};
 use crate::driven::base::{GAIN, OMEGA, ZETA};
 use crate::driven::identification::fit::Fit;
 use crate::driven::intake::data::{Data, Followed};
+use crate::model::Output;
 use crate::motion::temperature::Temperature;
 use crate::number::rounded;
 use crate::numerics::moments::mean_sd;
@@ -64,6 +65,11 @@ pub(in crate::driven) fn repair(
             Vibration { amplitude_m_s2: amplitude, frequency_hz: 0.1 * omega / std::f64::consts::TAU }
         }
     };
+    let si = match data.observed.output {
+        Output::Displacement => "m",
+        Output::Velocity => "m/s",
+        Output::Acceleration => "m/s^2",
+    };
     let relation = match (input, &own) {
         (Some(name), Some(unit)) => {
             format!(
@@ -74,10 +80,10 @@ pub(in crate::driven) fn repair(
         (Some(name), None) => {
             format!("one unit of {name} is taken as 1 m/s² of specific force; displacement follows from the gain")
         }
-        (None, _) => "one unit of the output is taken as 1 m of displacement".to_owned(),
+        (None, _) => format!("one unit of the output is taken as 1 {si} of the mass"),
     };
-    // Without an input the reading itself is the displacement.
-    let is_metric = input.is_none() && unit_of(asked.recording, &asked.columns.output, "") == "m";
+    // Without an input the reading itself gives the displacement.
+    let is_metric = input.is_none() && unit_of(asked.recording, &asked.columns.output, "") == si;
     Repair {
         is_inertial: own.is_some() || is_metric,
         before: with_noise(sensor(data, before, per_input, false, None)),

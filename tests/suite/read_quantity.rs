@@ -1,0 +1,213 @@
+//! A mass whose velocity or acceleration is read, free or under an input: laws that were planted are
+//! named with their numbers in units of displacement, and what is not there gets no name.
+//!
+//! Recordings come from a plain Runge–Kutta integrator of the test's own in units of 1/ω₀ = 1 s, so that
+//! every planted number is its own expectation.
+
+use std::f64::consts::TAU;
+
+use libtest_mimic::{Failed, Trial};
+use proofmass::control::Control;
+use proofmass::diagnosis::driven;
+use proofmass::diagnosis::model::{Driven, DrivenColumns, Output, Split, Start};
+use proofmass::diagnosis::verdict::{Outcome, Verdict};
+use proofmass::recording::{Column, Recording};
+use proofmass::report::diagnosis::worded;
+use proofmass::rng::{Philox, Stream};
+
+use super::world::{check, near, test};
+
+/// Listed by the suite.
+pub fn tests() -> Vec<Trial> {
+    vec![
+        test("read quantity: a decay read as velocity or acceleration gives the same laws", decays),
+        test("read quantity: a driven mass read as velocity or acceleration gives the same laws", driven_masses),
+        test("read quantity: noise and foreign physics are given no name", silent),
+        test("read quantity: several recordings are refused in a sentence", refused),
+    ]
+}
+
+/// Rows of a cycle.
+const PER_CYCLE: usize = 30;
+/// Integration steps from one row to the next.
+const STEPS: usize = 12;
+/// Lines of an input, from a third of the resonance to three times it.
+const LINES: usize = 60;
+
+/// A mass with ω₀ = 1, from rest at `begin`; `force` of (x, v, time) acts beside oscillator and input.
+struct Made<'a> {
+    zeta: f64,
+    begin: f64,
+    /// Of the input's standard deviation; zero for a decay.
+    gain: f64,
+    cycles: usize,
+    noise: f64,
+    force: &'a dyn Fn(f64, f64, f64) -> f64,
+}
+
+impl Made<'_> {
+    /// Input and reading of each row.
+    fn rows(&self, output: Output) -> [Vec<f64>; 2] {
+        let mut rng = Philox::new(7, 0, Stream::Host);
+        let phases: Vec<f64> = (0..LINES).map(|_| TAU * rng.normal()).collect();
+        let input = |t: f64| {
+            let line = |(i, phase): (usize, &f64)| ((0.35 + 0.045 * i as f64) * t + phase).cos();
+            phases.iter().enumerate().map(line).sum::<f64>() / (0.5 * LINES as f64).sqrt()
+        };
+        let rate = |t: f64, u: f64, x: f64, v: f64| self.gain * u - x - 2.0 * self.zeta * v + (self.force)(x, v, t);
+        let h = TAU / (PER_CYCLE * STEPS) as f64;
+        let (mut x, mut v, mut u) = (self.begin, 0.0, input(0.0));
+        let (mut inputs, mut readings) = (Vec::new(), Vec::new());
+        for row in 0..self.cycles * PER_CYCLE {
+            inputs.push(u);
+            readings.push(match output {
+                Output::Displacement => x,
+                Output::Velocity => v,
+                Output::Acceleration => rate((row * STEPS) as f64 * h, u, x, v),
+            });
+            for step in 0..STEPS {
+                let t = (row * STEPS + step) as f64 * h;
+                let [middle, end] = if self.gain == 0.0 { [0.0; 2] } else { [input(t + 0.5 * h), input(t + h)] };
+                let a1 = rate(t, u, x, v);
+                let a2 = rate(t + 0.5 * h, middle, x + 0.5 * h * v, v + 0.5 * h * a1);
+                let a3 = rate(t + 0.5 * h, middle, x + 0.5 * h * v + 0.25 * h * h * a1, v + 0.5 * h * a2);
+                let a4 = rate(t + h, end, x + h * v + 0.5 * h * h * a2, v + h * a3);
+                x += h * v + h * h / 6.0 * (a1 + a2 + a3);
+                v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+                u = end;
+            }
+        }
+        let size = (readings.iter().map(|y| y * y).sum::<f64>() / readings.len() as f64).sqrt();
+        readings.iter_mut().for_each(|y| *y += self.noise * size * rng.normal());
+        [inputs, readings]
+    }
+
+    /// The same, diagnosed as what it is said to be.
+    fn diagnosed(&self, output: Output, output_is: Output) -> Result<Verdict, Failed> {
+        let [input, reading] = self.rows(output);
+        let rate_hz = PER_CYCLE as f64 / TAU;
+        let recording = Recording {
+            path: "mass.csv".into(),
+            rows: reading.len(),
+            rate_hz,
+            columns: vec![Column { name: "u".into(), values: input }, Column { name: "y".into(), values: reading }],
+            ..Recording::default()
+        };
+        let model = model((self.gain != 0.0).then(|| "u".to_owned()), rate_hz, output_is);
+        let answer = driven::diagnose(&recording, &model, &Control::silent()).map_err(|e| e.to_string())?;
+        Ok(worded(answer).verdict)
+    }
+}
+
+fn model(input: Option<String>, rate_hz: f64, output_is: Output) -> Driven {
+    Driven {
+        topic: None,
+        unit: None,
+        output_is,
+        rate_hz: Some(rate_hz),
+        force_rate: false,
+        rows: Vec::new(),
+        columns: DrivenColumns { time: None, input, output: "y".into(), environment: Vec::new() },
+        start: Start::default(),
+        split: Split::default(),
+        without: Vec::new(),
+    }
+}
+
+fn ids(verdict: &Verdict) -> Vec<&str> {
+    verdict.effects.iter().map(|e| e.id.as_str()).collect()
+}
+
+/// Ids, numbers and forces of a mass that moves by about 1.
+type Planted = (&'static [&'static str], &'static [f64], fn(f64, f64, f64) -> f64);
+
+fn planted() -> [Planted; 4] {
+    [
+        (&["cubic-stiffness"], &[0.1], |x, _, _| -0.1 * x * x * x),
+        (&["quadratic-damping"], &[0.03], |_, v, _| -0.03 * v * v.abs()),
+        (&["coulomb-friction"], &[0.01], |_, v, _| -0.01 * (v / 1e-4).clamp(-1.0, 1.0)),
+        (&["cubic-stiffness", "quadratic-damping"], &[0.1, 0.03], |x, v, _| -0.1 * x * x * x - 0.03 * v * v.abs()),
+    ]
+}
+
+/// Each planted law in a mass that is read both ways.
+fn held(made: impl Fn(&'static [f64], fn(f64, f64, f64) -> f64) -> Made<'static>) -> Result<(), Failed> {
+    for (expected, numbers, force) in planted() {
+        for output in [Output::Velocity, Output::Acceleration] {
+            let verdict = made(numbers, force).diagnosed(output, output)?;
+            let known = ids(&verdict);
+            let all = expected.iter().all(|id| known.contains(id)) && known.len() == expected.len();
+            check(all, format!("{expected:?} read as {output:?}: {known:?} {}", verdict.sentence))?;
+            for (id, number) in expected.iter().zip(numbers) {
+                let effect = verdict.effects.iter().find(|e| e.id == *id).ok_or("it is named")?;
+                near(id, effect.parameters[0].value, *number, 0.01 * number)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn decays() -> Result<(), Failed> {
+    held(|_, force| {
+        let force: &'static dyn Fn(f64, f64, f64) -> f64 = Box::leak(Box::new(force));
+        Made { zeta: 0.004, begin: 1.0, gain: 0.0, cycles: 60, noise: 1e-3, force }
+    })?;
+    // Negative control: −x″ = x + 0.1 x³, so an acceleration that is taken for a displacement shows a
+    // nonlinear readout that is not there.
+    let cubic = |x: f64, _: f64, _: f64| -0.1 * x * x * x;
+    let made = Made { zeta: 0.004, begin: 1.0, gain: 0.0, cycles: 60, noise: 1e-3, force: &cubic };
+    let taken_wrongly = made.diagnosed(Output::Acceleration, Output::Displacement)?;
+    check(ids(&taken_wrongly) == ["cubic-stiffness", "readout-nonlinearity"], taken_wrongly.sentence)
+}
+
+fn driven_masses() -> Result<(), Failed> {
+    held(|_, force| {
+        let force: &'static dyn Fn(f64, f64, f64) -> f64 = Box::leak(Box::new(force));
+        Made { zeta: 0.02, begin: 0.0, gain: 0.25, cycles: 130, noise: 1e-3, force }
+    })
+}
+
+// A null of each, a spring that changes with time at half the resonance, and a dead zone.
+fn silent() -> Result<(), Failed> {
+    type Force = fn(f64, f64, f64) -> f64;
+    let foreign: [(&str, Force); 3] = [
+        ("nothing", |_, _, _| 0.0),
+        ("parametric excitation", |x, _, t| 0.1 * x * (0.5 * t).cos()),
+        ("fractional drag", |x, v, _| -0.05 * v / (1.0 + 9.0 * x * x)),
+    ];
+    for (what, force) in foreign {
+        for output in [Output::Velocity, Output::Acceleration] {
+            for gain in [0.0, 0.25] {
+                let (zeta, begin) = if gain == 0.0 { (0.004, 1.0) } else { (0.02, 0.0) };
+                let made = Made { zeta, begin, gain, cycles: 100, noise: 1e-3, force: &force };
+                let verdict = made.diagnosed(output, output)?;
+                let where_ = format!("{what}, {output:?}, gain {gain}");
+                check(
+                    verdict.effects.is_empty() || verdict.verdict != Outcome::Explained,
+                    format!("{where_}: {:?}", ids(&verdict)),
+                )?;
+                if what == "nothing" {
+                    check(verdict.effects.is_empty(), format!("{where_}: {:?}", ids(&verdict)))?;
+                    let adequate = verdict.verdict == Outcome::Adequate;
+                    check(adequate, format!("{where_}: {} {}", verdict.verdict.name(), verdict.sentence))?;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+fn refused() -> Result<(), Failed> {
+    let made = Made { zeta: 0.02, begin: 0.0, gain: 0.25, cycles: 40, noise: 1e-3, force: &|_, _, _| 0.0 };
+    let [input, reading] = made.rows(Output::Velocity);
+    let rows = reading.len();
+    let columns = vec![Column { name: "u".into(), values: input }, Column { name: "y".into(), values: reading }];
+    let rate_hz = PER_CYCLE as f64 / TAU;
+    let recording = Recording { path: "mass.csv".into(), rows, rate_hz, columns, ..Recording::default() };
+    let asked = Driven {
+        split: Split { train: vec![[0, 900]], test: vec![[900, rows]] },
+        ..model(Some("u".into()), rate_hz, Output::Velocity)
+    };
+    let said = driven::diagnose(&recording, &asked, &Control::silent()).err().map(|e| e.to_string());
+    check(said.as_ref().is_some_and(|s| s.contains("output_is")), format!("{said:?}"))
+}
