@@ -50,7 +50,7 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     }
     sheet.note(
         "up to 4.2, biasAccOmegaInt is the identity and adds to the white noise of every step; how well the first \
-         bias is known belongs into its prior (GTSAM, pull request 2199)",
+         bias is known belongs in its prior (GTSAM, pull request 2199)",
     );
     sheet.line("for name in (\"setBiasAccOmegaInt\", \"setBiasAccOmegaInit\"):");
     sheet.line("    if hasattr(params, name):");
