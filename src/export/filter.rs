@@ -44,7 +44,7 @@ impl Filter {
         })
     }
 
-    /// Variance of one message of white noise N.
+    /// Computes the variance of one message of white noise N.
     pub(super) fn variance(self, white: f64, rate_hz: f64) -> f64 {
         match self {
             Self::Mean => white * white * rate_hz,
@@ -52,17 +52,17 @@ impl Filter {
         }
     }
 
-    /// Variance of independent messages whose sum grows as that of these.
+    /// Computes the variance of independent messages whose sum grows as that of these.
     pub(super) fn independent(self, white: f64, rate_hz: f64) -> f64 {
         self.variance(white, rate_hz) * self.growth(rate_hz)
     }
 
-    /// Coefficient N of what a sum of messages sees: that of the sensor, and what is folded into it.
+    /// Computes the N of a sum of messages: the sensor's, and what is folded into it.
     pub(super) fn seen(self, white: f64, rate_hz: f64) -> f64 {
         (self.independent(white, rate_hz) / rate_hz).sqrt()
     }
 
-    /// (1 + ρ)/(1 − ρ) of messages that are correlated by ρ.
+    /// Computes (1 + ρ)/(1 − ρ) of messages that are correlated by ρ.
     fn growth(self, rate_hz: f64) -> f64 {
         match self {
             Self::Mean => 1.0,

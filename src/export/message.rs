@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 pub(super) type Of<'a> = &'a dyn Fn(&Errors) -> f64;
 
 impl Imu {
-    /// The sensor whose messages come at a rate, absent its own, behind a filter.
+    /// Returns the sensor as its messages come: at a rate, or its own, and behind a filter.
     ///
     /// # Errors
     /// A rate that is not above zero; for a target of messages also a missing rate and a sensor
@@ -56,7 +56,7 @@ impl Imu {
         Ok(self)
     }
 
-    /// The sensor ahead of a filter, where its noise was measured on messages behind it: in those,
+    /// Returns the sensor ahead of a filter where its noise was measured on messages behind it: there,
     /// N² f_s is the variance of independent ones.
     #[must_use]
     pub fn ahead_of(mut self, filter: Filter) -> Self {
@@ -69,8 +69,8 @@ impl Imu {
         self
     }
 
-    /// A number of x, y and z of the accelerometer (0) or the gyro (1), which is said to be left out
-    /// of `key` where an axis states none.
+    /// Returns a number of x, y and z of the accelerometer (0) or the gyro (1), or says that `key` is
+    /// left out where an axis states none.
     pub(super) fn stated(
         &self,
         sheet: &mut Sheet,
@@ -130,7 +130,7 @@ impl Imu {
 mod tests {
     use super::*;
 
-    /// N = 1 at 100 messages per second.
+    /// Messages per second.
     const RATE_HZ: f64 = 100.0;
 
     #[test]

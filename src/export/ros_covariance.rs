@@ -14,7 +14,7 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     fields(imu, sheet, "variance of one message", Filter::variance);
 }
 
-/// The three matrices; the variance by a filter's law.
+/// Writes the three matrices, with the variance by one of a filter's laws.
 pub(super) fn fields(imu: &Imu, sheet: &mut Sheet, means: &str, variance: fn(Filter, f64, f64) -> f64) {
     let [a, g] = [&imu.accelerometer, &imu.gyro].map(|errors| drift::process(errors, Form::None));
     sheet.remarks(&a, &g);

@@ -180,13 +180,13 @@ impl Sheet {
         self.written(field, &value);
     }
 
-    /// The same of a row of numbers as YAML and Python write it.
+    /// Writes a row of numbers as YAML and Python have it, with the same comment.
     pub(super) fn row(&mut self, field: Field<'_>, row: &[f64]) {
         let row: Vec<String> = row.iter().map(|value| number(*value)).collect();
         self.written(field, &format!("[{}]", row.join(", ")));
     }
 
-    /// The comment above a number.
+    /// Writes the comment above a number.
     pub(super) fn explain(&mut self, key: &str, unit: &str, means: &str) {
         self.note(&format!("{key}: {unit}; {means}; documented in {}", self.documented));
     }
