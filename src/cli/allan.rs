@@ -7,6 +7,7 @@ use super::say::{remark, say, sayln, screen};
 use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};
 use proofmass_base::progress;
+use proofmass_export::filter::Filter;
 use proofmass_export::imu::Imu;
 use proofmass_export::{self as export, Target};
 use proofmass_numerics::numerics::allan::law::Term;
@@ -68,6 +69,10 @@ pub struct Arguments {
     /// stdout; see `proofmass export --list`
     #[arg(long, value_name = "TARGET")]
     to: Option<String>,
+    /// Filter that the recording stands behind, for TARGET: none, or low-pass:HZ for one pole with
+    /// this cut-off
+    #[arg(long, value_name = "FILTER", default_value = "none", requires = "to", allow_hyphen_values = true)]
+    filter: String,
     /// Replace files in DIR even if they are not from an earlier run of this command on the same
     /// input
     #[arg(long, requires = "out")]
@@ -80,7 +85,8 @@ pub struct Arguments {
 const EXAMPLES: &str = "Examples:
   proofmass allan log.csv --rate-hz 100
   proofmass allan log.csv --rate-hz 100 --accelerometer ax,ay,az --accelerometer-scale 3.33mg \\
-                          --gyro gx,gy,gz --gyro-scale 0.05deg/s --out noise";
+                          --gyro gx,gy,gz --gyro-scale 0.05deg/s --out noise
+  proofmass allan still.bag --to ros-covariance --filter low-pass:80";
 
 /// Runs it.
 ///
@@ -91,11 +97,12 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let request = Request { control: progress::terminal(), ..arguments.request() };
     let asked = Asked::new(request, &arguments.scales())?;
     let target = arguments.to.as_deref().map(export::target).transpose()?;
+    let filter = Filter::parse(&arguments.filter)?;
     recording::formats::located(&arguments.recording)?;
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, arguments.outputs())).transpose()?;
     let noise = asked.analyse(&arguments.recording)?;
     let file = arguments.recording.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let configuration = target.map(|target| configuration(target, &file, &noise)).transpose()?;
+    let configuration = target.map(|target| configuration(target, filter, &file, &noise)).transpose()?;
     if let (Some((_, text)), None) = (&configuration, &folder) {
         report::notes(&noise).iter().for_each(|note| remark!("{note}"));
         return match json {
@@ -304,7 +311,7 @@ impl Arguments {
 
 /// The sensor of the accelerometers and gyros, three of each by axis, or the first of each, as a
 /// tool's configuration: its file's name and text.
-fn configuration(target: &Target, file: &str, noise: &Noise) -> Result<(String, String)> {
+fn configuration(target: &Target, filter: Filter, file: &str, noise: &Noise) -> Result<(String, String)> {
     let axes: Vec<Imu> = report::fragments(file, noise)
         .iter()
         .map(|fragment| Imu::parse(file, &fragment.toml))
@@ -321,5 +328,6 @@ fn configuration(target: &Target, file: &str, noise: &Noise) -> Result<(String, 
             return Err(Error::new(format!("could not export the noise of {file}"), "it has no channel", "give a log"));
         }
     };
+    let imu = imu.ahead_of(filter).sent(target, None, filter)?;
     Ok((target.file.to_owned(), target.export(&imu)))
 }

@@ -6,6 +6,7 @@ use super::say::{remark, say, sayln};
 use proofmass_base::document::{read_text, to_json};
 use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};
+use proofmass_export::filter::Filter;
 use proofmass_export::imu::Imu;
 use proofmass_export::{self as export, TARGETS};
 
@@ -19,6 +20,12 @@ pub struct Arguments {
     /// Tool to write for; --list shows all
     #[arg(long, value_name = "TARGET", required_unless_present = "list")]
     to: Option<String>,
+    /// Messages or readings per second [default: the sensor's sample_rate_hz]
+    #[arg(long, value_name = "F", allow_negative_numbers = true)]
+    rate_hz: Option<f64>,
+    /// Filter that the messages stand behind: none, or low-pass:HZ for one pole with this cut-off
+    #[arg(long, value_name = "FILTER", default_value = "none", allow_hyphen_values = true)]
+    filter: String,
     /// File to write [default: stdout]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -34,6 +41,7 @@ const EXAMPLES: &str = "Examples:
   proofmass export --list
   proofmass export sensor.toml --to kalibr --out imu.yaml
   proofmass export study.toml --to gazebo-sdf
+  proofmass export sensor.toml --to ros-covariance --rate-hz 200 --filter low-pass:80
 
 Each number is preceded by its unit, its convention and a reference to the tool's documentation.
 What the tool cannot represent is stated, with the error of what replaces it.";
@@ -41,11 +49,14 @@ What the tool cannot represent is stated, with the error of what replaces it.";
 /// Runs it.
 ///
 /// # Errors
-/// A file that is no sensor, an unknown tool, a file that cannot be written.
+/// A file that is no sensor, an unknown tool, a rate or a filter that it cannot take, a file that cannot
+/// be written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let (Some(path), Some(to)) = (&arguments.sensor, &arguments.to) else { return list(json) };
     let target = export::target(to)?;
+    let filter = Filter::parse(&arguments.filter)?;
     let imu = Imu::parse(&path.display().to_string(), &read_text(path)?)?;
+    let imu = imu.sent(target, arguments.rate_hz, filter)?;
     if imu.axes.is_none() {
         remark!("note: {} has one number for all axes: x, y and z are written alike", path.display());
     }
@@ -66,7 +77,7 @@ fn list(json: bool) -> Result<()> {
     }
     TARGETS.iter().try_for_each(|t| {
         let back = if t.imports() { "; `import` reads it back" } else { "" };
-        sayln!("{:<16}{}{back}", t.name, t.about)
+        sayln!("{:<20}{}{back}", t.name, t.about)
     })
 }
 

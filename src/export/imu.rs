@@ -1,6 +1,8 @@
 //! The part of a sensor that configurations speak of, in SI units: noise by its law, bias, and what
 //! else was given.
 
+use super::filter::Filter;
+use proofmass_base::document::parse_toml;
 use proofmass_base::error::{Error, Result};
 use proofmass_base::units::key::Key;
 use proofmass_scenario::sensor::error_law::ErrorLaw;
@@ -53,8 +55,12 @@ pub struct Other {
 pub struct Imu {
     /// Name of the file that it came from.
     pub source: String,
-    /// Sampling rate, Hz.
+    /// Sampling rate, Hz; of its messages where it is [`sent`](Imu::sent).
     pub rate_hz: f64,
+    /// Holds where the rate was given, and is not the usual one.
+    pub rate_is_stated: bool,
+    /// Filter that its messages stand behind.
+    pub filter: Filter,
     /// Errors of the accelerometer, m/s².
     pub accelerometer: Errors,
     /// Errors of the gyro, rad/s.
@@ -78,7 +84,8 @@ impl Imu {
     /// An IMU without errors.
     pub fn new(source: &str, rate_hz: f64) -> Self {
         let [accelerometer, gyro] = [Sense::Accelerometer, Sense::Gyro].map(Errors::ideal);
-        Self { source: source.into(), rate_hz, accelerometer, gyro, others: Vec::new(), axes: None }
+        let (source, filter) = (source.into(), Filter::Mean);
+        Self { source, rate_hz, rate_is_stated: true, filter, accelerometer, gyro, others: Vec::new(), axes: None }
     }
 
     /// The errors of an axis: accelerometer and gyro.
@@ -106,6 +113,8 @@ impl Imu {
         let alike = Self { accelerometer, gyro, ..Self::new(source, rate_hz) };
         let mut imu = if axes == [axes[0]; 3] { alike } else { alike.with_axes(axes) };
         imu.others = others(&numbers);
+        let document: serde_json::Value = parse_toml(source, text)?;
+        imu.rate_is_stated = !document["sensor"]["sample_rate_hz"].is_null() || !document["step_s"].is_null();
         if [imu.accelerometer, imu.gyro].iter().all(|e| [e.white, e.flicker, e.walk, e.bias] == [Value::default(); 4]) {
             return Err(Error::new(
                 format!("could not export {source}"),

@@ -14,18 +14,24 @@
 mod airsim;
 mod ardupilot_sitl;
 mod drift;
+mod ekf2;
 mod fast_lio;
+pub mod filter;
 mod gazebo_sdf;
 mod gnss_ins_sim;
+mod gtsam;
 pub mod imu;
 mod isaac_lab;
 mod kalibr;
 mod kf_gins;
 mod lio_sam;
 mod matlab;
+mod message;
 mod openvins;
 mod orb_slam3;
 mod px4;
+mod robot_localization;
+mod ros_covariance;
 mod sheet;
 mod vins;
 
@@ -43,6 +49,8 @@ pub struct Target {
     pub about: &'static str,
     /// Usual name of the file.
     pub file: &'static str,
+    /// Holds where its numbers are those of messages at a rate, behind a filter.
+    pub messages: bool,
     /// Terms beside white noise, bias instability and random walk that it represents.
     keeps: &'static [SensorTerm],
     write: fn(&Imu, &mut Sheet),
@@ -55,12 +63,16 @@ const BIASES_RANGE_STEP: &[SensorTerm] =
     &[SensorTerm::AccelerometerBias, SensorTerm::GyroBias, SensorTerm::Range, SensorTerm::Quantisation];
 
 macro_rules! target {
+    ($module:ident, $name:literal, $about:literal, $file:literal, $syntax:ident) => {
+        Target { messages: true, ..target!($module, $name, $about, $file, $syntax, &[], None) }
+    };
     ($module:ident, $name:literal, $about:literal, $file:literal, $syntax:ident, $keeps:expr, $read:expr) => {
         Target {
             name: $name,
             about: $about,
             file: $file,
             keeps: $keeps,
+            messages: false,
             write: $module::write,
             read: $read,
             syntax: sheet::Syntax::$syntax,
@@ -68,9 +80,13 @@ macro_rules! target {
     };
 }
 
-/// All of them: estimators, then simulators.
+/// All of them: messages and estimators, then simulators.
 #[rustfmt::skip]
-pub static TARGETS: [Target; 14] = [
+pub static TARGETS: [Target; 18] = [
+    target!(ros_covariance, "ros-covariance", "ROS, covariances of sensor_msgs/Imu", "imu_covariance.yaml", Yaml),
+    target!(robot_localization, "robot-localization", "robot_localization, covariances of its imuN", "imu_covariance.yaml", Yaml),
+    target!(gtsam, "gtsam", "GTSAM, PreintegrationCombinedParams", "imu_params.py", Python),
+    target!(ekf2, "ekf2", "PX4 EKF2, EKF2_* parameters", "ekf2.params", Params),
     target!(kalibr, "kalibr", "Kalibr, imu.yaml", "imu.yaml", Yaml, &[], Some(kalibr::read)),
     target!(openvins, "openvins", "OpenVINS, kalibr_imu_chain.yaml", "kalibr_imu_chain.yaml", Yaml, &[], Some(openvins::read)),
     target!(vins, "vins", "VINS-Mono and VINS-Fusion, config yaml", "vins.yaml", Yaml, &[], None),
@@ -100,8 +116,8 @@ pub fn target(name: &str) -> Result<&'static Target> {
             match nearest(name, names) {
                 Some(near) => format!("did you mean `{near}`?"),
                 None if name.to_lowercase().starts_with("ros") => {
-                    "ROS itself keeps no noise of a sensor, its estimators \
-                                                                    do: kalibr, openvins, vins, lio-sam or fast-lio"
+                    "for the covariances of sensor_msgs/Imu give ros-covariance, for those that an estimator on top of \
+                     it needs robot-localization"
                         .into()
                 }
                 None => "`proofmass export --list` says what each is".into(),

@@ -22,6 +22,8 @@ pub(super) enum Syntax {
     Matlab,
     /// `key value`, `# comment`.
     Parm,
+    /// QGroundControl's columns: vehicle, component, key, value, type (9: float); `# comment`.
+    Params,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -149,7 +151,7 @@ impl Sheet {
     pub(super) fn note(&mut self, note: &str) {
         self.notes += 1;
         let line = match self.syntax {
-            Syntax::Yaml | Syntax::Python | Syntax::Parm => format!("# {note}"),
+            Syntax::Yaml | Syntax::Python | Syntax::Parm | Syntax::Params => format!("# {note}"),
             Syntax::Matlab => format!("% {note}"),
             // Two hyphens would end the comment.
             Syntax::Xml => format!("<!-- {} -->", note.replace("--", "- -")),
@@ -178,9 +180,20 @@ impl Sheet {
         self.written(field, &value);
     }
 
+    /// Writes a row of numbers as YAML and Python have it, with the same comment.
+    pub(super) fn row(&mut self, field: Field<'_>, row: &[f64]) {
+        let row: Vec<String> = row.iter().map(|value| number(*value)).collect();
+        self.written(field, &format!("[{}]", row.join(", ")));
+    }
+
+    /// Writes the comment above a number.
+    pub(super) fn explain(&mut self, key: &str, unit: &str, means: &str) {
+        self.note(&format!("{key}: {unit}; {means}; documented in {}", self.documented));
+    }
+
     fn written(&mut self, field: Field<'_>, value: &str) {
         let Field { key, unit, means, .. } = field;
-        self.note(&format!("{key}: {unit}; {means}; documented in {}", self.documented));
+        self.explain(key, unit, means);
         let line = match self.syntax {
             Syntax::Yaml => format!("{key}: {value}"),
             Syntax::Xml => format!("<{key}>{value}</{key}>"),
@@ -188,6 +201,7 @@ impl Sheet {
             Syntax::Python => format!("{key} = {value}"),
             Syntax::Matlab => format!("{key} = {value};"),
             Syntax::Parm => format!("{key} {value}"),
+            Syntax::Params => format!("1\t1\t{key}\t{value}\t9"),
         };
         self.line(&line);
     }

@@ -75,7 +75,7 @@ fn first_hour() -> Result<(), Failed> {
             "did you mean `bias_deg_h`?",
         ),
         ("a percentile that is none", study("1.0"), &require, "did you mean `p95`?"),
-        ("ROS as a target", study("1.0"), &["export", "f", "--to", "ros"], "ROS itself keeps no noise"),
+        ("ROS as a target", study("1.0"), &["export", "f", "--to", "ros"], "of sensor_msgs/Imu give ros-covariance"),
         ("a clock out of order", log.into(), &["allan", "f"], "time runs backwards in data row 1"),
     ];
     for (what, text, arguments, word) in cases {
