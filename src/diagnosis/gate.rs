@@ -52,7 +52,6 @@ gates! {
     Pruned "pruned" "A term whose absence costs nothing is removed" "lead in log-likelihood";
     Hopeless "hopeless" "A model of four terms that leaves most is not extended" "predictable share of the residual";
     WithoutLinear "without-linear" "Under one or two lines the way without linear laws is preferred" "predictable share of the residual";
-    PhysicsFirst "physics-first" "Physics is added before noise where noise ends with structure left" "predictable share of the residual";
     NoRivals "no-rivals" "A model of several terms that is far from done is not compared with its rivals" "predictable share of the residual";
     OneForTwo "one-for-two" "One candidate replaces two that can be mistaken for each other" "lead in log-likelihood";
     Swap "swap" "A better candidate takes a term's place" "lead in log-likelihood";

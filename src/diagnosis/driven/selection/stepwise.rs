@@ -69,7 +69,7 @@ pub(crate) fn search(
         follows_input: false,
     };
     let reach = Reach::of(data, &base.fit);
-    let way = steps.best_way(candidates, &reach)?;
+    let way = steps.way(candidates, &reach)?;
     let Way { mut chosen, predictable: mut rest, cut_short, follows_input } = way;
     let mut look = Look {
         data,
@@ -151,29 +151,11 @@ struct Way {
 }
 
 impl Stepwise<'_> {
-    /// The way that these candidates lead, with a second one where noise terms end it with
-    /// structure left.
-    fn best_way(&mut self, candidates: &[Term], reach: &Reach) -> Result<Way, Stopped> {
-        let base = self.base;
-        let way = self.first_way(base, candidates, reach)?;
-        let nearly_done = self.is_nearly_done(&way.chosen);
-        let done = !way.chosen.fit.structure.is_noisy() || way.predictable <= DONE || nearly_done || way.cut_short;
-        if done || !self.data.trace.is_on(Gate::PhysicsFirst) {
-            return Ok(way);
-        }
-        let physics: Vec<Term> = candidates.iter().copied().filter(|t| t.noise().is_none()).collect();
-        let other = self.forward(base.clone(), &physics)?;
-        let other = if other.cut_short { other } else { self.forward(other.chosen, candidates)? };
-        let better = other.predictable < way.predictable && other.chosen.score() > way.chosen.score();
-        let step = Step::of(Gate::PhysicsFirst, way.chosen.words(), other.chosen.words());
-        let step = step.measured(other.predictable, way.predictable);
-        Ok(if better && self.data.trace.acts(step) { other } else { way })
-    }
-
     /// The way from the base model. Where the input tells nothing linear apart, a linear law takes
     /// up whatever is left, and so beside others it says nothing: then the way without any is tried
     /// as well.
-    fn first_way(&mut self, base: &Judged, candidates: &[Term], reach: &Reach) -> Result<Way, Stopped> {
+    fn way(&mut self, candidates: &[Term], reach: &Reach) -> Result<Way, Stopped> {
+        let base = self.base;
         let way = self.forward(base.clone(), candidates)?;
         let terms = &way.chosen.fit.structure.terms;
         let alone = terms.len() == 1 && way.predictable <= DONE;
