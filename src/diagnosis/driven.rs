@@ -104,7 +104,7 @@ fn decayed(recording: &Recording, taken: &Taken, model: &model::Driven) -> Optio
         return None;
     }
     let decay = match is_driven {
-        true => decay::searched::driven(&prepared.data)?,
+        true => decay::searched::driven(&prepared.data, &prepared.start)?,
         false => decay::searched::decay(&prepared.data, &prepared.filled)?,
     };
     let asked = Asked { recording, pieces, judging, columns: &model.columns, unit: model.unit.as_deref() };

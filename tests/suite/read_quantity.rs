@@ -22,6 +22,7 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("read quantity: a decay read as velocity or acceleration gives the same laws", decays),
         test("read quantity: a driven mass read as velocity or acceleration gives the same laws", driven_masses),
+        test("read quantity: an accelerometer that clips keeps its rails, beside a spring of its mass", clipped),
         test("read quantity: noise and foreign physics are given no name", silent),
         test("read quantity: several recordings are refused in a sentence", refused),
     ]
@@ -84,7 +85,10 @@ impl Made<'_> {
 
     /// The same, diagnosed as what it is said to be.
     fn diagnosed(&self, output: Output, output_is: Output) -> Result<Verdict, Failed> {
-        let [input, reading] = self.rows(output);
+        self.judged(self.rows(output), output_is)
+    }
+
+    fn judged(&self, [input, reading]: [Vec<f64>; 2], output_is: Output) -> Result<Verdict, Failed> {
         let rate_hz = PER_CYCLE as f64 / TAU;
         let recording = Recording {
             path: "mass.csv".into(),
@@ -165,6 +169,21 @@ fn driven_masses() -> Result<(), Failed> {
         let force: &'static dyn Fn(f64, f64, f64) -> f64 = Box::leak(Box::new(force));
         Made { zeta: 0.02, begin: 0.0, gain: 0.25, cycles: 130, noise: 1e-3, force }
     })
+}
+
+// Rails in the reading's own sign and unit, which is not that of displacement.
+fn clipped() -> Result<(), Failed> {
+    let cubic = |x: f64, _: f64, _: f64| -0.1 * x * x * x;
+    let made = Made { zeta: 0.02, begin: 0.0, gain: 0.25, cycles: 130, noise: 1e-3, force: &cubic };
+    let [input, reading] = made.rows(Output::Acceleration);
+    let reading = reading.iter().map(|y| y.clamp(-0.8, 1.1)).collect();
+    let verdict = made.judged([input, reading], Output::Acceleration)?;
+    let mut known = ids(&verdict);
+    known.sort_unstable();
+    check(known == ["cubic-stiffness", "readout-saturation"], format!("{known:?} {}", verdict.sentence))?;
+    let rails = verdict.effects.iter().find(|e| e.id == "readout-saturation").ok_or("it is named")?;
+    near("low", rails.parameters[0].value, -0.8, 0.01)?;
+    near("high", rails.parameters[1].value, 1.1, 0.01)
 }
 
 // A null of each, a spring that changes with time at half the resonance, and a dead zone.

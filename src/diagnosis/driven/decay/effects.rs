@@ -8,6 +8,7 @@ use crate::engine::kind::Kind;
 use crate::engine::names::Named;
 use crate::numerics::special;
 use crate::physics::law::Role;
+use crate::physics::library::Term;
 use crate::standing::{self, Note, Ranked};
 use crate::verdict::{Effect, Estimate, Evidence, Form, Share};
 
@@ -85,7 +86,15 @@ fn estimates(decay: &Decay, model: &Fitted, place: usize, read: &Read) -> Vec<Es
         let (value, ci95) = scaled(interval(decay, model, i), read.observed.per_displacement().powi(power));
         Estimate { name: parameters[j].name.to_owned(), value, unit: parameter_unit(&term, j, &channels), ci95 }
     };
-    own.enumerate().take(parameters.len()).map(one).collect()
+    let mut all: Vec<Estimate> = own.enumerate().take(parameters.len()).map(one).collect();
+    // Of a reading with its sign turned the lower rail is the upper one.
+    if let (Term::ReadoutSaturation(_), [low, high]) = (term, all.as_mut_slice())
+        && low.value > high.value
+    {
+        std::mem::swap(&mut low.value, &mut high.value);
+        std::mem::swap(&mut low.ci95, &mut high.ci95);
+    }
+    all
 }
 
 /// Power of the reading, `y`, in a parameter's unit.

@@ -17,6 +17,7 @@ use crate::engine::kind::Point;
 use crate::engine::levels::FOLLOWED;
 use crate::engine::names::{self, Found};
 use crate::engine::search::Search;
+use crate::model;
 
 use super::base_model::{self, base};
 use super::rows::{self, CYCLES, LEAST_SEGMENT};
@@ -56,9 +57,12 @@ pub(crate) fn decay(data: &Data, filled: &[Range<usize>]) -> Option<Decay> {
     searched(data, rows, motion, &begins)
 }
 
-/// Searches a recording under an input; `None` where nothing answers it like a resonance.
-pub(crate) fn driven(data: &Data) -> Option<Decay> {
-    let begins = resonances(data);
+/// Searches a recording under an input, from these hints as well; `None` where nothing answers it like a
+/// resonance.
+pub(crate) fn driven(data: &Data, hints: &model::Start) -> Option<Decay> {
+    let mut begins = resonances(data);
+    let [gain, ..] = *begins.first()?;
+    begins.extend(hints.resonance_hz.map(|hz| [gain, TAU * hz, hints.damping_ratio.unwrap_or(0.1)]));
     let [_, omega_rad_s, _] = *begins.first()?;
     let data = seen(data, omega_rad_s);
     let cycle = TAU * data.rate_hz / omega_rad_s;
