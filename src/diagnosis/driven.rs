@@ -60,8 +60,8 @@ use verdict::{answer, findings};
 const BY_FAR: f64 = 0.5;
 
 /// Reason why a reading of velocity or acceleration is refused.
-const NOT_SIMULATED: &str = "`output_is` is not \"displacement\": that is diagnosed in one recording alone, of a mass that \
-     swings, without samples of its own for validation";
+const NOT_SIMULATED: &str = "a velocity or an acceleration (`output_is`) is diagnosed only in a single recording that shows a \
+     resonance, without [split] test and without further recordings";
 
 /// Diagnoses it.
 ///
@@ -104,7 +104,7 @@ fn decayed(recording: &Recording, taken: &Taken, model: &model::Driven) -> Optio
         return None;
     }
     let decay = match is_driven {
-        true => decay::searched::driven(&prepared.data, &prepared.start)?,
+        true => decay::searched::driven(prepared)?,
         false => decay::searched::decay(&prepared.data, &prepared.filled)?,
     };
     let asked = Asked { recording, pieces, judging, columns: &model.columns, unit: model.unit.as_deref() };

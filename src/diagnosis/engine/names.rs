@@ -106,12 +106,16 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
     let strengths = search.kind.strengths(&best.set, place);
     let is_clear = |i: &usize| best.point.shared[*i].abs() > CLEAR * best.deviations[*i];
     let may_be_zero = !strengths.is_empty() && !strengths.iter().any(is_clear);
-    // What is linear, or goes with time alone, takes up whatever is broad or slow: what is left, or what
-    // the other laws are inexact by.
-    let is_broad = matches!(search.kind.argument(best.set[place]), Argument::Frequency | Argument::Time);
-    let is_little = gain.removed < EXACT * (base.error - best.error);
-    let is_broad = is_broad && (is_little || excess(search, best) >= AT_NOISE);
-    if on_bound || may_be_zero || is_broad || !search.holds(&without, best) {
+    // A law that is linear or goes with time alone can imitate anything slow or broad; one that removes no
+    // more than the others may be inexact by, or that leaves more than the noise, can be an imitation too.
+    // Two of the three are enough to doubt it.
+    let doubts = [
+        matches!(search.kind.argument(best.set[place]), Argument::Frequency | Argument::Time),
+        gain.removed < EXACT * (base.error - best.error),
+        excess(search, best) >= AT_NOISE,
+    ];
+    let is_patch = doubts.into_iter().filter(|doubt| *doubt).count() >= 2;
+    if on_bound || may_be_zero || is_patch || !search.holds(&without, best) {
         return None;
     }
     let law = best.set[place];

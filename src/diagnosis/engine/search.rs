@@ -145,6 +145,8 @@ impl<'a, K: Kind> Search<'a, K> {
         let best = lowest.unwrap_or_else(|| held[0].clone());
         let lacks = |f: &Fitted| held.iter().any(|g| f.set.iter().all(|l| g.set.contains(l)) && self.holds(f, g));
         let size = |f: &Fitted| (f.set.len(), f.point.shared.len());
+        // It lacks no more than laws are inexact by, leaves no more than the noise, or is as good with one of
+        // its forms free: two of the three show that no law is missing.
         let is_near = |f: &Fitted| {
             let is_exact = f.error - best.error <= EXACT * (base.error - best.error);
             let is_a_form = || {

@@ -88,7 +88,7 @@ fn messages(filtered: bool) -> Result<[Vec<Vec<f64>>; 2], Failed> {
     Ok(both)
 }
 
-/// Mean of e²/variance over runs, for e the sum of so many messages in succession.
+/// Computes the mean of e²/variance over runs, where e is the sum of `summed` successive messages.
 fn consistency(runs: &[Vec<f64>], summed: usize, variance: f64) -> f64 {
     let squares = runs.iter().flat_map(|run| run.chunks_exact(summed)).map(|sum| sum.iter().sum::<f64>().powi(2));
     let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), square| (sum + square, count + 1.0));
@@ -138,7 +138,7 @@ fn sums() -> Result<(), Failed> {
     Ok(())
 }
 
-/// Variances of position and velocity, and their covariance, after so many steps of GTSAM's
+/// Computes the variances of position and velocity, and their covariance, after `steps` steps of GTSAM's
 /// `integrateMeasurement` at rest (4.2 and later), along one axis.
 fn preintegrated(white: f64, integration: f64, dt: f64, steps: usize) -> [f64; 3] {
     (0..steps).fold([0.0; 3], |[p, v, pv], _| {

@@ -252,7 +252,7 @@ impl Decay {
         });
         Score {
             unit: unit.to_owned(),
-            noise_floor: self.size(self.variance.sqrt()),
+            noise_floor: self.size(self.variance.min(found.model.variance).sqrt()),
             noise: Some(self.noise_of_the_reading(unit)),
             train: of(&fitted),
             test,
@@ -272,12 +272,13 @@ impl Decay {
         self.found.named.is_empty() && is_more && self.remainder().size == Size::Negligible
     }
 
-    /// The noise of a reading: as it was measured, or where that is only its white part, what the model
-    /// leaves.
+    /// The noise of a reading: as it was measured; where that is only its white part, or more than the model
+    /// leaves, the residual.
     fn noise_of_the_reading(&self, unit: &str) -> Noise {
         let left = self.found.model.variance;
-        if left > (1.0 + AT_NOISE) * self.variance && self.remainder().size == Size::Negligible {
-            let said = "the residual, whose size does not follow the motion";
+        let is_more = left > (1.0 + AT_NOISE) * self.variance && self.remainder().size == Size::Negligible;
+        if is_more || left < (1.0 - AT_NOISE) * self.variance {
+            let said = if is_more { "the residual, whose size does not follow the motion" } else { "the residual" };
             return Noise { value: self.size(left.sqrt()), unit: unit.to_owned(), how: said.to_owned() };
         }
         Noise { value: self.size(self.noise.deviation), unit: unit.to_owned(), how: how(self.noise.how) }

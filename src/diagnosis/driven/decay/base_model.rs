@@ -18,7 +18,7 @@ use crate::physics::law::Role;
 /// Damping ratios at which the base model of a free motion begins.
 const ZETAS: [f64; 4] = [0.003, 0.03, 0.15, 0.5];
 
-/// Gain, ω₀ in rad/s and ζ at which the base model of a free motion with a cycle of so many samples begins.
+/// Starting values of the base model of a free motion: gain, ω₀ in rad/s and ζ. `cycle` in samples.
 pub(super) fn free(rate_hz: f64, cycle: f64) -> Vec<[f64; 3]> {
     ZETAS.map(|zeta| [1.0, TAU * rate_hz / cycle, zeta]).to_vec()
 }

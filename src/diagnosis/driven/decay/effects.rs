@@ -1,7 +1,7 @@
 //! What was found in a decay in public numbers: effects, base model, every candidate's standing.
 
-use crate::driven::base::{GAIN, OFFSET, OMEGA, ZETA};
-use crate::driven::verdict::effects::{Channels, interval_about, parameter_unit, unit};
+use crate::driven::base::OFFSET;
+use crate::driven::verdict::effects::{BASE_NUMBERS, Channels, interval_about, parameter_unit, unit};
 use crate::engine::evidence::Gain;
 use crate::engine::fit::Fitted;
 use crate::engine::kind::Kind;
@@ -101,7 +101,9 @@ fn estimates(decay: &Decay, model: &Fitted, place: usize, read: &Read) -> Vec<Es
 fn power_of_reading(pattern: &str) -> i32 {
     let of = |part: &str| match part.find('y') {
         None => 0,
-        Some(at) => part[at + 1..].strip_prefix('^').and_then(|p| p[..1].parse().ok()).unwrap_or(1),
+        Some(at) => {
+            part[at + 1..].strip_prefix('^').and_then(|p| p.chars().next()?.to_digit(10)).map_or(1, |p| p as i32)
+        }
     };
     let (over, under) = pattern.split_once('/').unwrap_or((pattern, ""));
     of(over) - of(under)
@@ -123,22 +125,17 @@ fn interval(decay: &Decay, model: &Fitted, i: usize) -> (f64, [f64; 2]) {
 /// ω₀, ζ, the gain under an input and the offset, as fitted together with the named laws.
 pub(super) fn base(decay: &Decay, read: &Read) -> Vec<Estimate> {
     let displacement = read.of_displacement();
-    let one = |(i, place): (usize, usize)| {
-        let (name, pattern, channels) = match place {
-            GAIN => ("gain", "y/(u s^2)", &displacement),
-            OMEGA => ("omega0", "rad/s", &displacement),
-            ZETA => ("zeta", "1", &displacement),
-            _ => ("offset", "y", &read.channels),
+    let places = decay.system.oscillator();
+    let known = |(name, place, pattern): (&str, usize, &str)| {
+        let found = interval(decay, &decay.numbers.model, places.iter().position(|p| *p == place)?);
+        let (channels, factor) = match place {
+            OFFSET => (&read.channels, read.observed.per_displacement()),
+            _ => (&displacement, 1.0),
         };
-        let factor = if place == OFFSET { read.observed.per_displacement() } else { 1.0 };
-        let (value, ci95) = scaled(interval(decay, &decay.numbers.model, i), factor);
-        Estimate { name: name.to_owned(), value, unit: unit(pattern, channels), ci95 }
+        let (value, ci95) = scaled(found, factor);
+        Some(Estimate { name: name.to_owned(), value, unit: unit(pattern, channels), ci95 })
     };
-    let mut all: Vec<Estimate> = decay.system.oscillator().into_iter().enumerate().map(one).collect();
-    // ω₀ and ζ come first, as everywhere.
-    let of_gain = all.iter().position(|e| e.name == "gain").map(|i| all.remove(i));
-    all.splice(2.min(all.len())..2.min(all.len()), of_gain);
-    all
+    BASE_NUMBERS.into_iter().filter_map(known).collect()
 }
 
 /// Named laws first, then each law alone.

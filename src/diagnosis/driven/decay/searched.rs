@@ -7,6 +7,7 @@ use std::sync::Arc;
 use crate::driven::identification::start::resonances;
 use crate::driven::intake::data::Data;
 use crate::driven::intake::observed::Observed;
+use crate::driven::intake::prepare::Prepared;
 use crate::driven::intake::reading_noise::{ReadingNoise, Sample, reading_noise};
 use crate::driven::simulated::rows::Rows;
 use crate::driven::simulated::system::System;
@@ -17,7 +18,6 @@ use crate::engine::kind::Point;
 use crate::engine::levels::FOLLOWED;
 use crate::engine::names::{self, Found};
 use crate::engine::search::Search;
-use crate::model;
 
 use super::base_model::{self, base};
 use super::rows::{self, CYCLES, LEAST_SEGMENT};
@@ -54,23 +54,22 @@ pub(crate) fn decay(data: &Data, filled: &[Range<usize>]) -> Option<Decay> {
     let data = seen(data, TAU * data.rate_hz / motion.cycle);
     let rows = rows::rows(&data, &motion, filled);
     let begins = base_model::free(data.rate_hz, motion.cycle);
-    searched(data, rows, motion, &begins)
+    searched(data, rows, motion, &begins, true)
 }
 
-/// Searches a recording under an input, from these hints as well; `None` where nothing answers it like a
-/// resonance.
-pub(crate) fn driven(data: &Data, hints: &model::Start) -> Option<Decay> {
-    let mut begins = resonances(data);
-    let [gain, ..] = *begins.first()?;
+/// Searches a recording under an input, and begins at the hints as well; `None` where nothing answers the
+/// input like a resonance.
+pub(crate) fn driven(prepared: &Prepared) -> Option<Decay> {
+    let (mut begins, hints) = (resonances(&prepared.data), &prepared.start);
+    let [gain, omega_rad_s, _] = *begins.first()?;
     begins.extend(hints.resonance_hz.map(|hz| [gain, TAU * hz, hints.damping_ratio.unwrap_or(0.1)]));
-    let [_, omega_rad_s, _] = *begins.first()?;
-    let data = seen(data, omega_rad_s);
+    let data = seen(&prepared.data, omega_rad_s);
     let cycle = TAU * data.rate_hz / omega_rad_s;
     let segment = (CYCLES * cycle).max(LEAST_SEGMENT) as usize;
     let rows = under_input::rows(&data, cycle, Some(segment));
     let stretches = std::iter::once(data.hull.clone()).collect();
     let motion = Motion { cycle, stretches, is_released: false, knocks: Vec::new() };
-    searched(data, rows, motion, &begins)
+    searched(data, rows, motion, &begins, prepared.notes.broken.is_none())
 }
 
 /// The recording with readings as the displacement that stands for them at this frequency.
@@ -80,12 +79,16 @@ fn seen(data: &Data, omega_rad_s: f64) -> Data {
     Data { observed, reading, ..data.clone() }
 }
 
-fn searched(data: Data, rows: Rows, motion: Motion, begins: &[[f64; 3]]) -> Option<Decay> {
+/// Fits the base model from the places where it may begin, and searches the laws beside it if `tries_laws`.
+fn searched(data: Data, rows: Rows, motion: Motion, begins: &[[f64; 3]], tries_laws: bool) -> Option<Decay> {
     if rows.layout.segments.is_empty() {
         return None;
     }
     let noise = reading_noise(&Sample::of(&data))?;
-    let (system, base) = base(rows, motion.cycle, begins)?;
+    let (mut system, base) = base(rows, motion.cycle, begins)?;
+    if !tries_laws {
+        system.members.clear();
+    }
     // What rounding adds is not smoothed away below a thousandth of the motion.
     let least = 1e-6 * system.scales.output;
     let variance = (noise.deviation * system.rows.noise_gain).max(least).powi(2);

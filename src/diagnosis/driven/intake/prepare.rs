@@ -213,7 +213,11 @@ impl Columns<'_> {
             return Ok(None);
         }
         let Some(forward) = align(input, reading, ends) else { return Ok(None) };
-        if forward.residual > 0.2
+        // What is known of misaligned and exchanged columns is known of displacement: a velocity leads it by a
+        // quarter of a cycle, and an acceleration by half a one.
+        let is_displacement = model.output_is == model::Output::Displacement;
+        if is_displacement
+            && forward.residual > 0.2
             && let Some(backward) = align(reading, input, ends)
             && alignment::exchanged(&forward, &backward)
         {
@@ -233,8 +237,7 @@ impl Columns<'_> {
             return Err(Refusal::Cause(format!("no oscillator can be identified: the best one {explains}")));
         }
         let lag = forward.lag;
-        // A velocity leads the displacement by a quarter of a cycle, and an acceleration by half a one.
-        if !forward.is_misaligned() || model.output_is != model::Output::Displacement {
+        if !forward.is_misaligned() || !is_displacement {
             return Ok(None);
         }
         let shift = Shift::of(input, lag, format!("{output} is misaligned with {name}: it comes"));

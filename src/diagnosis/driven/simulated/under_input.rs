@@ -14,8 +14,8 @@ const MOST: usize = 8192;
 /// Blocks in all at most.
 const BLOCKS: usize = 40;
 
-/// Rows of a recording whose resonance has a cycle of so many samples, simulated to the end or in
-/// segments of so many rows. One whose response is chaotic begins anew in each of its windows.
+/// Selects the rows of a recording. `cycle`: samples per cycle of its resonance. `segment`: rows after which
+/// a simulation restarts; `None` runs to the end. A chaotic response restarts in each of its windows.
 pub(in crate::driven) fn rows(data: &Data, cycle: f64, segment: Option<usize>) -> Rows {
     let mut data = loudest_of(data, MOST, MOST).unwrap_or_else(|| data.clone());
     let hull = data.hull.clone();
@@ -33,7 +33,7 @@ pub(in crate::driven) fn rows(data: &Data, cycle: f64, segment: Option<usize>) -
     Rows { layout, own_offsets, at: hull.collect(), step: 1, of: 1, noise_gain: 1.0, data }
 }
 
-/// A part in pieces of about so many rows.
+/// Divides a part into pieces of about `segment` rows.
 fn divided(part: Range<usize>, segment: Option<usize>) -> impl Iterator<Item = Range<usize>> {
     let count = segment.map_or(1, |rows| (part.len() / rows.max(1)).max(1));
     let length = part.len();

@@ -21,6 +21,9 @@ use crate::verdict::{Effect, Estimate, Evidence, Form};
 use super::conclude::Conclusion;
 use super::product;
 
+/// Names of the base model's public numbers, their places among its parameters, and their units.
+pub(in crate::driven) const BASE_NUMBERS: [(&str, usize, &str); 4] =
+    [("omega0", OMEGA, "rad/s"), ("zeta", ZETA, "1"), ("gain", GAIN, "y/(u s^2)"), ("offset", OFFSET, "y")];
 /// Unit of a parameter that is a force on the mass.
 const FORCE: &str = "y/s^2";
 
@@ -101,7 +104,6 @@ pub(crate) fn noise_floor(data: &Data, fit: &Fit) -> f64 {
 pub fn base(c: &Conclusion, scales: &Scales, channels: &Channels) -> Vec<Estimate> {
     let fit = &c.model.fit;
     let coordinates = coordinates(&fit.structure, scales);
-    let rows = [("omega0", OMEGA, "rad/s"), ("zeta", ZETA, "1"), ("gain", GAIN, "y/(u s^2)"), ("offset", OFFSET, "y")];
     let known = |(name, place, pattern): (&str, usize, &str)| {
         let index = fit.free.iter().position(|f| *f == place)?;
         let reach = c.spread.reach.get(index).copied()?;
@@ -113,7 +115,7 @@ pub fn base(c: &Conclusion, scales: &Scales, channels: &Channels) -> Vec<Estimat
             ci95: interval_about(value, coordinates[place], reach),
         })
     };
-    rows.into_iter().filter_map(known).collect()
+    BASE_NUMBERS.into_iter().filter_map(known).collect()
 }
 
 /// The 95 % interval about a value that moves in this coordinate.
