@@ -42,7 +42,7 @@ pub mod validate;
 /// How far will this inertial sensor drift, which error is to blame, and what physics does the
 /// model leave out?
 #[derive(Debug, Parser)]
-#[command(name = "proofmass", bin_name = "proofmass", version, about, max_term_width = 100, after_help = EXAMPLES)]
+#[command(name = "proofmass", bin_name = "proofmass", version, max_term_width = 100, after_help = EXAMPLES)]
 pub struct Arguments {
     /// Print the result as one JSON document on stdout
     #[arg(long, global = true)]

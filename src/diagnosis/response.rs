@@ -71,7 +71,7 @@ pub fn diagnose(recording: &Recording, model: &model::Response, control: &Contro
         .go_on()
         .map_err(|s| s.during(format!("could not finish {}", recording.path.display()), "start it again"))?;
     work.rename("searching the library");
-    let found = names::names(&search, base);
+    let found = names::names(&search, base, None);
     drop(search);
     let case =
         answer::Case { recording, model, system: &system, found: &found, deviation, is_measured: measured.is_some() };

@@ -34,6 +34,7 @@ const COMMANDS: [&str; 12] = [
 fn help() -> Result<(), Failed> {
     let answer = run(program().arg("--help"))?;
     check(answer.code == Some(0) && answer.stdout.contains("Examples:"), "no examples in --help")?;
+    check(answer.stdout.starts_with("How far will this inertial sensor drift"), "--help does not say what it is for")?;
     for command in COMMANDS {
         check(answer.stdout.contains(&format!("\n  {command} ")), format!("--help is silent on {command}"))?;
         let own = run(program().args([command, "--help"]))?;

@@ -25,6 +25,8 @@ pub fn tests() -> Vec<Trial> {
         test("read quantity: an accelerometer that clips keeps its rails, beside a spring of its mass", clipped),
         data_test("read quantity: the rate of a ship's roll gives the spring that its angle gives", roll_rate),
         test("read quantity: noise and foreign physics are given no name", silent),
+        test("read quantity: a reading that is late is named, and an input that is held is not", late),
+        test("read quantity: noise with a memory is no missing physics", remembering_noise),
         test("read quantity: several recordings are refused in a sentence", refused),
     ]
 }
@@ -185,6 +187,61 @@ fn clipped() -> Result<(), Failed> {
     let rails = verdict.effects.iter().find(|e| e.id == "readout-saturation").ok_or("it is named")?;
     near("low", rails.parameters[0].value, -0.8, 0.01)?;
     near("high", rails.parameters[1].value, 1.1, 0.01)
+}
+
+// Two rows late: τ = 2 · 2π/30. Its control is an input that goes in steps, which looks late by half a row to who
+// takes it for a smooth one.
+fn late() -> Result<(), Failed> {
+    let made = Made { zeta: 0.02, begin: 0.0, gain: 0.25, cycles: 130, noise: 1e-3, force: &|_, _, _| 0.0 };
+    for output in [Output::Velocity, Output::Acceleration] {
+        let [input, reading] = made.rows(output);
+        let rows = reading.len() - 2;
+        let verdict = made.judged([input[2..].to_vec(), reading[..rows].to_vec()], output)?;
+        check(ids(&verdict) == ["readout-delay"], format!("{output:?}: {:?} {}", ids(&verdict), verdict.sentence))?;
+        near("tau", verdict.effects[0].parameters[0].value, 2.0 * TAU / PER_CYCLE as f64, 0.002)?;
+    }
+    let held = held_velocity(0.25, 130);
+    let verdict = made.judged(held, Output::Velocity)?;
+    check(ids(&verdict).is_empty() && verdict.verdict == Outcome::Adequate, verdict.sentence)?;
+    check(verdict.findings.iter().any(|f| f.contains("steps (held)")), format!("{:?}", verdict.findings))
+}
+
+/// Input and velocity of the same mass, exactly, where the input stays as it is from row to row.
+fn held_velocity(gain: f64, cycles: usize) -> [Vec<f64>; 2] {
+    let (zeta, h) = (0.02_f64, TAU / PER_CYCLE as f64);
+    let damped = (1.0 - zeta * zeta).sqrt();
+    let (decay, (sin, cos)) = ((-zeta * h).exp(), (damped * h).sin_cos());
+    let mut rng = Philox::new(8, 0, Stream::Host);
+    let (mut x, mut v, mut u) = (0.0, 0.0, 0.0);
+    let (mut inputs, mut readings) = (Vec::new(), Vec::new());
+    for _ in 0..cycles * PER_CYCLE {
+        u = 0.8 * u + rng.normal();
+        inputs.push(u);
+        readings.push(v + 1e-3 * rng.normal());
+        // About the place of rest under this input.
+        let y = x - gain * u;
+        x = gain * u + decay * (y * cos + (v + zeta * y) / damped * sin);
+        v = decay * (v * cos - (y + zeta * v) / damped * sin);
+    }
+    [inputs, readings]
+}
+
+// An autoregression of first order, 0.5 from row to row: differences of neighbours show less than half of it.
+fn remembering_noise() -> Result<(), Failed> {
+    for output in [Output::Velocity, Output::Acceleration] {
+        let made = Made { zeta: 0.02, begin: 0.0, gain: 0.25, cycles: 130, noise: 0.0, force: &|_, _, _| 0.0 };
+        let [input, mut reading] = made.rows(output);
+        let mut rng = Philox::new(9, 0, Stream::Host);
+        let mut noise = 0.0;
+        for y in &mut reading {
+            noise = 0.5 * noise + 0.01 * rng.normal();
+            *y += noise;
+        }
+        let verdict = made.judged([input, reading], output)?;
+        let case = format!("{output:?}: {:?} {}", ids(&verdict), verdict.sentence);
+        check(ids(&verdict).is_empty() && verdict.verdict == Outcome::Adequate, case)?;
+    }
+    Ok(())
 }
 
 /// Rows on each side of the straight line whose slope is the rate: at 2.46 rad/s it is 0.6 % too small (a sine over

@@ -2,14 +2,17 @@
 //! rests; or one under an input whose velocity or acceleration is read.
 //!
 //! Intake finds the motion (`swings`) and its rows (`rows`); the engine searches the laws of a proof
-//! mass (`simulated`) by free simulation from the base model (`base_model`, `searched`); `answer` says
+//! mass (`simulated`) by free simulation from the base model (`base_model`, `searched`, under an input
+//! `driven`); `answer` says
 //! what was found, in the units of what was read (`read`).
 
 pub mod answer;
 mod base_model;
+pub mod driven;
 mod effects;
 mod findings;
 mod form;
+mod known;
 mod read;
 mod rows;
 pub mod searched;

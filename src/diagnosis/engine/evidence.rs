@@ -2,7 +2,7 @@
 
 use super::fit::Fitted;
 use super::kind::Layout;
-use super::levels::FEWEST_BLOCKS;
+use super::levels::{FEWEST_BLOCKS, LEAST_SHARE, NAME, TIE};
 
 /// Held-out error that one model removes from another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +21,16 @@ pub(crate) struct Gain {
 }
 
 impl Gain {
+    /// Whether what the model with has more earns a name.
+    pub(crate) fn holds(&self) -> bool {
+        self.errors >= NAME && self.share >= LEAST_SHARE
+    }
+
+    /// Whether the model without is as good as the one with but for chance.
+    pub(crate) fn is_chance(&self) -> bool {
+        self.removed <= 0.0 || self.apart < TIE || (self.is_known && self.errors < TIE)
+    }
+
     /// 95 % interval of the share.
     pub(crate) fn ci95(&self) -> [f64; 2] {
         let half = 1.96 * (self.share / self.errors).abs();

@@ -50,9 +50,9 @@ pub(crate) struct Found {
     pub alone: Vec<(usize, Gain)>,
 }
 
-/// Searches, and says what holds; `base` is the fitted base model.
-pub(crate) fn names<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>) -> Found {
-    let found = search.run(&base);
+/// Searches, and says what holds; `base` is the fitted base model, `known` a set that was found already.
+pub(crate) fn names<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, known: Option<Arc<Fitted>>) -> Found {
+    let found = search.run(&base, known);
     let (best, mut named) = held(search, &base, &found);
     named.sort_by(|a, b| b.gain.removed.total_cmp(&a.gain.removed));
     let together = search.gain(&base, &best);

@@ -10,7 +10,7 @@ use crate::parallel;
 use super::evidence::{Gain, gain};
 use super::fit::{Fitted, MOST_STEPS, fit};
 use super::kind::{Form, Kind, Point, Set};
-use super::levels::{AT_NOISE, EXACT, INEXACT, LEAST_SHARE, NAME, TIE};
+use super::levels::{AT_NOISE, EXACT, INEXACT, NAME};
 use super::linear::Products;
 
 /// Sets that are followed in parallel.
@@ -65,14 +65,12 @@ impl<'a, K: Kind> Search<'a, K> {
 
     /// Whether what one set has more than the other earns a name.
     pub(crate) fn holds(&self, without: &Fitted, with: &Fitted) -> bool {
-        let gain = self.gain(without, with);
-        gain.errors >= NAME && gain.share >= LEAST_SHARE
+        self.gain(without, with).holds()
     }
 
     /// Whether a set is as good as the best one but for chance.
     fn is_no_worse(&self, one: &Fitted, best: &Fitted) -> bool {
-        let gain = self.gain(one, best);
-        gain.removed <= 0.0 || (gain.is_known && gain.errors.min(gain.apart) < TIE)
+        self.gain(one, best).is_chance()
     }
 
     /// Whether a model leaves no more than the noise.
@@ -87,9 +85,12 @@ impl<'a, K: Kind> Search<'a, K> {
         self.is_no_worse(one, best) || gain.removed < INEXACT * left
     }
 
-    /// The best set that the search finds; the base where none holds.
-    pub(crate) fn run(&self, base: &Arc<Fitted>) -> Arc<Fitted> {
-        let (mut frontier, mut held) = (vec![base.clone()], vec![base.clone()]);
+    /// The best set that the search finds; the base where none holds. It begins at the base model and at
+    /// what is `known` already.
+    pub(crate) fn run(&self, base: &Arc<Fitted>, known: Option<Arc<Fitted>>) -> Arc<Fitted> {
+        let mut frontier: Vec<Arc<Fitted>> = std::iter::once(base.clone()).chain(known).collect();
+        let mut held = frontier.clone();
+        frontier.retain(|f| f.set.len() < MOST_LAWS);
         while !frontier.is_empty() {
             // One parent after the other: a set that two of them lead to is fitted from the better one.
             let held_children = |parent: &Arc<Fitted>| -> Vec<Arc<Fitted>> {

@@ -9,9 +9,10 @@ use crate::driven::base::{OFFSET, OMEGA, ZETA};
 use crate::driven::identification::fit::Fit;
 use crate::driven::intake::notes::Notes;
 use crate::driven::selection::identifiability::FEWEST_CYCLES;
+use crate::driven::selection::residual_structure::of_noise;
 use crate::driven::simulated::system::System;
 use crate::driven::verdict::asked::Asked;
-use crate::driven::verdict::conclude::WHITE;
+use crate::driven::verdict::conclude::{WHITE, remembers};
 use crate::driven::verdict::detail::{Account, Detail, Shown};
 use crate::driven::verdict::effects::{Channels, unit_of};
 use crate::driven::verdict::isolation::{Compared, locate};
@@ -30,6 +31,7 @@ use crate::verdict::{DependsOn, Fit as Score, Noise, RecordingInfo, RecordingSco
 
 use super::effects::{self, share};
 use super::findings;
+use super::known;
 use super::read::Read;
 use super::searched::Decay;
 
@@ -192,11 +194,24 @@ impl Decay {
         let (found, model) = (&self.found, &self.found.model);
         let excess = model.variance / self.variance - 1.0;
         let depends = !found.rest.is_empty() || found.named.iter().any(|n| n.departs.is_some());
+        let size = Size::of(excess, AT_NOISE, FAINT);
+        if self.data.input.is_some() {
+            // What does not know the input is noise, unless it has a longer memory than a readout's.
+            let p_value = if depends || self.foretold(model) { 0.0 } else { 1.0 };
+            let fit = self.as_fit(&self.system, model);
+            let passed = (model.model.residual.clone(), self.passed(model));
+            let left = of_noise(&self.system.rows.data, &fit, passed).structure;
+            return Remainder::of([Test { p_value, size }, remembers(&left)]);
+        }
         let is_inexact = !found.named.is_empty() && excess >= FAINT;
-        // Under an input noise keeps its size, and so does a motion.
-        let is_driven = self.data.input.is_some();
-        let p_value = if depends || is_inexact || is_driven { 0.0 } else { self.grows_by_chance(model) };
-        Remainder::of([Test { p_value, size: Size::of(excess, AT_NOISE, FAINT) }])
+        let p_value = if depends || is_inexact { 0.0 } else { self.grows_by_chance(model) };
+        Remainder::of([Test { p_value, size }])
+    }
+
+    /// Whether a forecast from input, state and time removes part of what a model leaves.
+    fn foretold(&self, model: &Fitted) -> bool {
+        let gain = known::foretold(&self.system, model, &self.passed(model), self.variance);
+        gain.is_some_and(|gain| gain.holds())
     }
 
     /// Probability that the power of the residual goes up and down with that of the motion by chance:
@@ -269,7 +284,11 @@ impl Decay {
     pub(crate) fn leaves_noise_with_memory(&self) -> bool {
         let left = self.found.model.variance;
         let is_more = left > (1.0 + AT_NOISE) * self.variance;
-        self.found.named.is_empty() && is_more && self.remainder().size == Size::Negligible
+        let is_noise = || match self.data.input.is_some() {
+            true => self.found.rest.is_empty() && !self.foretold(&self.found.model),
+            false => self.remainder().size == Size::Negligible,
+        };
+        self.found.named.is_empty() && is_more && is_noise()
     }
 
     /// The noise of a reading: as it was measured; where that is only its white part, or more than the model
@@ -288,10 +307,11 @@ impl Decay {
     /// reading.
     fn as_fit(&self, system: &System, model: &Fitted) -> Fit {
         let excess = (model.variance - self.variance).max(0.0);
+        let (structure, point) = (system.structure(&model.set), system.parameters(&model.set, &model.point));
         Fit {
-            structure: system.structure(&model.set),
-            point: system.parameters(&model.set, &model.point),
-            steps: 1,
+            steps: structure.steps(&point, &system.scales),
+            structure,
+            point,
             linear: Linear { residual: model.model.residual.clone(), columns: Vec::new() },
             free: Vec::new(),
             slopes: Vec::new(),

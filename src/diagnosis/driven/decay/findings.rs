@@ -1,6 +1,7 @@
 //! What is found about a decay besides its physics, in sentences.
 
 use crate::driven::intake::data::Data;
+use crate::driven::selection::base_model::interpolated;
 use crate::number::short;
 
 use super::searched::Decay;
@@ -10,7 +11,7 @@ pub(super) fn findings(decay: &Decay, data: &Data, unit: &str) -> Vec<String> {
     let (motion, rows) = (&decay.motion, &decay.system.rows);
     let second = |row: usize| short(row as f64 / data.rate_hz);
     let (first, last) = (motion.stretches[0].start, motion.stretches[motion.stretches.len() - 1].end);
-    let mut all = Vec::new();
+    let mut all: Vec<String> = decay.other_input.map(interpolated).into_iter().collect();
     if motion.is_released {
         all.push(format!(
             "the mass is held and released at {} s: rows {} to {} lie before it and are not fitted",

@@ -4,14 +4,12 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::driven::identification::start::resonances;
 use crate::driven::intake::data::Data;
+use crate::driven::intake::input::Interpolation;
 use crate::driven::intake::observed::Observed;
-use crate::driven::intake::prepare::Prepared;
 use crate::driven::intake::reading_noise::{ReadingNoise, Sample, reading_noise};
 use crate::driven::simulated::rows::Rows;
 use crate::driven::simulated::system::System;
-use crate::driven::simulated::under_input;
 use crate::driven::simulation::filter::States;
 use crate::engine::fit::{Fitted, MOST_STEPS, fit};
 use crate::engine::kind::Point;
@@ -20,7 +18,7 @@ use crate::engine::names::{self, Found};
 use crate::engine::search::Search;
 
 use super::base_model::{self, base};
-use super::rows::{self, CYCLES, LEAST_SEGMENT};
+use super::rows;
 use super::swings::{self, Motion};
 
 /// A decay that was searched.
@@ -34,6 +32,8 @@ pub(crate) struct Decay {
     pub(super) variance: f64,
     pub(super) found: Found,
     pub(super) numbers: Numbers,
+    /// Way of the input between its samples, where another one than was prepared does better.
+    pub(super) other_input: Option<Interpolation>,
 }
 
 /// The final model over segments as long as it follows the motion through: its numbers are those of
@@ -57,30 +57,15 @@ pub(crate) fn decay(data: &Data, filled: &[Range<usize>]) -> Option<Decay> {
     searched(data, rows, motion, &begins, true)
 }
 
-/// Searches a recording under an input, and begins at the hints as well; `None` where nothing answers the
-/// input like a resonance.
-pub(crate) fn driven(prepared: &Prepared) -> Option<Decay> {
-    let (mut begins, hints) = (resonances(&prepared.data), &prepared.start);
-    let [gain, omega_rad_s, _] = *begins.first()?;
-    begins.extend(hints.resonance_hz.map(|hz| [gain, TAU * hz, hints.damping_ratio.unwrap_or(0.1)]));
-    let data = seen(&prepared.data, omega_rad_s);
-    let cycle = TAU * data.rate_hz / omega_rad_s;
-    let segment = (CYCLES * cycle).max(LEAST_SEGMENT) as usize;
-    let rows = under_input::rows(&data, cycle, Some(segment));
-    let stretches = std::iter::once(data.hull.clone()).collect();
-    let motion = Motion { cycle, stretches, is_released: false, knocks: Vec::new() };
-    searched(data, rows, motion, &begins, prepared.notes.broken.is_none())
-}
-
 /// The recording with readings as the displacement that stands for them at this frequency.
-fn seen(data: &Data, omega_rad_s: f64) -> Data {
+pub(super) fn seen(data: &Data, omega_rad_s: f64) -> Data {
     let observed = Observed { omega_rad_s, ..data.observed };
     let reading = data.reading.iter().map(|y| observed.displacement(*y)).collect();
     Data { observed, reading, ..data.clone() }
 }
 
 /// Fits the base model from the places where it may begin, and searches the laws beside it if `tries_laws`.
-fn searched(data: Data, rows: Rows, motion: Motion, begins: &[[f64; 3]], tries_laws: bool) -> Option<Decay> {
+pub(super) fn searched(data: Data, rows: Rows, motion: Motion, begins: &[[f64; 3]], tries_laws: bool) -> Option<Decay> {
     if rows.layout.segments.is_empty() {
         return None;
     }
@@ -93,30 +78,23 @@ fn searched(data: Data, rows: Rows, motion: Motion, begins: &[[f64; 3]], tries_l
     let least = 1e-6 * system.scales.output;
     let variance = (noise.deviation * system.rows.noise_gain).max(least).powi(2);
     let (search, base) = Search::begin(&system, variance, &base.point)?;
-    let found = names::names(&search, base);
+    let found = names::names(&search, base, None);
     drop(search);
     let numbers = numbers(&system, &found, variance);
-    Some(Decay { data, motion, system, noise, variance, found, numbers })
+    Some(Decay { data, motion, system, noise, variance, found, numbers, other_input: None })
 }
 
 /// Joins segments as long as the model follows the motion through the longer ones.
 fn numbers(system: &System, found: &Found, noise: f64) -> Numbers {
-    let copy =
-        |rows: &Rows| System { rows: rows.clone(), scales: system.scales.clone(), members: system.members.clone() };
     let mut numbers = Numbers {
-        system: copy(&system.rows),
+        system: system.clone(),
         model: found.model.clone(),
         rivals: found.named.iter().map(|n| n.rivals.clone()).collect(),
     };
     let most = FOLLOWED * found.model.variance.max(noise);
-    while let Some(rows) = numbers.system.rows.joined() {
-        let before = &numbers.system.rows.layout.segments;
-        let is_first = |s: &Range<usize>| before.iter().position(|own| own.start == s.start);
-        let firsts: Vec<usize> = rows.layout.segments.iter().filter_map(is_first).collect();
-        let joined = copy(&rows);
+    while let Some(joined) = joined(&numbers.system) {
         let again = |fitted: &Fitted| {
-            let starts = firsts.iter().map(|s| fitted.point.starts[*s].clone()).collect();
-            let point = Point { starts, ..fitted.point.clone() };
+            let point = begun(&numbers.system, &joined, &fitted.point);
             fit(&joined, &fitted.set, &point, MOST_STEPS).map(Arc::new)
         };
         let Some(model) = again(&numbers.model).filter(|m| m.variance <= most) else { break };
@@ -125,6 +103,19 @@ fn numbers(system: &System, found: &Found, noise: f64) -> Numbers {
         numbers = Numbers { system: joined, model, rivals };
     }
     numbers
+}
+
+/// The same recording in segments twice as long; `None` where it is one.
+fn joined(system: &System) -> Option<System> {
+    Some(System { rows: system.rows.joined()?, ..system.clone() })
+}
+
+/// A point over longer segments that begin where some of the shorter ones do.
+pub(super) fn begun(shorter: &System, longer: &System, point: &Point) -> Point {
+    let before = &shorter.rows.layout.segments;
+    let first = |s: &Range<usize>| before.iter().position(|own| own.start == s.start);
+    let starts = longer.rows.layout.segments.iter().filter_map(first).map(|s| point.starts[s].clone()).collect();
+    Point { starts, ..point.clone() }
 }
 
 impl Decay {

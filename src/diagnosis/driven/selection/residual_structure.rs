@@ -51,7 +51,11 @@ pub(crate) struct Residual {
 /// the larger probability counts. Where a memory of a few samples accounts for the structure, it is
 /// one of the noise, and what is stated is the structure beside it.
 pub(crate) fn residual_structure_of_noise(data: &Data, fit: &Fit) -> Residual {
-    let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
+    of_noise(data, fit, trace(data, &fit.structure, &fit.point, &fit.run(data, true)))
+}
+
+/// As `residual_structure_of_noise`, of these innovations and the states that they belong to.
+pub(crate) fn of_noise(data: &Data, fit: &Fit, (innovations, states): (Vec<f64>, States)) -> Residual {
     let mut known = regressors(data, &states);
     let plain = structure(&innovations, OWN_LAGS, &known);
     if plain.p_value >= WHITE {
@@ -84,7 +88,7 @@ pub(crate) fn residual_structure_of_noise(data: &Data, fit: &Fit) -> Residual {
 }
 
 /// What innovations are regressed on besides their past, row by row.
-fn regressors(data: &Data, states: &States) -> Vec<Vec<f64>> {
+pub(crate) fn regressors(data: &Data, states: &States) -> Vec<Vec<f64>> {
     let (x, v) = (&states.x, &states.v);
     let product = |f: &dyn Fn(f64, f64) -> f64| x.iter().zip(v).map(|(x, v)| f(*x, *v)).collect::<Vec<f64>>();
     let scale = mean_sd(v).1 / mean_sd(x).1.max(1e-300);

@@ -52,8 +52,9 @@ impl Rows {
         }
         let block = self.layout.blocks.iter().map(Range::len).max().unwrap_or(LEAST_BLOCK);
         let mut joined = self.clone();
-        joined.data.breaks = segments.iter().skip(1).map(|s| s.start).collect();
-        joined.data.train.clone_from(&segments);
+        let first = self.data.hull.start;
+        joined.data.breaks = segments.iter().skip(1).map(|s| first + s.start).collect();
+        joined.data.train = segments.iter().map(|s| first + s.start..first + s.end).collect();
         joined.layout = Layout::new(segments, block, self.layout.counts.clone());
         Some(joined)
     }

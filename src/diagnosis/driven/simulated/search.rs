@@ -64,7 +64,7 @@ impl Simulated {
     /// What the engine finds; `None` where no free simulation of the base model comes to rest.
     pub(in crate::driven) fn search(&self) -> Option<Found> {
         let (search, base) = Search::begin(&self.system, self.variance, &self.base)?;
-        Some(names::names(&search, base))
+        Some(names::names(&search, base, None))
     }
 
     /// What the laws at these places of a model are worth, with what the rest depends on where that is

@@ -176,10 +176,14 @@ fn character(data: &Data, fit: &Fit, coloured: Option<&Coloured>) -> NoiseCharac
     NoiseCharacter { stretch, memory, ..noise }
 }
 
+/// Whether more of a residual can be foretold than of noise.
+pub(crate) fn remembers(left: &Structure) -> Test {
+    Test { p_value: QUESTIONS * left.p_value, size: Size::of(left.r_squared, WHITE, FAINT) }
+}
+
 /// The three questions asked of what a model leaves.
 fn remainder(data: &Data, model: &Judged, after: &Residual) -> Remainder {
-    let found = &after.structure;
-    let structure = Test { p_value: QUESTIONS * found.p_value, size: Size::of(found.r_squared, WHITE, FAINT) };
+    let structure = remembers(&after.structure);
     // Noise of the sensor's own keeps its strength whatever the sensor does; what does not is a
     // stand-in for physics.
     let power = model.fit.structure.is_noisy().then(|| power_structure(data, &model.fit));

@@ -1,0 +1,95 @@
+//! A recording under an input, searched by free simulation: first in short segments, then over all that the
+//! model follows, on the way of the input between its samples that does best.
+
+use std::f64::consts::TAU;
+
+use crate::driven::identification::refined_scales::lines;
+use crate::driven::identification::start::resonances;
+use crate::driven::intake::data::Data;
+use crate::driven::intake::input::Interpolation;
+use crate::driven::intake::prepare::Prepared;
+use crate::driven::simulated::rows::Rows;
+use crate::driven::simulated::system::System;
+use crate::driven::simulated::under_input;
+use crate::engine::evidence::gain;
+use crate::engine::fit::{MOST_STEPS, fit};
+use crate::engine::kind::{Argument, Kind};
+use crate::engine::names;
+use crate::engine::search::Search;
+
+use super::rows::{CYCLES, LEAST_SEGMENT};
+use super::searched::{Decay, Numbers, begun, searched, seen};
+use super::swings::Motion;
+
+/// Searches a recording under an input, and begins at the hints as well; `None` where nothing answers the
+/// input like a resonance.
+///
+/// The search begins on short segments, which no model loses, and goes on where a simulation follows the
+/// motion through longer ones: only there do linear laws show that a start anew every few cycles hides.
+pub(crate) fn driven(prepared: &Prepared) -> Option<Decay> {
+    let (mut begins, hints) = (resonances(&prepared.data), &prepared.start);
+    let [gain, omega_rad_s, _] = *begins.first()?;
+    begins.extend(hints.resonance_hz.map(|hz| [gain, TAU * hz, hints.damping_ratio.unwrap_or(0.1)]));
+    let cycle = TAU * prepared.data.rate_hz / omega_rad_s;
+    let segment = (CYCLES * cycle).max(LEAST_SEGMENT) as usize;
+    let data = seen(&prepared.data, omega_rad_s);
+    let search = |data: Data| {
+        let rows = under_input::rows(&data, cycle, Some(segment));
+        let stretches = std::iter::once(data.hull.clone()).collect();
+        let motion = Motion { cycle, stretches, is_released: false, knocks: Vec::new() };
+        Some(searched(data, rows, motion, &begins, prepared.notes.broken.is_none())?.further())
+    };
+    let decay = search(data.clone())?;
+    let Some(how) = decay.other_input() else { return Some(decay) };
+    let again = search(Data { input: data.input.clone().map(|input| input.gone(how)), ..data });
+    Some(again.map_or(decay, |again| Decay { other_input: Some(how), ..again }))
+}
+
+impl Decay {
+    /// Searches again over the longest segments that the final model follows the motion through.
+    fn further(self) -> Self {
+        let mut system = self.numbers.system.clone();
+        if system.rows.layout.segments.len() == self.system.rows.layout.segments.len() {
+            return self;
+        }
+        let base = fit(&system, &[], &begun(&self.system, &system, &self.found.base.point), MOST_STEPS);
+        let Some(base) = base else { return self };
+        system.scales.lines_hz = lines(&base.model.residual, system.rows.data.rate_hz);
+        let Some((search, base)) = Search::begin(&system, self.variance, &base.point) else { return self };
+        let known = search.at(&self.numbers.model.set, &self.numbers.model.point);
+        let found = names::names(&search, base, known);
+        drop(search);
+        // A law of the mass shows in short segments as it does in long ones.
+        let is_seen = |law: &usize| system.argument(*law) == Argument::Frequency || self.found.model.set.contains(law);
+        if !found.model.set.iter().all(is_seen) {
+            return self;
+        }
+        let rivals = found.named.iter().map(|n| n.rivals.clone()).collect();
+        let numbers = Numbers { system: system.clone(), model: found.model.clone(), rivals };
+        Self { system, found, numbers, ..self }
+    }
+
+    /// Another way of the input between its samples on which the model does as well without the linear laws
+    /// that it holds, or better than it does now: steps look late by half a sample, straight lines like a
+    /// weak low-pass.
+    fn other_input(&self) -> Option<Interpolation> {
+        let model = &self.found.model;
+        let input = self.system.rows.data.input.clone()?;
+        let (mut set, mut point) = (model.set.clone(), model.point.clone());
+        while let Some(place) = set.iter().position(|law| self.system.argument(*law) == Argument::Frequency) {
+            point = self.system.without(&set, &point, place);
+            set.remove(place);
+        }
+        let is_linear = set.len() < model.set.len();
+        let others = [Interpolation::Hold, Interpolation::Linear].into_iter().filter_map(|how| {
+            let data = Data { input: Some(input.clone().gone(how)), ..self.system.rows.data.clone() };
+            let rows = Rows { data, ..self.system.rows.clone() };
+            let other = fit(&System { rows, ..self.system.clone() }, &set, &point, MOST_STEPS)?;
+            let layout = &self.system.rows.layout;
+            let is_better = || gain(layout, model, &other, self.variance).holds();
+            let is_as_good = is_linear && gain(layout, &other, model, self.variance).is_chance();
+            (is_as_good || is_better()).then_some((how, other.error))
+        });
+        others.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(how, _)| how)
+    }
+}
