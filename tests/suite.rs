@@ -14,6 +14,7 @@ mod suite {
     pub mod carried_over_driven;
     pub mod carried_over_mass;
     pub mod carried_over_tumble;
+    pub mod check;
     pub mod cli;
     pub mod clock;
     pub mod closed_form;
@@ -270,6 +271,8 @@ fn main() {
         suite::shares::tests(),
         // sweeps: planted laws are named, noise and a background are not.
         suite::sweeps::campaigns(),
+        // check: what a recording can know, and whether it says it twice.
+        suite::check::tests(),
         // several recordings: fitted together, judged by others, refused where they do not belong together.
         suite::several_recordings::tests(),
         // require: the value that a requirement takes is the one of theory, covered as stated.

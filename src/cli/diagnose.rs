@@ -1,6 +1,6 @@
 //! `proofmass diagnose`: a recording and the model that should explain it in, a verdict out.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::numbers;
 use super::say::{remark, sayln, screen};
@@ -86,22 +86,19 @@ pub(super) fn gate(id: &str) -> std::result::Result<Gate, String> {
 /// A recording or model that cannot be read or judged; a folder that cannot be written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let control = progress::terminal();
-    let (mut model, proposal) = match &arguments.model {
-        Some(path) => (model::read(path)?, None),
-        None => {
-            let text = proposed(arguments, &control)?;
-            remark!("no model was given; this one was chosen:\n{}", text.trim_end());
-            (proposal::parsed(&text)?, Some(text))
-        }
+    let seconds = model::Seconds { from_s: arguments.from_s, to_s: arguments.to_s };
+    let asked = Asked {
+        topic: arguments.topic.clone(),
+        seconds,
+        rate_hz: arguments.rate_hz,
+        input: arguments.input.clone(),
+        output: arguments.output.clone(),
     };
-    if let Some(topic) = &arguments.topic {
-        model = model.of_topic(topic);
-    }
+    let (mut model, proposal) = model_for(&arguments.recordings[0], arguments.model.as_deref(), &asked, &control)?;
     if arguments.force_rate {
         model = model.with_forced_rate();
     }
     model = model.without(&arguments.without);
-    let seconds = model::Seconds { from_s: arguments.from_s, to_s: arguments.to_s };
     let read = |paths: &[PathBuf]| -> Result<Vec<Recording>> {
         paths.iter().map(|path| model::read_part(path, &model, seconds, &control)).collect()
     };
@@ -143,23 +140,49 @@ const UNCORRECTED: &str = "uncorrected.toml";
 /// The model that was chosen where none was given: to be edited and given with --model.
 const PROPOSED: &str = "proposed.toml";
 
-/// The model that the first recording suits.
-fn proposed(arguments: &Arguments, control: &Control) -> Result<String> {
-    let path = &arguments.recordings[0];
+/// Requests of a command line on recordings, beside their model.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Asked {
+    pub topic: Option<String>,
+    pub seconds: model::Seconds,
+    pub rate_hz: Option<f64>,
+    pub input: Option<String>,
+    pub output: Option<String>,
+}
+
+/// The model of a file, or the one that the first recording suits, with its text.
+///
+/// # Errors
+/// A model that cannot be read, a recording that suits none.
+pub(super) fn model_for(
+    first: &Path,
+    file: Option<&Path>,
+    asked: &Asked,
+    control: &Control,
+) -> Result<(Model, Option<String>)> {
+    let (model, text) = match file {
+        Some(path) => (model::read(path)?, None),
+        None => {
+            let text = proposed(first, asked, control)?;
+            remark!("no model was given; this one was chosen:\n{}", text.trim_end());
+            (proposal::parsed(&text)?, Some(text))
+        }
+    };
+    Ok((asked.topic.as_ref().map_or_else(|| model.clone(), |topic| model.clone().of_topic(topic)), text))
+}
+
+/// The model that a recording suits.
+fn proposed(path: &Path, asked: &Asked, control: &Control) -> Result<String> {
     let request = Request {
-        topic: arguments.topic.clone(),
-        from_s: arguments.from_s,
-        to_s: arguments.to_s,
-        rate_hz: arguments.rate_hz,
+        topic: asked.topic.clone(),
+        from_s: asked.seconds.from_s,
+        to_s: asked.seconds.to_s,
+        rate_hz: asked.rate_hz,
         control: control.clone(),
         ..Request::default()
     };
     let seen = inspection::inspect(path, &request)?;
-    let named = proposal::Named {
-        input: arguments.input.clone(),
-        output: arguments.output.clone(),
-        rate_hz: arguments.rate_hz,
-    };
+    let named = proposal::Named { input: asked.input.clone(), output: asked.output.clone(), rate_hz: asked.rate_hz };
     proposal::proposed(&path.display().to_string(), &seen, &named)
 }
 

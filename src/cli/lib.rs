@@ -17,6 +17,7 @@ pub mod allan;
 pub mod bench;
 pub mod candidates;
 mod changed;
+pub mod check;
 mod device;
 pub mod diagnose;
 pub mod export;
@@ -58,6 +59,7 @@ const EXAMPLES: &str = "Examples:
   proofmass study study.toml --members 100000       your own sensor
   proofmass require study.toml --limit 'p95(position_error_m, 60) < 10' --vary gyro.bias_deg_h.sd
   proofmass inspect flight.ulg                      what a recording contains, and what to run next
+  proofmass check turned.csv                        is this calibration determined, and does it repeat?
   proofmass allan log.csv --rate-hz 100             noise coefficients of a static log
   proofmass export sensor.toml --to kalibr          its noise as the configuration of an estimator
   proofmass diagnose log.csv                        what the usual model of this recording leaves out
@@ -77,6 +79,8 @@ pub enum Command {
     Merge(merge::Arguments),
     /// Show what a recording contains, and what to run next
     Inspect(inspect::Arguments),
+    /// Check what a recording can know of a sensor, and whether its halves or several runs agree
+    Check(check::Arguments),
     /// Estimate noise coefficients from a static log
     Allan(allan::Arguments),
     /// Write a sensor as the configuration of an estimator or simulator
@@ -191,6 +195,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         Some(Command::Require(a)) => require::run(a, json),
         Some(Command::Merge(a)) => merge::run(a, json),
         Some(Command::Inspect(a)) => inspect::run(a, json),
+        Some(Command::Check(a)) => check::run(a, json),
         Some(Command::Allan(a)) => allan::run(a, json),
         Some(Command::Export(a)) => export::run(a, json),
         Some(Command::Import(a)) => import::run(a, json),

@@ -38,6 +38,7 @@
 pub mod answer;
 pub mod by_axis;
 pub use proofmass_physics::candidate;
+pub mod check;
 pub mod consequence;
 pub mod consistency;
 pub mod detection;
@@ -51,6 +52,7 @@ pub mod rectification;
 pub mod remainder;
 pub mod repair;
 pub mod repaired;
+pub mod repeatability;
 pub mod response;
 pub mod rest;
 pub mod ruling;

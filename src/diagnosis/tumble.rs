@@ -21,6 +21,10 @@ mod imu;
 mod isolation;
 mod jackknife;
 mod knock;
+mod known;
+mod linear;
+mod memory;
+mod motion;
 mod noise;
 pub mod poses;
 mod residual;
@@ -45,6 +49,8 @@ use super::model;
 use crate::control::{Control, Stopped};
 use crate::error::{Error, Result};
 use crate::recording::Recording;
+use crate::recording::roles::{self, Stated};
+use crate::repeatability::run::Run;
 use conclusion::Found;
 use fit::Fit;
 use imu::Observed;
@@ -71,6 +77,25 @@ pub fn diagnose_in(
     given: Option<Vec<Range<usize>>>,
     control: &Control,
 ) -> Result<Answer> {
+    let poses_found = given.is_none();
+    let Taken { mut observed, guess, mut findings } = taken(recording, model, given)?;
+    let folds = check::folds(&observed, &model.split, &mut findings)?;
+    let found = searched(&mut observed, &guess, &folds, control).map_err(|stopped| {
+        stopped.during(format!("could not finish {}", recording.path.display()), "start it again")
+    })?;
+    let case = conclusion::Case { recording, model, observed: &observed, folds: &folds, findings, poses_found };
+    Ok(case.conclude(found))
+}
+
+/// A recording in poses, with what was found on the way and a first guess.
+struct Taken<'a> {
+    observed: Observed<'a>,
+    guess: calibration::Point,
+    findings: Vec<String>,
+}
+
+/// Takes the poses of a recording, given or found, and checks that they can be used.
+fn taken<'a>(recording: &'a Recording, model: &model::Tumble, given: Option<Vec<Range<usize>>>) -> Result<Taken<'a>> {
     let mut findings = recording.sentences();
     let imu = columns(recording, model, &mut findings)?;
     check::channels(recording, model)?;
@@ -87,12 +112,42 @@ pub fn diagnose_in(
     check::moving(&recording.path, &observed)?;
     let guess = start::guess(&mut observed);
     check::axes(&recording.path, &observed, &guess, model)?;
-    let folds = check::folds(&observed, &model.split, &mut findings)?;
-    let found = searched(&mut observed, &guess, &folds, control).map_err(|stopped| {
-        stopped.during(format!("could not finish {}", recording.path.display()), "start it again")
-    })?;
-    let case = conclusion::Case { recording, model, observed: &observed, folds: &folds, findings, poses_found };
-    Ok(case.conclude(found))
+    Ok(Taken { observed, guess, findings })
+}
+
+/// What a recording in poses can know of its IMU, what it finds, and the same of its halves.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn known(recording: &Recording, model: &model::Tumble, control: &Control) -> Result<Run> {
+    let given = model.poses.as_ref().map(|path| poses::read(path, recording)).transpose()?;
+    known_in(recording, model, given, control)
+}
+
+/// The same with poses as row ranges in order of time; `None` lets the tool find them.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn known_in(
+    recording: &Recording,
+    model: &model::Tumble,
+    given: Option<Vec<Range<usize>>>,
+    control: &Control,
+) -> Result<Run> {
+    let stopped = |s: Stopped| s.during(format!("could not finish {}", recording.path.display()), "start it again");
+    let _stage = control.stage("fitting the poses and their halves", 0);
+    let Taken { mut observed, guess, findings } = taken(recording, model, given)?;
+    control.go_on().map_err(stopped)?;
+    let left_out = knock::leave_out(&mut observed, &guess);
+    control.go_on().map_err(stopped)?;
+    let si = |names: &[String; 3]| match roles::stated(&names[0], recording.stated(&names[0])) {
+        Some(Stated::Inertial(unit)) => Some(unit.si),
+        _ => None,
+    };
+    let told = [si(&model.columns.accelerometer), model.columns.gyro.as_ref().and_then(si)];
+    let linear = linear::Linear::new(observed.imu.gyro.is_some(), told);
+    let guess = start::bounded_guess(&mut observed);
+    Ok(known::check(known::Poses { observed, guess, linear, left_out, findings }))
 }
 
 /// The search, with poses that disagree with all others left out where the rest then agrees, and

@@ -6,6 +6,7 @@
 #![warn(unreachable_pub)]
 
 pub mod allan;
+pub mod check;
 pub mod diagnosis;
 pub mod figure;
 mod grouped;

@@ -44,6 +44,8 @@ pub struct Imu {
     pub noise: [f64; 2],
     /// Poses.
     pub poses: usize,
+    /// Share of each body axis in the axes of the turns: zero where it is never turned about.
+    pub turned: Vector3<f64>,
 }
 
 impl Imu {
@@ -67,6 +69,7 @@ impl Imu {
             bend_s: 0.0,
             noise: [about(0.008, 0.004), about(0.006, 0.003)],
             poses: 30,
+            turned: Vector3::repeat(1.0),
         }
     }
 
@@ -87,7 +90,7 @@ impl Imu {
         let total_s = (self.poses * (STILL + TURN)) as f64 / RATE_HZ;
         for pose in 0..self.poses {
             ranges.push(columns[0].len()..columns[0].len() + STILL);
-            let axis = Unit::new_normalize(Vector3::from_fn(|_, _| normal()));
+            let axis = Unit::new_normalize(Vector3::from_fn(|_, _| normal()).component_mul(&self.turned));
             let angle = 0.7 + 1.8 * rng.random::<f64>();
             let turns = if pose + 1 < self.poses { TURN } else { 0 };
             for k in 0..STILL + turns {

@@ -16,6 +16,7 @@ pub const STATES: [&str; 3] = [INTERRUPTED, "truth.json", "verdicts.jsonl"];
 const RESULTS: &[&str] = &[
     "*.html",
     "*.svg",
+    "check.json",
     "fast_lio.yaml",
     "imu.parm",
     "imu.sdf",

@@ -21,7 +21,7 @@ pub(super) struct Fit {
     pub determined: bool,
     /// Factor on the noise variance of each group by which the fit weighed it.
     pub inflation: Inflation,
-    /// Rows over the inflated noise, the prior last.
+    /// Rows over the inflated noise, what is known beforehand last.
     design: DMatrix<f64>,
     target: DVector<f64>,
 }
@@ -38,7 +38,21 @@ pub(super) const AS_MEASURED: Inflation = [1.0; GROUPS.len()];
 const TOLERATED: f64 = 1.3;
 /// Standard deviation of what is known of the coning coefficient beforehand: wide, and enough where
 /// no turn shows it.
-const CONING_PRIOR: f64 = 1.0;
+pub(super) const CONING_PRIOR: f64 = 1.0;
+
+/// What is known of a parameter before the recording.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Beforehand {
+    /// Its index.
+    pub parameter: usize,
+    /// Where it is expected.
+    pub centre: f64,
+    /// How far from there.
+    pub deviation: f64,
+}
+
+/// What every fit takes for known.
+const ALWAYS: &[Beforehand] = &[Beforehand { parameter: gyro::CONING.start, centre: 0.0, deviation: CONING_PRIOR }];
 
 /// Slopes are scaled to columns of length one, so that counts and rad/s weigh alike.
 struct Normal {
@@ -60,19 +74,33 @@ fn normal(design: &DMatrix<f64>) -> Normal {
     Normal { matrix, unit }
 }
 
-/// Rows over the inflated noise, with the prior as the last one.
-fn weighed(rows: &Rows, point: &Point, active: &[usize], inflation: &Inflation) -> (DMatrix<f64>, DVector<f64>) {
+/// What a fit is asked: which parameters, how the groups are weighed, and what is known beforehand.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Question<'a> {
+    /// Indices of the parameters that are fitted.
+    pub active: &'a [usize],
+    /// Factor on the noise variance of each group.
+    pub inflation: &'a Inflation,
+    /// What is known before the recording.
+    pub known: &'a [Beforehand],
+}
+
+/// Rows over the inflated noise, what is known beforehand last.
+fn weighed(rows: &Rows, point: &Point, question: Question<'_>) -> (DMatrix<f64>, DVector<f64>) {
+    let Question { active, inflation, known } = question;
     let count = rows.group.len();
     let weight = |r: usize| 1.0 / inflation[rows.group[r].place()].sqrt();
-    let mut design = rows.slope.clone().insert_row(count, 0.0);
-    let mut target = rows.residual.clone().insert_row(count, 0.0);
+    let mut design = rows.slope.clone().insert_rows(count, known.len(), 0.0);
+    let mut target = rows.residual.clone().insert_rows(count, known.len(), 0.0);
     for r in 0..count {
         design.row_mut(r).scale_mut(weight(r));
         target[r] *= weight(r);
     }
-    if let Some(column) = active.iter().position(|p| *p == gyro::CONING.start) {
-        design[(count, column)] = 1.0 / CONING_PRIOR;
-        target[count] = point[gyro::CONING.start] / CONING_PRIOR;
+    for (n, Beforehand { parameter, centre, deviation }) in known.iter().enumerate() {
+        if let Some(column) = active.iter().position(|p| p == parameter) {
+            design[(count + n, column)] = 1.0 / deviation;
+            target[count + n] = (point[*parameter] - centre) / deviation;
+        }
     }
     (design, target)
 }
@@ -92,9 +120,15 @@ fn factor(mut matrix: DMatrix<f64>, damping: f64) -> Option<Cholesky<f64, Dyn>> 
 impl Fit {
     /// Fits `active` from `start`, each group weighed by its noise times its inflation.
     pub(super) fn new(observed: &Observed<'_>, start: &Point, active: &[usize], inflation: &Inflation) -> Self {
+        Self::of(observed, start, Question { active, inflation, known: ALWAYS })
+    }
+
+    /// The same with what is known beforehand, which holds what the recording does not determine.
+    pub(super) fn of(observed: &Observed<'_>, start: &Point, question: Question<'_>) -> Self {
+        let Question { active, inflation, .. } = question;
         let mut point = *start;
         let mut rows = observed.rows(&point, active);
-        let (mut design, mut target) = weighed(&rows, &point, active, inflation);
+        let (mut design, mut target) = weighed(&rows, &point, question);
         let mut damping = 1e-6;
         for _ in 0..60 {
             let Normal { matrix, unit } = normal(&design);
@@ -110,7 +144,7 @@ impl Fit {
                 trial[*p] += step[c] * unit[c];
             }
             let next = observed.rows(&trial, active);
-            let (next_design, next_target) = weighed(&next, &trial, active, inflation);
+            let (next_design, next_target) = weighed(&next, &trial, question);
             let after = next_target.norm_squared();
             if after.is_finite() && after <= before {
                 (point, rows, design, target) = (trial, next, next_design, next_target);
@@ -132,13 +166,18 @@ impl Fit {
 
     /// The same with each group weighed by its own misfit, where that is more than its noise.
     pub(super) fn balanced(observed: &Observed<'_>, start: &Point, active: &[usize]) -> Self {
-        let mut fit = Self::new(observed, start, active, &AS_MEASURED);
+        Self::balanced_of(observed, start, active, ALWAYS)
+    }
+
+    /// The same with what is known beforehand.
+    pub(super) fn balanced_of(observed: &Observed<'_>, start: &Point, active: &[usize], known: &[Beforehand]) -> Self {
+        let mut fit = Self::of(observed, start, Question { active, inflation: &AS_MEASURED, known });
         for _ in 0..3 {
             let misfit = GROUPS.map(|g| Some(fit.reduced(g)).filter(|m| *m > TOLERATED).unwrap_or(1.0));
             if misfit.iter().zip(&fit.inflation).all(|(new, old)| (new / old - 1.0).abs() < 0.05) {
                 break;
             }
-            fit = Self::new(observed, &fit.point, active, &misfit);
+            fit = Self::of(observed, &fit.point, Question { active, inflation: &misfit, known });
         }
         fit
     }
@@ -182,6 +221,21 @@ impl Fit {
             }
             None => vec![f64::INFINITY; unit.len()],
         }
+    }
+
+    /// Covariance of the active parameters where the variance of a row is `variance` times what
+    /// it was weighed by (the sandwich of White, Econometrica 48 (1980) 817, with known factors).
+    pub(super) fn covariance(&self, variance: impl Fn(usize) -> f64) -> Option<DMatrix<f64>> {
+        let Normal { matrix, unit } = normal(&self.design);
+        let inverse = factor(matrix, RIDGE)?.inverse();
+        let mut errors = DMatrix::zeros(unit.len(), unit.len());
+        for r in 0..self.design.nrows() {
+            let row = self.design.row(r).transpose().component_mul(&unit);
+            let times = if r < self.rows.pose.len() { variance(r) } else { 1.0 };
+            errors.ger(times, &row, &row, 1.0);
+        }
+        let scaled = &inverse * errors * &inverse;
+        Some(DMatrix::from_fn(unit.len(), unit.len(), |i, j| scaled[(i, j)] * unit[i] * unit[j]))
     }
 
     /// Residuals of every row when its pose's fold is held out; rows of poses without a fold stay

@@ -194,6 +194,17 @@ impl Rows {
         row
     }
 
+    /// What the rows tell of the active parameters where the variance of each is `variance` times
+    /// what was measured: the Fisher information.
+    pub(super) fn information(&self, variance: &[f64]) -> DMatrix<f64> {
+        let mut out = DMatrix::zeros(self.slope.ncols(), self.slope.ncols());
+        for (r, variance) in variance.iter().enumerate() {
+            let row = self.slope.row(r).transpose();
+            out.ger(variance.recip(), &row, &row, 1.0);
+        }
+        out
+    }
+
     /// Sum of squares of one group, and its number of rows.
     pub fn chi_square(&self, group: Group) -> (f64, usize) {
         let squares = self.group.iter().zip(self.residual.iter()).filter(|(g, _)| **g == group);

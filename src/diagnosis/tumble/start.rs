@@ -16,9 +16,23 @@ pub(super) fn base(with_gyro: bool) -> Vec<usize> {
 
 /// A first guess of the base model; sets the scales by which noise is weighed.
 pub(crate) fn guess(observed: &mut Observed<'_>) -> Point {
+    guess_with(observed, 0.0)
+}
+
+/// The same of poses that may lie in a plane: offsets that they do not show stay in the middle of the
+/// readings, and what axes read unlike does not pass for an offset.
+pub(super) fn bounded_guess(observed: &mut Observed<'_>) -> Point {
+    guess_with(observed, IN_THE_MIDDLE)
+}
+
+/// What offsets (5 % of gravity) and scales of the axes (3 %: twice that in a square) may be makes the
+/// weight of the middle in the equations of the sphere, over its radius.
+const IN_THE_MIDDLE: f64 = 0.06 / 0.05;
+
+fn guess_with(observed: &mut Observed<'_>, middle: f64) -> Point {
     let mut point = [0.0; PARAMETERS];
     let poses = &observed.poses;
-    let (offset, scale) = sphere(&poses.iter().map(|p| p.accelerometer).collect::<Vec<_>>());
+    let (offset, scale) = sphere(&poses.iter().map(|p| p.accelerometer).collect::<Vec<_>>(), middle);
     for i in 0..3 {
         point[accelerometer::OFFSET.start + i] = offset[i];
         point[gyro::OFFSET.start + i] = poses.iter().map(|p| p.gyro[i]).sum::<f64>() / poses.len().max(1) as f64;
@@ -35,15 +49,21 @@ pub(crate) fn guess(observed: &mut Observed<'_>) -> Point {
 }
 
 /// Centre and radius of the sphere through the pose means, by linear least squares on |y|² = 2
-/// y·o + (r² − o²).
-fn sphere(means: &[Vector3<f64>]) -> (Vector3<f64>, f64) {
+/// y·o + (r² − o²), and with the centre held at the middle of the means by this weight, over their
+/// spread.
+fn sphere(means: &[Vector3<f64>], middle: f64) -> (Vector3<f64>, f64) {
     let count = means.len().max(1) as f64;
     let centre = means.iter().sum::<Vector3<f64>>() / count;
     let rows = means.len();
     let centred: Vec<Vector3<f64>> = means.iter().map(|m| m - centre).collect();
-    let design = nalgebra::DMatrix::from_fn(rows, 4, |r, c| if c < 3 { 2.0 * centred[r][c] } else { 1.0 });
-    let target = nalgebra::DVector::from_fn(rows, |r, _| centred[r].norm_squared());
+    let mut design = nalgebra::DMatrix::from_fn(rows, 4, |r, c| if c < 3 { 2.0 * centred[r][c] } else { 1.0 });
+    let mut target = nalgebra::DVector::from_fn(rows, |r, _| centred[r].norm_squared());
     let spread = (target.sum() / count).sqrt();
+    if middle > 0.0 {
+        design = design.insert_rows(rows, 3, 0.0);
+        target = target.insert_rows(rows, 3, 0.0);
+        (0..3).for_each(|axis| design[(rows + axis, axis)] = middle * spread);
+    }
     let Ok(solution) = design.svd(true, true).solve(&target, 1e-9 * spread) else { return (centre, spread) };
     let offset = Vector3::new(solution[0], solution[1], solution[2]);
     let radius = (solution[3] + offset.norm_squared()).max(0.0).sqrt();

@@ -1,0 +1,106 @@
+//! `proofmass check`: what a recording can know of a sensor, and whether it says it twice.
+
+use std::path::PathBuf;
+
+use super::diagnose::{Asked, model_for};
+use super::say::{remark, sayln, screen};
+use proofmass_base::document::to_json;
+use proofmass_base::error::Result;
+use proofmass_base::output::{self, Folder};
+use proofmass_base::progress;
+use proofmass_diagnosis::check;
+use proofmass_diagnosis::model::{self, Seconds};
+use proofmass_diagnosis::repeatability::study::sensor_toml;
+use proofmass_recording::Recording;
+use proofmass_report::check as report;
+
+/// Arguments of `check`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// The recording, checked by its halves; several of one sensor are checked against one another
+    #[arg(required = true, value_name = "RECORDING")]
+    recordings: Vec<PathBuf>,
+    /// Description of the recordings (model.toml); absent: chosen by the headings of the first
+    #[arg(long)]
+    model: Option<PathBuf>,
+    /// Sampling rate of a recording without a clock, where no model is given, Hz
+    #[arg(long, value_name = "F", conflicts_with = "model", allow_negative_numbers = true)]
+    rate_hz: Option<f64>,
+    /// Topic, message or array to read, if a recording has several
+    #[arg(long, value_name = "TOPIC")]
+    topic: Option<String>,
+    /// Use each recording from this many seconds after its first row
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    from_s: Option<f64>,
+    /// Use each recording up to this many seconds after its first row
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    to_s: Option<f64>,
+    /// Folder for check.json and sensor.toml, the sensor with its spread from run to run
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace files in DIR even if they are not from an earlier run of this command on the same
+    /// input
+    #[arg(long, requires = "out")]
+    force: bool,
+}
+
+const EXAMPLES: &str = "Examples:
+  proofmass check turned.csv                        what its motion determines, and whether its halves agree
+  proofmass check monday.csv tuesday.csv friday.csv which calibration is the odd one
+  proofmass check turned.csv --model model.toml     poses, columns and gravity as you state them
+  proofmass check *.csv --out spread                sensor.toml for a study: mean and spread of the runs
+
+Halves are made of whole poses, so that each determines what the whole does. Intervals are scaled by
+what the fit leaves, and by how long its errors last.";
+
+const CHECK: &str = "check.json";
+const SENSOR: &str = "sensor.toml";
+
+/// Checks, prints the answer and writes the sensor.
+///
+/// # Errors
+/// Recordings or a model that cannot be read or checked; a folder that cannot be written.
+pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
+    let control = progress::terminal();
+    let seconds = Seconds { from_s: arguments.from_s, to_s: arguments.to_s };
+    let asked = Asked { topic: arguments.topic.clone(), rate_hz: arguments.rate_hz, seconds, ..Asked::default() };
+    let (model, _) = model_for(&arguments.recordings[0], arguments.model.as_deref(), &asked, &control)?;
+    let read = |path: &PathBuf| model::read_part(path, &model, seconds, &control);
+    let recordings: Vec<Recording> = arguments.recordings.iter().map(read).collect::<Result<_>>()?;
+    let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs(arguments))).transpose()?;
+    let checked = check::check(&recordings, &model, &control)?;
+    let files: Vec<String> = arguments.recordings.iter().map(|path| path.display().to_string()).collect();
+    let document = report::document(&files, &checked);
+    let sensor = checked.agreement.as_ref().zip(checked.runs.first()).zip(recordings.first());
+    let sensor = sensor.and_then(|(((_, a), run), of)| sensor_toml(a, &run.estimate, of.rate_hz));
+    let written = folder.map_or(Ok(()), |mut folder| {
+        folder.write(CHECK, to_json(&document)?.as_bytes())?;
+        if let Some(sensor) = &sensor {
+            folder.write(SENSOR, sensor.as_bytes())?;
+        }
+        folder.finish()
+    });
+    if json {
+        sayln!("{}", to_json(&document)?)?;
+    } else {
+        screen(format_args!("{}", report::terminal(&files, &checked)))?;
+        if let (Some(folder), Ok(())) = (&arguments.out, &written) {
+            match &sensor {
+                Some(_) => sayln!("sensor: {}", folder.join(SENSOR).display())?,
+                None => remark!("no {SENSOR} was written: nothing was compared that a study has a key for"),
+            }
+        }
+    }
+    written
+}
+
+fn outputs(arguments: &Arguments) -> output::Request {
+    output::Request {
+        command: "check",
+        inputs: arguments.recordings.iter().chain(&arguments.model).cloned().collect(),
+        writes: [CHECK, SENSOR].map(str::to_owned).to_vec(),
+        force: arguments.force,
+        ..output::Request::default()
+    }
+}

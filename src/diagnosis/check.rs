@@ -1,0 +1,69 @@
+//! Asks whether a recording can be trusted: what it can know at all, and whether its halves, or several
+//! recordings of one sensor, say the same.
+
+use crate::control::Control;
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::recording::Recording;
+use crate::recordings::Recordings;
+use crate::repeatability::agreement::Agreement;
+use crate::repeatability::run::{Run, Split};
+use crate::{stated_units, tumble};
+
+/// The two sides of a comparison.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Compared {
+    /// The halves of the only recording.
+    Halves(Split),
+    /// The recordings.
+    Runs,
+}
+
+/// Recordings of one sensor, checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Checked {
+    /// One entry for each recording, in the order given.
+    pub runs: Vec<Run>,
+    /// The sides, and what came of it; `None` of a recording that is too short to be
+    /// divided.
+    pub agreement: Option<(Compared, Agreement)>,
+}
+
+/// Checks one recording by its halves, or several of one sensor by one another.
+///
+/// # Errors
+/// A kind that is not checked yet; recordings that cannot be used, or of which one is part of
+/// another; when stopped.
+pub fn check(recordings: &[Recording], model: &Model, control: &Control) -> Result<Checked> {
+    Recordings { train: recordings, test: &[] }.check_distinct()?;
+    recordings.iter().try_for_each(|recording| stated_units::check(recording, model))?;
+    let run = |recording: &Recording| match model {
+        Model::Tumble(model) => tumble::known(recording, model, control),
+        Model::Static(_) => Err(not_yet(recording, "static", "proofmass allan")),
+        Model::Driven(_) => Err(not_yet(recording, "driven", "proofmass diagnose")),
+        Model::Trajectory(_) => Err(not_yet(recording, "trajectory", "proofmass diagnose")),
+        Model::Response(_) => Err(not_yet(recording, "response", "proofmass diagnose")),
+    };
+    Ok(compared(recordings.iter().map(run).collect::<Result<_>>()?))
+}
+
+/// Compares what the recordings found.
+pub fn compared(runs: Vec<Run>) -> Checked {
+    let agreement = match &runs[..] {
+        [only] => {
+            only.halves.as_ref().map(|halves| (Compared::Halves(halves.split), Agreement::of(&halves.each.each_ref())))
+        }
+        several => Some((Compared::Runs, Agreement::of(&several.iter().map(|r| &r.estimate).collect::<Vec<_>>()))),
+    };
+    Checked { runs, agreement }
+}
+
+fn not_yet(recording: &Recording, kind: &str, instead: &str) -> Error {
+    Error::new(
+        format!("could not check {}", recording.path.display()),
+        format!(
+            "its model has kind = \"{kind}\", and only calibrations in still poses (kind = \"tumble\") are checked"
+        ),
+        format!("{instead} states each parameter with its 95 % interval: run it on each recording and compare"),
+    )
+}

@@ -1,0 +1,76 @@
+//! Parameters of a calibration as data: what each is, how large it is before anything is recorded,
+//! and what one run makes of it.
+
+use nalgebra::DMatrix;
+
+use super::information::Known;
+use crate::numerics::special::t_quantile;
+use crate::sensor::Sense;
+
+/// Role of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// Reading at zero input, on one axis.
+    Bias,
+    /// Reading per unit of input, on one axis.
+    Scale,
+    /// Reading of an axis of the input across it.
+    Misalignment,
+    /// Reading of a gyro's axis of the specific force along an axis.
+    GSensitivity,
+    /// Mean reading at rest, on one axis: gravity and the Earth's rate included.
+    Level,
+    /// White noise of a reading, as a random walk.
+    WhiteNoise,
+}
+
+/// One parameter of a sensor's linear model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// The sensor.
+    pub sensor: Sense,
+    /// Its role.
+    pub role: Role,
+    /// The axis that reads, 0 to 2.
+    pub axis: usize,
+    /// The axis that is read beside it, of parameters between two.
+    pub of: Option<usize>,
+    /// Holds where it is stated in SI units; else biases and scales are in those of the reading.
+    pub is_si: bool,
+    /// Heading of the column, where it has a parameter of its own.
+    pub column: Option<String>,
+}
+
+/// A sensor as one run tells of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// The parameters, in one order for all runs of a kind.
+    pub parameters: Vec<Parameter>,
+    /// Size of each that is plausible before anything is recorded.
+    pub tolerance: Vec<f64>,
+    /// Values that the fit found; without meaning where the run does not determine it.
+    pub value: Vec<f64>,
+    /// Covariance of the fit's errors, scaled by what the fit leaves.
+    pub covariance: DMatrix<f64>,
+    /// Degrees of freedom behind the scale of each variance.
+    pub freedom: Vec<f64>,
+    /// Knowledge of each.
+    pub known: Vec<Known>,
+}
+
+impl Estimate {
+    /// Standard error of a parameter.
+    pub fn deviation(&self, parameter: usize) -> f64 {
+        self.covariance[(parameter, parameter)].max(0.0).sqrt()
+    }
+
+    /// Half the width of its 95 % interval.
+    pub fn half_width(&self, parameter: usize) -> f64 {
+        t_quantile(0.975, self.freedom[parameter]) * self.deviation(parameter)
+    }
+
+    /// Returns whether the run determines a parameter at all.
+    pub fn determines(&self, parameter: usize) -> bool {
+        self.known[parameter] != Known::Not
+    }
+}

@@ -1,0 +1,85 @@
+//! A sensor for a study from what its runs have in common and what differs from run to run:
+//! `sensor.toml`, whose keys draw each part about the mean with the spread.
+
+use super::agreement::{Agreement, Line};
+use super::parameter::{Estimate, Parameter, Role};
+use crate::by_axis::{Drawn, three};
+use crate::sensor::{Sense, SensorTerm, coupling};
+use crate::units::key::Key;
+
+/// The sensor as the next run will find it; `None` where no parameter that a study has was compared.
+///
+/// What is in units of the reading alone is calibrated: its mean is zero and its spread relative.
+pub fn sensor_toml(agreement: &Agreement, of: &Estimate, rate_hz: f64) -> Option<String> {
+    let mut body = String::new();
+    for sense in [Sense::Accelerometer, Sense::Gyro] {
+        let section: String = keys(sense)
+            .into_iter()
+            .map(|(key, role)| three(key, [0, 1, 2].map(|axis| drawn(agreement, of, (sense, role, axis)))))
+            .collect();
+        if !section.is_empty() {
+            body += &format!("\n[{}]\n{section}", sense.name());
+        }
+    }
+    (!body.is_empty()).then(|| {
+        format!(
+            "# Mean over the runs, and the standard deviation with which the next run differs from it: the spread\n\
+             # between the runs together with the error of the mean. By proofmass {}.\n# Paste it into a study.toml; \
+             `proofmass allan` adds the noise of a log at rest.\n\n[sensor]\nsample_rate_hz = {rate_hz:?}\n{body}",
+            env!("CARGO_PKG_VERSION")
+        )
+    })
+}
+
+fn keys(sense: Sense) -> Vec<(&'static Key, Role)> {
+    let row = |term: SensorTerm| &term.row().keys[0];
+    match sense {
+        Sense::Accelerometer => vec![
+            (row(SensorTerm::AccelerometerBias), Role::Bias),
+            (row(SensorTerm::ScaleFactor), Role::Scale),
+            (&coupling::ACCELEROMETER_MISALIGNMENT, Role::Misalignment),
+        ],
+        Sense::Gyro => vec![
+            (row(SensorTerm::GyroBias), Role::Bias),
+            (&coupling::GYRO_SCALE_FACTOR, Role::Scale),
+            (&coupling::GYRO_MISALIGNMENT, Role::Misalignment),
+            (&coupling::G_SENSITIVITY, Role::GSensitivity),
+        ],
+    }
+}
+
+/// Draw of a study for one axis: of several elements their common spread, about zero where a
+/// calibration takes out what they share.
+fn drawn(agreement: &Agreement, of: &Estimate, (sense, role, axis): (Sense, Role, usize)) -> Drawn {
+    let is_asked = |p: &Parameter| (p.sensor, p.role, p.axis) == (sense, role, axis);
+    let asked: Vec<&Line> = agreement.lines.iter().filter(|l| is_asked(&of.parameters[l.parameter])).collect();
+    let found = asked.iter().filter_map(|line| {
+        let spread = line.spread?;
+        let parameter = &of.parameters[line.parameter];
+        let (mean, sd) = (spread.mean, spread.of_the_next_run());
+        Some(match (role, parameter.is_si) {
+            (Role::Scale, true) => Drawn { mean: mean - 1.0, sd },
+            (Role::Scale, false) => Drawn { mean: 0.0, sd: sd / mean.abs().max(f64::MIN_POSITIVE) },
+            (Role::Bias, true) => Drawn { mean, sd },
+            (Role::Bias, false) => Drawn { mean: 0.0, sd: sd / scale(agreement, of, sense)? },
+            _ => Drawn { mean: 0.0, sd },
+        })
+    });
+    let found: Vec<Drawn> = found.filter(|d| d.mean.is_finite() && d.sd.is_finite()).collect();
+    match found[..] {
+        [] => Drawn::default(),
+        [only] => only,
+        _ => Drawn { mean: 0.0, sd: (found.iter().map(|d| d.sd * d.sd).sum::<f64>() / found.len() as f64).sqrt() },
+    }
+}
+
+/// Reading per unit of input of a sensor, over its axes.
+fn scale(agreement: &Agreement, of: &Estimate, sense: Sense) -> Option<f64> {
+    let is_scale = |line: &&Line| {
+        let parameter = &of.parameters[line.parameter];
+        (parameter.sensor, parameter.role) == (sense, Role::Scale)
+    };
+    let means: Vec<f64> = agreement.lines.iter().filter(is_scale).filter_map(|l| Some(l.spread?.mean.abs())).collect();
+    let mean = means.iter().sum::<f64>() / means.len().max(1) as f64;
+    (mean > 0.0).then_some(mean)
+}

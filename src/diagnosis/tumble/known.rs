@@ -1,0 +1,189 @@
+//! Tells what a recording in still poses can know, what it finds, and the same of its halves.
+//!
+//! One fit of the full linear model, of all poses and of those of each half. The variance of a row
+//! is its measured noise times what the whole fit leaves of its kind, times what neighbouring poses
+//! remember of one another: an error that lasts over poses is not averaged out by them.
+
+use nalgebra::DMatrix;
+
+use super::calibration::Point;
+use super::fit::{Fit, Question};
+use super::group::{GROUPS, Group};
+use super::imu::Observed;
+use super::linear::Linear;
+use super::memory;
+use super::motion;
+use crate::repeatability::information::Information;
+use crate::repeatability::parameter::Estimate;
+use crate::repeatability::run::{Halves, Run, Split};
+use crate::sensor::Sense;
+
+/// Degrees of freedom behind the measured noise: as in `residual`.
+const NOISE_FREEDOM: f64 = 60.0;
+/// Poses in the shortest block that a half is made of: each block loses the move out of it.
+const BLOCKS: [usize; 3] = [5, 3, 2];
+/// Fewest poses of a half: fewer leave no residual to any parameter.
+const FEWEST: usize = 4;
+
+/// A recording in poses, ready to be checked.
+#[derive(Debug)]
+pub(super) struct Poses<'a> {
+    pub observed: Observed<'a>,
+    pub guess: Point,
+    pub linear: Linear,
+    /// Numbers of poses that were left out, from zero.
+    pub left_out: Vec<usize>,
+    pub findings: Vec<String>,
+}
+
+/// The variance of each kind of row over what was measured inside the poses.
+#[derive(Debug, Clone)]
+struct Errors {
+    /// By group.
+    left: [f64; GROUPS.len()],
+    /// By group: gravity, then x, y and z of the gyro at rest; moves are taken to be independent.
+    memory: [f64; 4],
+    /// Degrees of freedom behind it, by group.
+    freedom: [f64; GROUPS.len()],
+}
+
+impl Errors {
+    fn of(fit: &Fit) -> Self {
+        let left = GROUPS.map(|g| fit.reduced(g).max(1.0));
+        let freedom = GROUPS.map(|g| {
+            let own = (fit.rows.chi_square(g).1 as f64 - fit.leverage(g)).max(1.0);
+            // Where the measured noise accounts for what is left, both tell of it.
+            if fit.inflation[g.place()] > 1.0 { own } else { own + NOISE_FREEDOM }
+        });
+        let series = |group: Group, axis: usize, of: usize| -> f64 {
+            let rows = (0..fit.rows.group.len()).filter(|r| fit.rows.group[*r] == group);
+            memory::factor(&rows.skip(axis).step_by(of).map(|r| fit.rows.residual[r]).collect::<Vec<_>>())
+        };
+        let still = [0, 1, 2].map(|axis| series(Group::Still, axis, 3));
+        Self { left, memory: [series(Group::Gravity, 0, 1), still[0], still[1], still[2]], freedom }
+    }
+
+    /// The factor on the measured variance of every row.
+    fn of_rows(&self, groups: &[Group]) -> Vec<f64> {
+        let mut still = 0;
+        let of = |group: &Group| {
+            let memory = match group {
+                Group::Gravity => self.memory[0],
+                Group::Still => {
+                    still += 1;
+                    self.memory[1 + (still - 1) % 3]
+                }
+                Group::Turn => 1.0,
+            };
+            self.left[group.place()] * memory
+        };
+        groups.iter().map(of).collect()
+    }
+}
+
+/// Checks a recording.
+pub(super) fn check(poses: Poses<'_>) -> Run {
+    let Poses { observed, guess, linear, left_out, findings } = poses;
+    let rows = observed.rows(&guess, &linear.active);
+    let before = linear.information(&rows, &guess, &guess, &vec![1.0; rows.group.len()]);
+    let fit = Fit::balanced_of(&observed, &guess, &linear.active, &linear.beforehand(&guess, &before.known));
+    let errors = Errors::of(&fit);
+    let reading = Reading { linear: &linear, guess: &guess, errors: &errors };
+    let (information, estimate) = reading.told(&fit, &before);
+    let half = |counts: &dyn Fn(usize) -> bool| {
+        let mut part = observed.clone();
+        part.poses.iter_mut().enumerate().for_each(|(k, pose)| pose.counts &= counts(k));
+        (part.counting() >= FEWEST).then(|| reading.part(&part, &fit, &information))
+    };
+    let splits = std::iter::once(Split::FirstAndSecond).chain(BLOCKS.map(|poses| Split::Blocks { poses }));
+    let halves = splits.filter_map(|split| {
+        let first = first_half(&observed, split);
+        let each = [half(&|k| first[k])?, half(&|k| !first[k])?];
+        Some((lost(&estimate, &each), Halves { split, each }))
+    });
+    // By what the motion determines, not by what the halves say: the choice cannot make them agree.
+    let halves = halves.min_by(|a, b| a.0.total_cmp(&b.0)).map(|h| h.1);
+    let moved = motion::of(&observed, &fit, &left_out);
+    let remedies = motion::remedies(&observed, &fit, &errors.left, &estimate);
+    Run { information, estimate, halves, motion: Some(moved), remedies, findings }
+}
+
+/// The means by which fits are read.
+struct Reading<'a> {
+    linear: &'a Linear,
+    guess: &'a Point,
+    errors: &'a Errors,
+}
+
+impl Reading<'_> {
+    /// Estimates from some of the poses; what the whole does not determine stays held.
+    fn part(&self, part: &Observed<'_>, whole: &Fit, information: &Information) -> Estimate {
+        let Self { linear, guess, errors } = *self;
+        let rows = part.rows(&whole.point, &linear.active);
+        let mut before = linear.information(&rows, &whole.point, guess, &errors.of_rows(&rows.group));
+        before.beside(information);
+        let known = linear.beforehand(guess, &before.known);
+        let question = Question { active: &linear.active, inflation: &whole.inflation, known: &known };
+        self.told(&Fit::of(part, &whole.point, question), &before).1
+    }
+
+    fn told(&self, fit: &Fit, before: &Information) -> (Information, Estimate) {
+        let Self { linear, guess, errors } = *self;
+        let factor = errors.of_rows(&fit.rows.group);
+        let mut information = linear.information(&fit.rows, &fit.point, guess, &factor);
+        information.beside(before);
+        // The design holds the inflation already.
+        let weighed = |r: usize| factor[r] / fit.inflation[fit.rows.group[r].place()];
+        let slopes = linear.slopes(&fit.point);
+        let covariance = match fit.covariance(weighed) {
+            Some(covariance) => &slopes * covariance * slopes.transpose(),
+            None => DMatrix::from_element(slopes.nrows(), slopes.nrows(), f64::NAN),
+        };
+        let parameters = linear.parameters();
+        let count = parameters.len();
+        let freedom = parameters.iter().map(|p| self.freedom(p.sensor)).collect();
+        let estimate = Estimate {
+            tolerance: linear.tolerance(guess)[..count].to_vec(),
+            value: linear.values(&fit.point),
+            covariance: covariance.view((0, 0), (count, count)).into_owned(),
+            freedom,
+            known: information.known.clone(),
+            parameters,
+        };
+        (information, estimate)
+    }
+
+    fn freedom(&self, sensor: Sense) -> f64 {
+        match sensor {
+            Sense::Accelerometer => self.errors.freedom[Group::Gravity.place()],
+            Sense::Gyro => self.errors.freedom[Group::Still.place()].min(self.errors.freedom[Group::Turn.place()]),
+        }
+    }
+}
+
+/// Which poses make the first half.
+fn first_half(observed: &Observed<'_>, split: Split) -> Vec<bool> {
+    let total = observed.counting();
+    let mut place = 0;
+    let of = |counts: bool| {
+        let first = match split {
+            Split::FirstAndSecond => 2 * place < total,
+            Split::Blocks { poses } => (place / poses) % 2 == 0,
+        };
+        place += usize::from(counts);
+        first
+    };
+    observed.poses.iter().map(|p| p.counts).map(of).collect()
+}
+
+/// Cost of a division: parameters that the whole determines and a half does not, then by how much
+/// the standard errors of the halves grow, on average of their logarithms.
+fn lost(whole: &Estimate, halves: &[Estimate; 2]) -> f64 {
+    let of = |p: usize| match halves.iter().all(|h| h.determines(p)) {
+        false => 100.0,
+        true => (halves[0].deviation(p).hypot(halves[1].deviation(p)) / whole.deviation(p)).ln(),
+    };
+    let known: Vec<usize> = (0..whole.parameters.len()).filter(|p| whole.determines(*p)).collect();
+    let lost = known.iter().map(|p| of(*p)).filter(|l| l.is_finite());
+    lost.sum::<f64>() / known.len().max(1) as f64
+}

@@ -1,0 +1,34 @@
+//! Says whether a recording can be trusted, in words for a terminal and as JSON.
+//!
+//! Chain: words → sentences; table; document.
+
+mod document;
+mod sentences;
+mod table;
+mod words;
+
+use std::fmt::Write as _;
+
+use proofmass_diagnosis::check::Checked;
+
+pub use document::document;
+
+/// The text of a terminal: the answer, what each recording can know, the parameters, and what to do
+/// next.
+pub fn terminal(files: &[String], checked: &Checked) -> String {
+    let mut out = format!("{}\n", sentences::answer(files, checked));
+    for (file, run) in files.iter().zip(&checked.runs) {
+        let _ = writeln!(out, "\n{file}");
+        sentences::of_run(run).iter().for_each(|s| {
+            let _ = writeln!(out, "  {s}");
+        });
+    }
+    let _ = writeln!(out, "\n{}", table::of(files, checked));
+    sentences::of_agreement(checked).iter().for_each(|s| {
+        let _ = writeln!(out, "{s}");
+    });
+    sentences::next(files, checked).iter().for_each(|s| {
+        let _ = writeln!(out, "next: {s}");
+    });
+    out
+}

@@ -1,0 +1,214 @@
+//! The answer, what a recording can know and what would tell more, a sentence a line.
+
+use super::words::{axis, list, name, place, role, unit_of_difference};
+use proofmass_base::number::{short, with_uncertainty};
+use proofmass_diagnosis::check::{Checked, Compared};
+use proofmass_diagnosis::repeatability::agreement::{Agreement, Joint, Odd};
+use proofmass_diagnosis::repeatability::information::Known;
+use proofmass_diagnosis::repeatability::parameter::{Estimate, Parameter};
+use proofmass_diagnosis::repeatability::run::{Motion, Remedy, Run, Split};
+use proofmass_scenario::sensor::Sense;
+
+/// Differences that a sentence lists.
+const LISTED: usize = 3;
+
+/// The answer in a sentence.
+pub(super) fn answer(files: &[String], checked: &Checked) -> String {
+    let what = |compared: &Compared| match compared {
+        Compared::Halves(_) => format!("The two halves of {}", files.first().map_or("it", String::as_str)),
+        Compared::Runs => format!("The {} recordings", files.len()),
+    };
+    let Some((compared, agreement)) = &checked.agreement else {
+        return "It is too short to be divided: one recording alone says nothing of how well it repeats.".into();
+    };
+    let told = match &agreement.joint {
+        None => format!("{} determine no parameter in common: there is nothing to compare.", what(compared)),
+        Some(joint) if joint.agrees() => {
+            format!("{} agree in the {} parameters that both determine.", what(compared), agreement.lines.len())
+                .replace("both", if *compared == Compared::Runs { "all" } else { "both" })
+        }
+        Some(_) => format!("{} do not agree{}.", what(compared), differing(checked, agreement)),
+    };
+    match agreement.odd {
+        Some(Odd::Run(run)) => format!(
+            "{told} {} is the odd one: without it the others agree, and without no other.",
+            files.get(run).map_or("one", String::as_str)
+        ),
+        Some(Odd::Undecided) => format!("{told} No one of them alone accounts for it."),
+        None => told,
+    }
+}
+
+/// ": gyro bias z differs by 0.03 ± 0.01 °/s", the clearest first.
+fn differing(checked: &Checked, agreement: &Agreement) -> String {
+    let Some(run) = checked.runs.first() else { return String::new() };
+    let mut lines: Vec<_> = agreement.lines.iter().filter(|l| !l.agrees()).collect();
+    lines.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+    let said: Vec<String> = lines
+        .iter()
+        .take(LISTED)
+        .map(|line| {
+            let parameter = &run.estimate.parameters[line.parameter];
+            let (in_unit, factor) = unit_of_difference(parameter, line.runs.first().map_or(0.0, |r| r.0));
+            let by = with_uncertainty(line.difference * factor, line.half_width * factor);
+            format!("{} differs by {by} {in_unit}", name(parameter))
+        })
+        .collect();
+    let more = match lines.len().saturating_sub(LISTED) {
+        0 => String::new(),
+        more => format!(", and {more} more"),
+    };
+    if said.is_empty() { String::new() } else { format!(": {}{more}", said.join(", ")) }
+}
+
+/// Tells what a run can know.
+pub(super) fn of_run(run: &Run) -> Vec<String> {
+    let mut out: Vec<String> = run.findings.iter().map(|f| format!("found: {f}")).collect();
+    out.extend(run.motion.iter().flat_map(motion));
+    let undetermined = of_known(&run.estimate, Known::Not);
+    if undetermined.is_empty() {
+        out.push(format!("all {} parameters are determined", run.estimate.parameters.len()));
+    } else {
+        let about = run.motion.as_ref().and_then(Motion::turned_about).filter(|axes| axes.len() < 3);
+        let about = about.map_or(String::new(), |axes| {
+            let axes: Vec<String> = axes.into_iter().map(|a| axis(a).to_owned()).collect();
+            format!("turned about {} only: ", list(&axes))
+        });
+        out.push(format!("not determined, and not estimated: {about}{}", undetermined.join("; ")));
+    }
+    out.extend(mixed(run));
+    let weak = of_known(&run.estimate, Known::Weakly);
+    if !weak.is_empty() {
+        out.push(format!("weakly determined (to a third of a data sheet's tolerance or less): {}", weak.join("; ")));
+    }
+    out.extend(remedies(&run.remedies));
+    out
+}
+
+/// "gyro scale z", "gyro misalignment xz, yz", by sensor and role.
+fn of_known(estimate: &Estimate, known: Known) -> Vec<String> {
+    let mut groups: Vec<(&Parameter, Vec<String>)> = Vec::new();
+    for (parameter, told) in estimate.parameters.iter().zip(&estimate.known) {
+        if *told != known {
+            continue;
+        }
+        let alike = |other: &Parameter| (other.sensor, other.role) == (parameter.sensor, parameter.role);
+        match groups.iter_mut().find(|(other, _)| alike(other)) {
+            Some((_, places)) => places.push(place(parameter)),
+            None => groups.push((parameter, vec![place(parameter)])),
+        }
+    }
+    let said = |(parameter, places): &(&Parameter, Vec<String>)| {
+        format!("{} {} {}", parameter.sensor.name(), role(parameter.role), places.join(", "))
+    };
+    groups.iter().map(said).collect()
+}
+
+/// Of what is not determined: the terms of which only a combination is.
+fn mixed(run: &Run) -> Vec<String> {
+    let of = |parts: &[(usize, f64)]| -> Vec<String> {
+        parts.iter().filter_map(|(p, _)| run.estimate.parameters.get(*p)).map(name).collect()
+    };
+    let directions = run.information.undetermined.iter().filter(|d| d.parts.len() > 1);
+    directions.take(2).map(|d| format!("this motion does not tell apart: {}", list(&of(&d.parts)))).collect()
+}
+
+fn motion(motion: &Motion) -> Vec<String> {
+    let mut said = format!("{} still poses", motion.poses);
+    if let Some(turned) = motion.turned_rad {
+        let turned = [0, 1, 2].map(|a| format!("{:.0}° about {}", turned[a].to_degrees(), axis(a)));
+        said += &format!("; turned through {}", list(&turned));
+    }
+    let reached = [0, 1, 2].map(|a| {
+        let [low, high] = motion.reached[a].map(|share| format!("{share:+.1}").replace('-', "−"));
+        format!("{} from {low} to {high} g", axis(a))
+    });
+    let mut out = vec![said, format!("gravity was seen along {}", list(&reached))];
+    if !motion.left_out.is_empty() {
+        let poses: Vec<String> = motion.left_out.iter().map(usize::to_string).collect();
+        out.push(format!("left out, as it disagrees with all the others: pose {}", list(&poses)));
+    }
+    out
+}
+
+fn remedies(remedies: &[Remedy]) -> Vec<String> {
+    let percent = |share: f64| format!("±{} %", short(200.0 * share));
+    let said = |remedy: &Remedy| match remedy {
+        Remedy::Turns { axis: a, count, to } => format!(
+            "to determine what turns about {0} tell: {count} quarter turns about {0}, with {0} level, from still pose to \
+             still pose, give the scale of {0} to {1}",
+            axis(*a),
+            percent(*to)
+        ),
+        Remedy::UpAndDown { sensor: Sense::Accelerometer, axis: a, count, to } => format!(
+            "to determine {0} of the accelerometer: {count} poses with {0} up and {count} with {0} down{1}",
+            axis(*a),
+            to.map_or(String::new(), |to| format!(" give its scale to {}", percent(to)))
+        ),
+        Remedy::UpAndDown { axis: a, count, .. } => {
+            format!(
+                "to determine what {0} does to the gyro: {count} poses with {0} up and {count} with {0} down",
+                axis(*a)
+            )
+        }
+        Remedy::Between { axes: [a, b] } => format!(
+            "to determine the misalignment {0}{1}: poses with gravity midway between {0} and {1}, on all four sides",
+            axis(*a),
+            axis(*b)
+        ),
+    };
+    remedies.iter().map(said).collect()
+}
+
+/// Tells how the comparison was made and what came of it.
+pub(super) fn of_agreement(checked: &Checked) -> Vec<String> {
+    let Some((compared, agreement)) = &checked.agreement else { return Vec::new() };
+    let mut out = Vec::new();
+    if let Compared::Halves(split) = compared {
+        out.push(match split {
+            Split::FirstAndSecond => "halves: the first half against the second".to_owned(),
+            Split::Blocks { poses } => format!(
+                "halves: blocks of {poses} poses in turn, as the first half and the second are not turned alike"
+            ),
+        });
+    }
+    if let Some(Joint { chi_squared, freedom, p_value }) = agreement.joint {
+        out.push(format!(
+            "all together: χ² = {} at {freedom:.0} degrees of freedom; so much or more by chance: {}",
+            short(chi_squared),
+            if p_value < 1e-6 {
+                "less than one in a million".to_owned()
+            } else {
+                format!("{} %", short(100.0 * p_value))
+            }
+        ));
+        let differ = agreement.lines.iter().filter(|l| !l.agrees()).count();
+        out.push(format!(
+            "one by one: {differ} of {} differ at 95 %; by chance {} do",
+            agreement.lines.len(),
+            short(0.05 * agreement.lines.len() as f64)
+        ));
+    }
+    out
+}
+
+/// The next steps.
+pub(super) fn next(files: &[String], checked: &Checked) -> Vec<String> {
+    let mut out = Vec::new();
+    let agrees = checked.agreement.as_ref().and_then(|(_, a)| a.joint).is_some_and(|j| j.agrees());
+    if let ([file], [run]) = (files, &checked.runs[..]) {
+        if let Some(motion) = run.motion.as_ref().filter(|_| agrees) {
+            let poses = motion.poses;
+            out.push(format!("{} poses of the same kind would halve every interval (now {poses})", 4 * poses));
+        }
+        out.push(match agrees {
+            true => {
+                format!("halves share a day: proofmass check {file} ANOTHER.csv says whether the calibration lasts")
+            }
+            false => format!("proofmass diagnose {file} says what physics the linear model leaves out"),
+        });
+    } else if !agrees {
+        out.push("proofmass diagnose RECORDING, on each of them, says what the linear model leaves out".into());
+    }
+    out
+}
