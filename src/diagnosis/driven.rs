@@ -43,7 +43,6 @@ use intake::several::{self, Taken};
 use intake::stretches::{self, Stretches};
 use intake::work::{Budget, Stage};
 use selection::base_model::{self, NoOscillator};
-use selection::folds::{self, Fold};
 use selection::held_input;
 use selection::judged::{self, Judged, Selection};
 use selection::stepwise;
@@ -309,7 +308,6 @@ impl Course {
     /// its samples fits better.
     fn select(&mut self, base: Fit, scales: &Scales, control: &Control) -> Result<Selection, Stopped> {
         let candidates = self.candidates(scales);
-        let base = self.with_what_is_rare(base, scales);
         let base = judged::judge(&self.narrow, base, scales);
         let mut selection = stepwise::search(&self.narrow, base, scales, &candidates, self.budget, control)?;
         if let Some(base) = self.on_another_input(&selection, scales) {
@@ -352,24 +350,6 @@ impl Course {
         // unknown each time.
         let begins = |t: &Term| self.data.windows.is_none() || (t.states() == 0 && t.noise().is_none());
         all.into_iter().filter(|t| self.notes.broken.is_none() && begins(t) && !t.starts(scales).is_empty()).collect()
-    }
-
-    /// The base model fitted to what is rare, where that lies in samples that were to judge: others
-    /// judge then.
-    fn with_what_is_rare(&mut self, base: Fit, scales: &Scales) -> Fit {
-        let rare = if self.narrow.windows.is_some() { None } else { folds::fold_with_rare_events(&self.narrow, &base) };
-        let step = Step::of(Gate::RareEvents, "validation judges", "exchanged");
-        let Some(Fold { train, validation }) = rare.filter(|_| self.data.trace.acts(step)) else { return base };
-        let said = "the largest errors fell in validation samples; training and validation samples were exchanged";
-        self.notes.findings.push(said.to_owned());
-        if self.is_whole() {
-            (self.data.train, self.data.validation) = (train.clone(), validation.clone());
-            if !self.own_test {
-                self.data.test.clone_from(&validation);
-            }
-        }
-        (self.narrow.train, self.narrow.validation) = (train, validation);
-        fit::fit(&self.narrow, &base.structure, &base.point, scales, 25).unwrap_or(base)
     }
 
     /// The base model with the input going another way between its samples, where that fits better

@@ -40,7 +40,6 @@ gates! {
     NoLinearLaw "no-linear-law" "The recording does not follow a linear oscillator" "";
     Chaos "chaos" "A chaotic response is compared in windows" "largest Lyapunov exponent, 1/s";
     FreeBody "free-body" "A body without a spring is searched by the force that it takes" "turns of the resonance";
-    RareEvents "rare-events" "Training and validation samples are exchanged where the largest errors fell in the latter" "";
     // The search.
     InputLine "input-line" "An oscillation at a line of the input may be caused by it" "";
     SearchBound "search-bound" "A candidate at the end of its plausible range is not added" "";

@@ -1,16 +1,11 @@
 //! Other ways to part the samples that are fitted from those that judge: for what is rare, and
 //! happens to lie on one side only.
 
-use crate::driven::identification::fit::Fit;
 use crate::driven::intake::data::Data;
 use crate::driven::intake::stretches::{Stretches, merged};
-use crate::driven::simulation::run::trace;
 use crate::numerics::order;
 
 use super::held_out::LEAD;
-
-/// How many times louder than the fitted samples the judging ones must be before they change sides.
-const LOUDER: f64 = 1.5;
 
 /// A way to part the samples.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,18 +38,4 @@ pub(crate) fn turned(data: &Data) -> [Fold; 2] {
     let trains = [with_validation(&second), with_validation(&first)];
     let [one, other] = trains;
     [Fold { train: one, validation: first }, Fold { train: other, validation: second }]
-}
-
-/// Another fold, where the errors of a fit stand out in the samples that judge: what they show
-/// could not be fitted otherwise. The quieter half of the fitted samples judges then.
-pub(crate) fn fold_with_rare_events(data: &Data, fit: &Fit) -> Option<Fold> {
-    let (errors, _) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
-    let power = |ranges: &Stretches| {
-        let squares = ranges.iter().flat_map(|r| r.clone()).map(|k| errors[k - data.hull.start].powi(2));
-        squares.sum::<f64>() / ranges.iter().map(ExactSizeIterator::len).sum::<usize>().max(1) as f64
-    };
-    if power(&data.validation) < LOUDER * power(&data.train) {
-        return None;
-    }
-    turned(data).into_iter().min_by(|a, b| power(&a.validation).total_cmp(&power(&b.validation)))
 }
