@@ -72,8 +72,6 @@ gates! {
     NoSecondResonance "no-second-resonance" "A mode is no second resonance where the first has become a creep" "damping ratio";
     MayBeNothing "may-be-nothing" "A term whose interval includes zero is dropped" "strength, against the half-width of its 95 % interval";
     Rounding "rounding" "A term that follows only the rounding of the readings is dropped" "lead in log-likelihood";
-    SmallerThanRest "smaller-than-rest" "A law smaller than the unexplained residual is not named" "growth of the error without it";
-    NoiseBesideRest "noise-beside-rest" "Noise must stand far above the unexplained residual" "growth of the error without it";
     LeastPart "least-part" "A law that adds next to nothing to what the others remove is not named" "growth of the error without it";
     Inexactness "inexactness" "Noise within the modelling error of the named laws is not named" "growth of the error without it";
     PushesAlong "pushes-along" "Friction that pushes along the velocity is not named" "friction force";

@@ -35,8 +35,6 @@ pub enum Dropped {
     FollowsInput,
     /// It follows the rounding of the readings.
     FollowsRounding,
-    /// It is smaller than what is still unexplained.
-    SmallerThanTheRest,
     /// It is too small beside the other terms to be told from their inexactness.
     WithinInexactness,
     /// It does something only together with another that it can be mistaken for.

@@ -33,7 +33,6 @@ pub fn dropped(reason: Dropped) -> String {
                 .into()
         }
         Dropped::FollowsRounding => "it follows only the rounding of the readings".into(),
-        Dropped::SmallerThanTheRest => "the improvement is smaller than the unexplained residual".into(),
         Dropped::WithinInexactness => {
             "the improvement is too small to be distinguished from the modelling error of the other terms".into()
         }

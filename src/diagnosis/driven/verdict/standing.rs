@@ -1,7 +1,7 @@
 //! Which terms keep a name beside what is left and beside each other.
 
 use crate::driven::identification::fit::{Fit, fit as refitted};
-use crate::driven::selection::earned::{ITERATIONS, SMALLEST_GAIN, without};
+use crate::driven::selection::earned::{ITERATIONS, without};
 use crate::driven::selection::independence::{Explained, explained_by_known};
 use crate::driven::selection::rivals::alike;
 use crate::driven::selection::series::{MOST_LAWS, Series, series};
@@ -15,8 +15,7 @@ use crate::physics::library::Term;
 use super::draft::{Draft, UNMEASURED};
 use super::form;
 
-/// With a remainder as structured as this, a term must stand far above it.
-const COLOURED: f64 = 0.15;
+/// Times the residual's structure that what is named beside it must stand above it.
 pub(super) const FAR_ABOVE: f64 = 30.0;
 /// Part of all that is removed that a term must add to be named: a law is rarely truer than to
 /// three parts in a hundred of what it does, and a tenth of a percent in power of it is no other
@@ -97,27 +96,20 @@ impl Draft<'_> {
         }
     }
 
-    /// What is smaller than the remainder, or than the other laws can be trusted, stays in the
+    /// What is smaller than the other laws can be trusted stays in the
     /// model, so that it does not bias the others, but is not named. How much of the variance these
     /// laws carry together.
-    pub(super) fn carry_what_is_small(&mut self, r_squared: f64) -> f64 {
-        let need = SMALLEST_GAIN.max(if r_squared <= COLOURED { r_squared } else { FAR_ABOVE * r_squared });
+    pub(super) fn carry_what_is_small(&mut self) -> f64 {
         let removed = self.removed();
         let inexactness = self.inexactness();
         let reason = |n: &Named| {
             let below = |gate: Gate, least: f64| n.growth < least && self.drops(gate, n, [n.growth, least]);
-            // Noise follows whatever is left: beside it, what is left must be next to nothing.
-            let is_small = || match self.is_noise(n) {
-                true => below(Gate::NoiseBesideRest, need.max(FAR_ABOVE * r_squared)),
-                false => below(Gate::SmallerThanRest, need),
-            };
             let is_detail = || match self.is_noise(n) {
                 true => below(Gate::Inexactness, (removed * LEAST_PART_OF_NOISE).max(inexactness)),
                 false => below(Gate::LeastPart, removed * LEAST_PART),
             };
             match () {
                 () if self.pushes_along(n) => Some(Dropped::PushesAlong),
-                () if is_small() => Some(Dropped::SmallerThanTheRest),
                 () if is_detail() => Some(Dropped::WithinInexactness),
                 () => None,
             }
