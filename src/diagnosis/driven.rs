@@ -99,10 +99,7 @@ fn decayed(recording: &Recording, taken: &Taken, model: &model::Driven) -> Optio
     let Taken { prepared, pieces, judging } = taken;
     let is_displacement = model.output_is == model::Output::Displacement;
     let is_driven = prepared.data.input.is_some();
-    if (is_driven && is_displacement && std::env::var_os("PM_ENGINE").is_none())
-        || prepared.own_test
-        || pieces.len() != 1
-    {
+    if (is_driven && is_displacement) || prepared.own_test || pieces.len() != 1 {
         return None;
     }
     let decay = match is_driven {

@@ -189,8 +189,8 @@ fn clipped() -> Result<(), Failed> {
     near("high", rails.parameters[1].value, 1.1, 0.01)
 }
 
-// Two rows late: τ = 2 · 2π/30. Its control is an input that goes in steps, which looks late by half a row to who
-// takes it for a smooth one.
+// Two rows late: τ = 2 · 2π/30, to half a per cent, a tenth of a degree of phase at ω₀. Its control is an input
+// that goes in steps: taken for a smooth one, it looks late by half a row.
 fn late() -> Result<(), Failed> {
     let made = Made { zeta: 0.02, begin: 0.0, gain: 0.25, cycles: 130, noise: 1e-3, force: &|_, _, _| 0.0 };
     for output in [Output::Velocity, Output::Acceleration] {
@@ -206,7 +206,7 @@ fn late() -> Result<(), Failed> {
     check(verdict.findings.iter().any(|f| f.contains("steps (held)")), format!("{:?}", verdict.findings))
 }
 
-/// Input and velocity of the same mass, exactly, where the input stays as it is from row to row.
+/// Input and velocity of a mass whose input is held from row to row, by the exact solution.
 fn held_velocity(gain: f64, cycles: usize) -> [Vec<f64>; 2] {
     let (zeta, h) = (0.02_f64, TAU / PER_CYCLE as f64);
     let damped = (1.0 - zeta * zeta).sqrt();
@@ -226,7 +226,7 @@ fn held_velocity(gain: f64, cycles: usize) -> [Vec<f64>; 2] {
     [inputs, readings]
 }
 
-// An autoregression of first order, 0.5 from row to row: differences of neighbours show less than half of it.
+// An autoregression with 0.5 from row to row: differences of neighbours show half of its variance (1 − ρ).
 fn remembering_noise() -> Result<(), Failed> {
     for output in [Output::Velocity, Output::Acceleration] {
         let made = Made { zeta: 0.02, begin: 0.0, gain: 0.25, cycles: 130, noise: 0.0, force: &|_, _, _| 0.0 };

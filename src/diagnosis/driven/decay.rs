@@ -3,8 +3,7 @@
 //!
 //! Intake finds the motion (`swings`) and its rows (`rows`); the engine searches the laws of a proof
 //! mass (`simulated`) by free simulation from the base model (`base_model`, `searched`, under an input
-//! `driven`); `answer` says
-//! what was found, in the units of what was read (`read`).
+//! `driven`); `answer` says what was found, in the units of what was read (`read`).
 
 pub mod answer;
 mod base_model;

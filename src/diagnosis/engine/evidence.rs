@@ -21,12 +21,13 @@ pub(crate) struct Gain {
 }
 
 impl Gain {
-    /// Whether what the model with has more earns a name.
+    /// Returns whether the laws that the larger model adds earn a name.
     pub(crate) fn holds(&self) -> bool {
         self.errors >= NAME && self.share >= LEAST_SHARE
     }
 
-    /// Whether the model without is as good as the one with but for chance.
+    /// Returns whether chance accounts for the difference: the smaller model is as good. White noise tells even
+    /// where too few blocks differ for their scatter to.
     pub(crate) fn is_chance(&self) -> bool {
         self.removed <= 0.0 || self.apart < TIE || (self.is_known && self.errors < TIE)
     }

@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::parameter::Estimate;
-use super::spread::{Spread, Told, misfit};
+use super::spread::{Measured, Spread, misfit};
 use crate::numerics::special::{f_survival, t_quantile};
 
 /// Probability of a difference in one parameter by chance below which it does not agree: the
@@ -19,7 +19,7 @@ pub struct Line {
     /// Its place among the parameters.
     pub parameter: usize,
     /// Each run's value and standard error.
-    pub runs: Vec<Told>,
+    pub runs: Vec<Measured>,
     /// The largest difference between two runs, later less earlier.
     pub difference: f64,
     /// Half its 95 % interval.
@@ -95,7 +95,7 @@ fn shared(runs: &[&Estimate]) -> Vec<usize> {
 }
 
 fn line(runs: &[&Estimate], parameter: usize) -> Line {
-    let told: Vec<Told> = runs.iter().map(|r| (r.value[parameter], r.deviation(parameter))).collect();
+    let told: Vec<Measured> = runs.iter().map(|r| (r.value[parameter], r.deviation(parameter))).collect();
     let freedom: f64 = runs.iter().map(|r| r.freedom[parameter]).fold(f64::INFINITY, f64::min);
     let pairs = (0..told.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
     let widest = pairs.map(|(a, b)| (told[b].0 - told[a].0, told[a].1.hypot(told[b].1)));

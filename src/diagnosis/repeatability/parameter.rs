@@ -18,10 +18,6 @@ pub enum Role {
     Misalignment,
     /// Reading of a gyro's axis of the specific force along an axis.
     GSensitivity,
-    /// Mean reading at rest, on one axis: gravity and the Earth's rate included.
-    Level,
-    /// White noise of a reading, as a random walk.
-    WhiteNoise,
 }
 
 /// One parameter of a sensor's linear model.
@@ -37,8 +33,6 @@ pub struct Parameter {
     pub of: Option<usize>,
     /// Holds where it is stated in SI units; else biases and scales are in those of the reading.
     pub is_si: bool,
-    /// Heading of the column, where it has a parameter of its own.
-    pub column: Option<String>,
 }
 
 /// A sensor as one run tells of it.

@@ -35,7 +35,7 @@ pub struct Halves {
 pub enum Split {
     /// The first half against the second.
     FirstAndSecond,
-    /// Blocks of so many poses in turn.
+    /// Alternating blocks of poses.
     Blocks {
         /// Poses in a block.
         poses: usize,

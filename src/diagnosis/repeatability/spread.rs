@@ -1,6 +1,6 @@
 //! Differences of a parameter from run to run beyond the errors of its estimates.
 //!
-//! Random effects: each run has a value of its own, drawn about a mean with a spread τ. The moment
+//! Random effects: the true value differs from run to run, about a mean with standard deviation τ. The moment
 //! estimate of DerSimonian & Laird (Controlled Clinical Trials 7 (1986) 177), never negative; the
 //! interval by the profile of Cochran's Q (Viechtbauer, Statistics in Medicine 26 (2007) 37).
 
@@ -20,12 +20,12 @@ pub struct Spread {
 }
 
 /// A value and its standard error.
-pub type Told = (f64, f64);
+pub type Measured = (f64, f64);
 
 impl Spread {
     /// Estimates mean and spread; `None` of fewer than two runs or of runs without an error.
-    pub fn of(runs: &[Told]) -> Option<Self> {
-        let usable = |(value, error): &Told| value.is_finite() && error.is_finite() && *error > 0.0;
+    pub fn of(runs: &[Measured]) -> Option<Self> {
+        let usable = |(value, error): &Measured| value.is_finite() && error.is_finite() && *error > 0.0;
         if runs.len() < 2 || !runs.iter().all(usable) {
             return None;
         }
@@ -44,20 +44,20 @@ impl Spread {
 }
 
 /// Weighted mean with this variance between runs, and the sum of the weights.
-fn mean(runs: &[Told], variance: f64) -> (f64, f64) {
+fn mean(runs: &[Measured], variance: f64) -> (f64, f64) {
     let weigh = |error: f64| 1.0 / (error * error + variance);
     let (sum, weight) = runs.iter().fold((0.0, 0.0), |s, r| (s.0 + weigh(r.1) * r.0, s.1 + weigh(r.1)));
     (sum / weight, weight)
 }
 
 /// Cochran's Q with this variance between runs.
-pub(super) fn misfit(runs: &[Told], variance: f64) -> f64 {
+pub(super) fn misfit(runs: &[Measured], variance: f64) -> f64 {
     let (mean, _) = mean(runs, variance);
     runs.iter().map(|r| (r.0 - mean).powi(2) / (r.1 * r.1 + variance)).sum()
 }
 
 /// The variance at which Q falls to `level`, by bisection; zero where it lies below from the start.
-fn crossing(runs: &[Told], level: f64) -> f64 {
+fn crossing(runs: &[Measured], level: f64) -> f64 {
     if misfit(runs, 0.0) <= level {
         return 0.0;
     }
@@ -87,7 +87,7 @@ mod tests {
         for truth in [0.0, 2.0] {
             let (mut held, mut sum, cases) = (0, 0.0, 400);
             for _ in 0..cases {
-                let runs: Vec<Told> = (0..8)
+                let runs: Vec<Measured> = (0..8)
                     .map(|n| {
                         (
                             7.0 + truth * rng.normal() + (1.0 + 0.1 * f64::from(n)) * rng.normal(),

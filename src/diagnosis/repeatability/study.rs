@@ -24,7 +24,8 @@ pub fn sensor_toml(agreement: &Agreement, of: &Estimate, rate_hz: f64) -> Option
     (!body.is_empty()).then(|| {
         format!(
             "# Mean over the runs, and the standard deviation with which the next run differs from it: the spread\n\
-             # between the runs together with the error of the mean. By proofmass {}.\n# Paste it into a study.toml; \
+             # between the runs together with the error of the mean. By proofmass {}.\n# What \
+             not every run determines is left out, or zero. Paste it into a study.toml; \
              `proofmass allan` adds the noise of a log at rest.\n\n[sensor]\nsample_rate_hz = {rate_hz:?}\n{body}",
             env!("CARGO_PKG_VERSION")
         )

@@ -52,7 +52,7 @@ impl Errors {
         let left = GROUPS.map(|g| fit.reduced(g).max(1.0));
         let freedom = GROUPS.map(|g| {
             let own = (fit.rows.chi_square(g).1 as f64 - fit.leverage(g)).max(1.0);
-            // Where the measured noise accounts for what is left, both tell of it.
+            // Where the measured noise accounts for the residual, its degrees of freedom count as well.
             if fit.inflation[g.place()] > 1.0 { own } else { own + NOISE_FREEDOM }
         });
         let series = |group: Group, axis: usize, of: usize| -> f64 {

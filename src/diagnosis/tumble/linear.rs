@@ -55,7 +55,7 @@ const PLACES: [Places; 2] = [
 pub(super) struct Linear {
     /// Indices of what is fitted: the accelerometer's, then the gyro's, its coning last.
     pub active: Vec<usize>,
-    /// Readings of each sensor to what is told: SI where its unit is known, else as they are.
+    /// Factor from each sensor's readings to SI units; `None` where the file states no unit.
     pub told: [Option<f64>; 2],
 }
 
@@ -88,7 +88,7 @@ impl Linear {
         self.active.iter().enumerate().map(of).collect()
     }
 
-    /// Plausible size of what is told, the coning coefficient last.
+    /// Plausible sizes of the public parameters, the coning coefficient last.
     pub(super) fn tolerance(&self, guess: &Point) -> Vec<f64> {
         let of = |p: &usize| {
             let sense = usize::from(*p >= gyro::OFFSET.start);
@@ -120,7 +120,7 @@ impl Linear {
         self.active[..self.told_of()].iter().map(value).collect()
     }
 
-    /// Information of rows at a point on what is told, each variance as measured times `variance`.
+    /// Computes the information on the public parameters at a point; `variance`: factor on each row's variance.
     pub(super) fn information(&self, rows: &Rows, at: &Point, guess: &Point, variance: &[f64]) -> Information {
         let tolerance = self.tolerance(guess);
         let count = tolerance.len();
@@ -130,7 +130,7 @@ impl Linear {
         information
     }
 
-    /// Slopes of what is told (rows, the coning coefficient last) by what is fitted.
+    /// Computes the derivatives of the public parameters (rows, coning last) by the fitted ones (columns).
     pub(super) fn slopes(&self, point: &Point) -> DMatrix<f64> {
         let count = self.active.len();
         let place = |p: usize| self.active.iter().position(|a| *a == p);
@@ -171,8 +171,7 @@ fn as_fitted(p: usize, guess: &Point) -> f64 {
 fn parameter(p: usize, told: [Option<f64>; 2]) -> Parameter {
     let sense = usize::from(p >= gyro::OFFSET.start);
     let at = &PLACES[sense];
-    let of =
-        |role, axis, of| Parameter { sensor: at.sensor, role, axis, of, is_si: told[sense].is_some(), column: None };
+    let of = |role, axis, of| Parameter { sensor: at.sensor, role, axis, of, is_si: told[sense].is_some() };
     match p {
         p if (at.offset..at.offset + 3).contains(&p) => of(Role::Bias, p - at.offset, None),
         p if p == at.scale => of(Role::Scale, 0, None),

@@ -29,8 +29,8 @@ mod tests {
     use super::*;
     use crate::rng::{Philox, Stream};
 
-    /// Half of what is left of noise with memory 0.7 after a constant is about (1 + ρ)/(1 − ρ) = 5.7
-    /// less what a finite stretch hides; white noise has none.
+    /// An autoregression with ρ = 0.7 multiplies the variance of a mean by (1 + ρ)/(1 − ρ) = 5.7, less what a
+    /// finite series hides; white noise by one.
     #[test]
     fn a_memory_is_seen_and_white_noise_has_none() {
         let mut rng = Philox::new(2, 0, Stream::Host);

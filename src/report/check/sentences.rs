@@ -24,8 +24,8 @@ pub(super) fn answer(files: &[String], checked: &Checked) -> String {
     let told = match &agreement.joint {
         None => format!("{} determine no parameter in common: there is nothing to compare.", what(compared)),
         Some(joint) if joint.agrees() => {
-            format!("{} agree in the {} parameters that both determine.", what(compared), agreement.lines.len())
-                .replace("both", if *compared == Compared::Runs { "all" } else { "both" })
+            let each = if *compared == Compared::Runs { "all" } else { "both" };
+            format!("{} agree in the {} parameters that {each} determine.", what(compared), agreement.lines.len())
         }
         Some(_) => format!("{} do not agree{}.", what(compared), differing(checked, agreement)),
     };
@@ -174,7 +174,7 @@ pub(super) fn of_agreement(checked: &Checked) -> Vec<String> {
     }
     if let Some(Joint { chi_squared, freedom, p_value }) = agreement.joint {
         out.push(format!(
-            "all together: χ² = {} at {freedom:.0} degrees of freedom; so much or more by chance: {}",
+            "all together: χ² = {} at {freedom:.0} degrees of freedom; chance alone gives as much or more in {} of cases",
             short(chi_squared),
             if p_value < 1e-6 {
                 "less than one in a million".to_owned()
@@ -184,7 +184,7 @@ pub(super) fn of_agreement(checked: &Checked) -> Vec<String> {
         ));
         let differ = agreement.lines.iter().filter(|l| !l.agrees()).count();
         out.push(format!(
-            "one by one: {differ} of {} differ at 95 %; by chance {} do",
+            "one by one: {differ} of {} differ at 95 %; chance alone would make {} differ",
             agreement.lines.len(),
             short(0.05 * agreement.lines.len() as f64)
         ));

@@ -27,49 +27,38 @@ pub(super) fn role(role: Role) -> &'static str {
         Role::Scale => "scale",
         Role::Misalignment => "misalignment",
         Role::GSensitivity => "g-sensitivity",
-        Role::Level => "mean",
-        Role::WhiteNoise => "white noise",
     }
 }
 
 /// Its axis, or axes: "z", "yz".
 pub(super) fn place(parameter: &Parameter) -> String {
-    match &parameter.column {
-        Some(column) => column.clone(),
-        None => format!("{}{}", axis(parameter.axis), parameter.of.map_or("", axis)),
-    }
+    format!("{}{}", axis(parameter.axis), parameter.of.map_or("", axis))
 }
 
 /// "gyro scale z".
 pub(super) fn name(parameter: &Parameter) -> String {
-    match &parameter.column {
-        Some(column) => format!("{column} {}", role(parameter.role)),
-        None => format!("{} {} {}", parameter.sensor.name(), role(parameter.role), place(parameter)),
-    }
+    format!("{} {} {}", parameter.sensor.name(), role(parameter.role), place(parameter))
 }
 
 /// The unit it is stated in, and the factor from what it is held in.
 pub(super) fn unit(parameter: &Parameter) -> (&'static str, f64) {
     let is_gyro = parameter.sensor == Sense::Gyro;
     match (parameter.role, parameter.is_si) {
-        (Role::Bias | Role::Level, true) if is_gyro => ("°/s", 1.0 / DEGREE),
-        (Role::Bias | Role::Level, true) => ("m/s²", 1.0),
-        (Role::Bias | Role::Level, false) => ("unit of the file", 1.0),
+        (Role::Bias, true) if is_gyro => ("°/s", 1.0 / DEGREE),
+        (Role::Bias, true) => ("m/s²", 1.0),
+        (Role::Bias, false) => ("unit of the file", 1.0),
         (Role::Scale, true) => ("1", 1.0),
         (Role::Scale, false) if is_gyro => ("unit of the file per rad/s", 1.0),
         (Role::Scale, false) => ("unit of the file per m/s²", 1.0),
         (Role::Misalignment, _) => ("mrad", 1e3),
         (Role::GSensitivity, _) => ("°/s/g", STANDARD_GRAVITY_M_S2 / DEGREE),
-        (Role::WhiteNoise, true) if is_gyro => ("°/√h", 60.0 / DEGREE),
-        (Role::WhiteNoise, true) => ("m/s/√h", 60.0),
-        (Role::WhiteNoise, false) => ("unit of the file·√s", 1.0),
     }
 }
 
 /// The same of a difference, which a scale has as a share of itself.
 pub(super) fn unit_of_difference(parameter: &Parameter, value: f64) -> (&'static str, f64) {
     match parameter.role {
-        Role::Scale | Role::WhiteNoise if value != 0.0 => ("%", 100.0 / value.abs()),
+        Role::Scale if value != 0.0 => ("%", 100.0 / value.abs()),
         _ => unit(parameter),
     }
 }

@@ -133,7 +133,7 @@ pub(crate) fn answer(asked: &Asked<'_>, decay: &Decay, mut notes: Notes) -> Answ
         base: effects::base(decay, &read),
         effects: named,
         places: Places { state_cells: detail.surfaces[0].strongest(CELLS), argument, ..places },
-        fit: decay.score(asked, &unit),
+        fit: decay.score(asked, &unit, remainder),
         residual_after: remainder.whiteness(),
         findings: notes.findings,
         ranking,
@@ -196,7 +196,7 @@ impl Decay {
         let depends = !found.rest.is_empty() || found.named.iter().any(|n| n.departs.is_some());
         let size = Size::of(excess, AT_NOISE, FAINT);
         if self.data.input.is_some() {
-            // What does not know the input is noise, unless it has a longer memory than a readout's.
+            // What does not depend on the input is noise, unless it remembers longer than a readout does.
             let p_value = if depends || self.foretold(model) { 0.0 } else { 1.0 };
             let fit = self.as_fit(&self.system, model);
             let passed = (model.model.residual.clone(), self.passed(model));
@@ -208,7 +208,7 @@ impl Decay {
         Remainder::of([Test { p_value, size }])
     }
 
-    /// Whether a forecast from input, state and time removes part of what a model leaves.
+    /// Returns whether a forecast from input, state and time removes part of the residual.
     fn foretold(&self, model: &Fitted) -> bool {
         let gain = known::foretold(&self.system, model, &self.passed(model), self.variance);
         gain.is_some_and(|gain| gain.holds())
@@ -237,7 +237,7 @@ impl Decay {
     }
 
     /// Errors before and after, on fitted and on held-out samples.
-    fn score(&self, asked: &Asked<'_>, unit: &str) -> Score {
+    fn score(&self, asked: &Asked<'_>, unit: &str, remainder: Remainder) -> Score {
         let found = &self.found;
         let rows = self.system.rows.layout.rows() as f64;
         let named = !found.named.is_empty();
@@ -268,7 +268,7 @@ impl Decay {
         Score {
             unit: unit.to_owned(),
             noise_floor: self.size(self.variance.min(found.model.variance).sqrt()),
-            noise: Some(self.noise_of_the_reading(unit)),
+            noise: Some(self.noise_of_the_reading(unit, remainder)),
             train: of(&fitted),
             test,
             test_ranges: Vec::new(),
@@ -284,18 +284,14 @@ impl Decay {
     pub(crate) fn leaves_noise_with_memory(&self) -> bool {
         let left = self.found.model.variance;
         let is_more = left > (1.0 + AT_NOISE) * self.variance;
-        let is_noise = || match self.data.input.is_some() {
-            true => self.found.rest.is_empty() && !self.foretold(&self.found.model),
-            false => self.remainder().size == Size::Negligible,
-        };
-        self.found.named.is_empty() && is_more && is_noise()
+        self.found.named.is_empty() && is_more && self.remainder().size == Size::Negligible
     }
 
     /// The noise of a reading: as it was measured; where that is only its white part, or more than the model
     /// leaves, the residual.
-    fn noise_of_the_reading(&self, unit: &str) -> Noise {
+    fn noise_of_the_reading(&self, unit: &str, remainder: Remainder) -> Noise {
         let left = self.found.model.variance;
-        let is_more = left > (1.0 + AT_NOISE) * self.variance && self.remainder().size == Size::Negligible;
+        let is_more = left > (1.0 + AT_NOISE) * self.variance && remainder.size == Size::Negligible;
         if is_more || left < (1.0 - AT_NOISE) * self.variance {
             let said = if is_more { "the residual, whose size does not follow the motion" } else { "the residual" };
             return Noise { value: self.size(left.sqrt()), unit: unit.to_owned(), how: said.to_owned() };

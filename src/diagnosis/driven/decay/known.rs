@@ -1,18 +1,17 @@
-//! Whether what a model leaves depends on anything that is known: noise that is the sensor's own does not
-//! know what the sensor is doing.
+//! Tests whether the residual depends on anything known: the sensor's own noise does not depend on what the
+//! sensor is doing.
 
 use crate::driven::selection::residual_structure::regressors;
 use crate::driven::simulated::system::System;
+use crate::driven::simulation::filter::States;
 use crate::engine::evidence::{Gain, gain};
 use crate::engine::fit::Fitted;
 use crate::engine::kind::{Kind, Linearised};
 use crate::engine::linear::Products;
 use crate::numerics::moments::mean_sd;
 
-use crate::driven::simulation::filter::States;
-
-/// What a forecast of the residual from input, state and time removes of it, in blocks that the forecast was
-/// not fitted to; `None` where there are too few rows for one.
+/// Gains from forecasting the residual by input, state and time, in blocks that the forecast was not fitted to;
+/// `None` where the forecast cannot be solved. `noise`: variance of a row.
 pub(super) fn foretold(system: &System, model: &Fitted, passed: &States, noise: f64) -> Option<Gain> {
     let layout = system.layout();
     let counted = |column: Vec<f64>| -> Option<Vec<f64>> {

@@ -54,7 +54,7 @@ pub(crate) fn residual_structure_of_noise(data: &Data, fit: &Fit) -> Residual {
     of_noise(data, fit, trace(data, &fit.structure, &fit.point, &fit.run(data, true)))
 }
 
-/// As `residual_structure_of_noise`, of these innovations and the states that they belong to.
+/// Does the same for innovations and states at hand.
 pub(crate) fn of_noise(data: &Data, fit: &Fit, (innovations, states): (Vec<f64>, States)) -> Residual {
     let mut known = regressors(data, &states);
     let plain = structure(&innovations, OWN_LAGS, &known);

@@ -176,7 +176,7 @@ fn character(data: &Data, fit: &Fit, coloured: Option<&Coloured>) -> NoiseCharac
     NoiseCharacter { stretch, memory, ..noise }
 }
 
-/// Whether more of a residual can be foretold than of noise.
+/// Tests how much of a residual its past, the input and the state foretell.
 pub(crate) fn remembers(left: &Structure) -> Test {
     Test { p_value: QUESTIONS * left.p_value, size: Size::of(left.r_squared, WHITE, FAINT) }
 }

@@ -96,9 +96,8 @@ impl Draft<'_> {
         }
     }
 
-    /// What is smaller than the other laws can be trusted stays in the
-    /// model, so that it does not bias the others, but is not named. How much of the variance these
-    /// laws carry together.
+    /// Takes the name from what lies within the modelling error of the other laws; it stays in the model, so that
+    /// it does not bias them. Returns how much of the variance these laws carry together.
     pub(super) fn carry_what_is_small(&mut self) -> f64 {
         let removed = self.removed();
         let inexactness = self.inexactness();
