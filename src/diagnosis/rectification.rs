@@ -14,7 +14,7 @@ use crate::control::{Control, Stopped};
 use crate::physics::coefficients::StudyLaw;
 use crate::physics::dimension::Units;
 use crate::physics::library::Term;
-use crate::physics::state::{Base, Instants, MOST_VALUES};
+use crate::physics::state::{Base, Instants, MOST_STAGED, MOST_VALUES};
 use crate::sensor::ProofMass;
 
 /// Steps per radian of the fastest motion: Runge–Kutta 4 then errs by less than 1e-6 in the metres
@@ -179,7 +179,8 @@ impl<'a> VibratedSensor<'a> {
         let at = Instants { time: 0.0, step: 0.0, input: [force], x: [x], v: [v], base: &base, environment: &[] };
         let mut sum = [force - self.damping * v - self.stiffness * x];
         for (term, p) in &self.laws {
-            term.force::<f64, 1, false>(&at, p, &[], &mut [], &mut sum);
+            let (own, mut rates) = ([[0.0]; MOST_STAGED], [[0.0]; MOST_STAGED]);
+            term.force::<f64, 1, false>(&at, p, &own, &mut rates, &mut sum);
         }
         sum[0]
     }

@@ -14,7 +14,7 @@ use super::law::{Law, Place, Role};
 use super::power::{LEAST, bounded_power, by};
 use super::scales::{Coordinate, Scales};
 use super::side_by_side::each;
-use super::state::{Instant, Instants, MOST_STAGED, MOST_VALUES};
+use super::state::{Instant, Instants, MOST_STAGED, MOST_VALUES, Staged, Values};
 use super::{
     coulomb_friction, cubic_stiffness, drive_nonlinearity, end_stop, quadratic_damping, quadratic_stiffness,
     readout_nonlinearity, squeeze_film_damping, stiffness_drift,
@@ -192,9 +192,9 @@ impl FreeForm {
     pub(super) fn forces<T: Real, const N: usize, const FMA: bool>(
         &self,
         at: &Instants<'_, T, N>,
-        p: &[[T; N]],
-        own: &[[T; N]],
-        rates: &mut [[T; N]],
+        p: &Values<T, N>,
+        own: &Staged<T, N>,
+        rates: &mut Staged<T, N>,
         acceleration: &mut [T; N],
     ) {
         macro_rules! one_of {

@@ -7,7 +7,7 @@ use crate::numerics::elementary::Real;
 use super::candidate::Candidate;
 use super::law::{Law, Noise, Role};
 use super::side_by_side::{each, each_reading};
-use super::state::{Constants, Instants, Lanes, Stride};
+use super::state::{Constants, Instants, Lanes, Staged, Stride, Values};
 
 macro_rules! library {
     ($($law:ident in $file:ident),* $(,)?; in studies $($run:ident in $only:ident),* $(,)?; beside $($other:ident in $beside:ident),* $(,)?) => {
@@ -49,9 +49,9 @@ macro_rules! library {
             pub fn force<T: Real, const N: usize, const FMA: bool>(
                 &self,
                 at: &Instants<'_, T, N>,
-                p: &[[T; N]],
-                own: &[[T; N]],
-                rates: &mut [[T; N]],
+                p: &Values<T, N>,
+                own: &Staged<T, N>,
+                rates: &mut Staged<T, N>,
                 acceleration: &mut [T; N],
             ) {
                 match self {
@@ -66,7 +66,7 @@ macro_rules! library {
             pub fn reading<const N: usize>(
                 &self,
                 at: &Instants<'_, f64, N>,
-                p: &[[f64; N]],
+                p: &Values<f64, N>,
                 own: &[[f64; N]],
                 y: &mut [f64; N],
             ) {

@@ -7,33 +7,30 @@
 use crate::numerics::elementary::Real;
 
 use super::law::Law;
-use super::state::{Instants, MOST_STAGED, MOST_VALUES};
+use super::state::{Instants, MOST_STAGED, Staged, Values};
 
-/// Adds a law's force to the acceleration of N masses and writes the rates of its states.
+/// Adds a law's force to the acceleration of N masses and writes the rates of its states: the first of
+/// `rates`, as they are the first of `own`; zeros where it has none. Fixed numbers of rows, as slices of
+/// them would be copied at every stage of every step.
 #[inline(always)]
 pub(crate) fn each<L: Law, T: Real, const N: usize, const FMA: bool>(
     law: &L,
     at: &Instants<'_, T, N>,
-    p: &[[T; N]],
-    own: &[[T; N]],
-    rates: &mut [[T; N]],
+    p: &Values<T, N>,
+    own: &Staged<T, N>,
+    rates: &mut Staged<T, N>,
     acceleration: &mut [T; N],
 ) {
-    let (values, states) = (law.values(), law.states().min(MOST_STAGED));
-    let (Some(p), Some(own), Some(rates)) = (p.get(..values), own.get(..states), rates.get_mut(..states)) else {
-        return;
-    };
-    let (p, own) = (whole::<T, N, MOST_VALUES>(p), whole::<T, N, MOST_STAGED>(own));
     let mut all = [[T::default(); N]; MOST_STAGED];
     for l in 0..N {
-        let (at, p, z) = (at.lane(l), lane(&p, l), lane(&own, l));
+        let (at, p, z) = (at.lane(l), lane(p, l), lane(own, l));
         acceleration[l] = law.force::<T, FMA>(&at, &p, &z, acceleration[l]);
         let rate = law.rates::<T, FMA>(&at, &p, &z);
         for i in 0..MOST_STAGED {
             all[i][l] = rate[i];
         }
     }
-    rates.copy_from_slice(&all[..states]);
+    *rates = all;
 }
 
 /// Lets a law change the readings of N masses.
@@ -41,15 +38,13 @@ pub(crate) fn each<L: Law, T: Real, const N: usize, const FMA: bool>(
 pub(super) fn each_reading<L: Law, const N: usize>(
     law: &L,
     at: &Instants<'_, f64, N>,
-    p: &[[f64; N]],
+    p: &Values<f64, N>,
     own: &[[f64; N]],
     y: &mut [f64; N],
 ) {
-    let (values, states) = (law.values(), law.states().min(MOST_STAGED));
-    let (Some(p), Some(own)) = (p.get(..values), own.get(..states)) else { return };
-    let (p, own) = (whole::<f64, N, MOST_VALUES>(p), whole::<f64, N, MOST_STAGED>(own));
+    let own = whole::<f64, N, MOST_STAGED>(own);
     for l in 0..N {
-        y[l] = law.reading(&at.lane(l), &lane(&p, l), &lane(&own, l), y[l]);
+        y[l] = law.reading(&at.lane(l), &lane(p, l), &lane(&own, l), y[l]);
     }
 }
 

@@ -15,6 +15,11 @@ pub const MOST_VALUES: usize = 6;
 /// it.
 pub const MOST_STAGED: usize = 3;
 
+/// Values of one law for N masses; zeros where it has fewer.
+pub type Values<T, const N: usize> = [[T; N]; MOST_VALUES];
+/// States of one law for N masses; it uses the first of them.
+pub type Staged<T, const N: usize> = [[T; N]; MOST_STAGED];
+
 /// The base model of N masses: x″ + 2ζω₀x′ + ω₀²x = gain · input.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Base<T, const N: usize> {

@@ -26,7 +26,7 @@ use proofmass::physics::coefficients::laws;
 use proofmass::physics::coulomb_friction::{CoulombFriction, Sides};
 use proofmass::physics::dimension::Units;
 use proofmass::physics::library::Term;
-use proofmass::physics::state::{Base, Instants};
+use proofmass::physics::state::{Base, Instants, MOST_VALUES};
 use proofmass::sensor::{ProofMass, Sensor};
 use proofmass::statistics::quantity::ACCELERATION;
 use proofmass::trial::equation::Oscillator;
@@ -246,9 +246,10 @@ fn pulled<T: Real>(term: &Term, p: &[f64], [x, v, u, z]: [f64; 4]) -> [f64; 2] {
         base: &base,
         environment: &[],
     };
-    let p: Vec<[T; 1]> = p.iter().map(|v| [of(*v)]).collect();
-    let (mut rates, mut sum) = ([[of(0.0)]; 4], [of(0.0)]);
-    term.force::<T, 1, false>(&at, &p, &[[of(z)], [of(0.5 * z)], [of(0.0)], [of(0.0)]], &mut rates, &mut sum);
+    let mut values = [[of(0.0)]; MOST_VALUES];
+    values.iter_mut().zip(p).for_each(|(value, p)| *value = [of(*p)]);
+    let (mut rates, mut sum) = ([[of(0.0)]; 3], [of(0.0)]);
+    term.force::<T, 1, false>(&at, &values, &[[of(z)], [of(0.5 * z)], [of(0.0)]], &mut rates, &mut sum);
     [sum[0].f64(), rates[0][0].f64()]
 }
 
@@ -330,12 +331,11 @@ fn in_displacement(number: usize) -> f64 {
     let force = |t: f64| 0.5 * (std::f64::consts::TAU * 1.3 * t).sin() + 0.1;
     let p = mass.laws.values(&law, &Units { y: 1.0, u: 1.0, s: 1.0 }).map(|v| [v]);
     let base = Base { gain: [1.0], stiffness: [omega * omega], damping: [2.0 * mass.damping_ratio * omega] };
-    let states = law.term.states();
     let slope = |t: f64, [x, v, z, w]: [f64; 4]| {
         let mut sum = [force(t) - base.stiffness[0] * x - base.damping[0] * v];
         let at = Instants { time: t, step: 1e-3, input: [force(t)], x: [x], v: [v], base: &base, environment: &[1.0] };
-        let mut rates = [[0.0]; 2];
-        law.term.force::<f64, 1, false>(&at, &p, &[[z], [w]], &mut rates[..states], &mut sum);
+        let mut rates = [[0.0]; 3];
+        law.term.force::<f64, 1, false>(&at, &p, &[[z], [w], [0.0]], &mut rates, &mut sum);
         [v, sum[0], rates[0][0], rates[1][0]]
     };
     let add = |s: [f64; 4], k: [f64; 4], by: f64| std::array::from_fn(|i| s[i] + by * k[i]);

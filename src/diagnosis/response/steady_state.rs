@@ -56,10 +56,10 @@ impl Law {
         let at = Instants { time: time_s, step: 0.0, input: [0.0; N], x, v, base: &base, environment: &[] };
         let mut p = [[0.0; N]; MOST_VALUES];
         p.iter_mut().zip(&self.values).for_each(|(p, v)| *p = [*v; N]);
-        let states = own.map(|z| [z; N]);
-        let (values, count) = (self.term.values(), self.term.states().min(2));
+        let mut states = [[0.0; N]; MOST_STAGED];
+        states.iter_mut().zip(own).for_each(|(state, z)| *state = [z; N]);
         let (mut rates, mut force) = ([[0.0; N]; MOST_STAGED], [0.0; N]);
-        self.term.force::<f64, N, false>(&at, &p[..values], &states[..count], &mut rates[..count], &mut force);
+        self.term.force::<f64, N, false>(&at, &p, &states, &mut rates, &mut force);
         Answer { force, rates }
     }
 

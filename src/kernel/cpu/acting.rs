@@ -10,7 +10,7 @@ use crate::numerics::elementary::{Real, fma};
 use crate::physics::coefficients::{StudyLaw, laws};
 use crate::physics::law::Role;
 use crate::physics::library::Term;
-use crate::physics::state::Instants;
+use crate::physics::state::{Instants, MOST_STAGED, MOST_VALUES, Staged, Values};
 
 /// A law, its parameters with the substep as unit of time and the reading as displacement, and its
 /// states.
@@ -18,15 +18,17 @@ use crate::physics::state::Instants;
 pub(super) struct Acting<T> {
     term: Term,
     /// Its parameters, and zeros in the places of unknown beginnings.
-    p: Vec<[T; LANES]>,
+    p: Values<T, LANES>,
     /// First state at rest under a unit of force.
     rest: [T; LANES],
+    /// How many states it has.
+    states: usize,
     /// Its states, the first less what it would be at rest.
-    own: Vec<[T; LANES]>,
+    own: Staged<T, LANES>,
     /// Within a step: the states at a stage, their rates there, and the weighted sum of rates.
-    here: Vec<[T; LANES]>,
-    rates: Vec<[T; LANES]>,
-    sums: Vec<[T; LANES]>,
+    here: Staged<T, LANES>,
+    rates: Staged<T, LANES>,
+    sums: Staged<T, LANES>,
 }
 
 /// A stage of a step.
@@ -48,24 +50,23 @@ impl<T: Real> Acting<T> {
     }
 
     fn one(law: &StudyLaw, columns: &[Lane<T>]) -> Self {
-        let zeros = |count: usize| vec![[T::of(0.0); LANES]; count];
-        let mut p: Vec<[T; LANES]> = columns.iter().map(|lane| lane.0).collect();
-        let of_lane = |l: usize| -> Vec<f64> { p.iter().map(|row| row[l].f64()).collect() };
+        let mut p = [[T::of(0.0); LANES]; MOST_VALUES];
+        p.iter_mut().zip(columns).for_each(|(row, lane)| *row = lane.0);
+        let count = columns.len();
+        let of_lane = |l: usize| -> Vec<f64> { p[..count].iter().map(|row| row[l].f64()).collect() };
         let rest = std::array::from_fn(|l| T::of(law.at_rest(&of_lane(l))));
-        p.resize(law.term.values().max(p.len()), [T::of(0.0); LANES]);
-        let states = law.term.states();
-        let [own, here, rates, sums] = [(); 4].map(|()| zeros(states));
-        Self { term: law.term, p, rest, own, here, rates, sums }
+        let [own, here, rates, sums] = [[[T::of(0.0); LANES]; MOST_STAGED]; 4];
+        Self { term: law.term, p, rest, states: law.term.states(), own, here, rates, sums }
     }
 
     /// Numbers that a step changes.
     pub(super) fn own(&mut self) -> impl Iterator<Item = &mut T> {
-        self.own.iter_mut().flatten()
+        self.own[..self.states].iter_mut().flatten()
     }
 
     /// Returns whether it has internal states.
     pub(super) fn has_states(&self) -> bool {
-        !self.own.is_empty()
+        self.states > 0
     }
 
     /// Adds its force at a stage to the acceleration of the masses.
@@ -78,7 +79,7 @@ impl<T: Real> Acting<T> {
     #[inline(always)]
     pub(super) fn end<const FMA: bool>(&mut self, stage: usize) {
         let weight = T::of([1.0, 2.0, 2.0, 1.0][stage]);
-        for (sums, rates) in self.sums.iter_mut().zip(&self.rates) {
+        for (sums, rates) in self.sums.iter_mut().zip(&self.rates).take(self.states) {
             for l in 0..LANES {
                 let before = if stage == 0 { T::of(0.0) } else { sums[l] };
                 sums[l] = fma::<T, FMA>(weight, rates[l], before);
@@ -90,7 +91,7 @@ impl<T: Real> Acting<T> {
     #[inline(always)]
     pub(super) fn begin<const FMA: bool>(&mut self, stage: &Stage<'_, T>) {
         let share = T::of([0.0, 0.5, 0.5, 1.0][stage.number]);
-        for (s, own) in self.own.iter().enumerate() {
+        for (s, own) in self.own.iter().enumerate().take(self.states) {
             let (here, rates) = (&mut self.here[s], &self.rates[s]);
             *here = *own;
             if s == 0 {
@@ -115,7 +116,7 @@ impl<T: Real> Acting<T> {
     #[inline(always)]
     pub(super) fn finish<const FMA: bool>(&mut self, growth: &[T; LANES]) {
         let sixth = T::of(1.0 / 6.0);
-        for (s, own) in self.own.iter_mut().enumerate() {
+        for (s, own) in self.own.iter_mut().enumerate().take(self.states) {
             if s == 0 {
                 for l in 0..LANES {
                     own[l] = fma::<T, FMA>(-self.rest[l], growth[l], own[l]);

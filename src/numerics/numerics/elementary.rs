@@ -235,7 +235,26 @@ pub(super) fn ln_mantissa<const FMA: bool>(m: f64) -> f64 {
     const ODD: [f64; 10] =
         [2.0, 2.0 / 3.0, 2.0 / 5.0, 2.0 / 7.0, 2.0 / 9.0, 2.0 / 11.0, 2.0 / 13.0, 2.0 / 15.0, 2.0 / 17.0, 2.0 / 19.0];
     let s = (m - 1.0) / (m + 1.0);
-    s * horner::<f64, FMA, 10>(s * s, ODD)
+    let square = s * s;
+    let fourth = square * square;
+    let eighth = fourth * fourth;
+    let sums = halved::<FMA, 10, 5>(square, ODD);
+    let sums = halved::<FMA, 5, 3>(fourth, sums);
+    let [low, high] = halved::<FMA, 3, 2>(eighth, sums);
+    s * fma::<f64, FMA>(eighth * eighth, high, low)
+}
+
+/// Sums of neighbouring coefficients, the second of each pair times x: a step of Estrin's scheme.
+#[inline(always)]
+pub(super) fn halved<const FMA: bool, const N: usize, const M: usize>(x: f64, coefficients: [f64; N]) -> [f64; M] {
+    let mut sums = [0.0; M];
+    let mut i = 0;
+    while i < M {
+        let even = coefficients[2 * i];
+        sums[i] = if 2 * i + 1 < N { fma::<f64, FMA>(x, coefficients[2 * i + 1], even) } else { even };
+        i += 1;
+    }
+    sums
 }
 
 /// ln u for the uniform number u = (2k + 1)·2⁻²⁴ made of the upper 23 bits k of a random word:

@@ -6,7 +6,7 @@
 
 use std::f64::consts::{LN_2, LOG2_E};
 
-use super::elementary::{horner, ln_mantissa};
+use super::elementary::{halved, ln_mantissa};
 
 /// Adding and taking away 1.5 · 2⁵² rounds to the nearest integer, which then stands in the lowest
 /// bits.
@@ -19,10 +19,8 @@ const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 /// eˣ; beyond ±700 that of ±700.
 #[inline(always)]
 pub fn exp(x: f64) -> f64 {
-    // 1/k!: the series ends below 5e-18 for |x| ≤ ln 2 / 2.
-    const SERIES: [f64; 14] = [
-        1.0,
-        1.0,
+    // 1/k! from k = 2 on: the series ends below 5e-18 for |x| ≤ ln 2 / 2.
+    const SERIES: [f64; 12] = [
         0.5,
         1.0 / 6.0,
         1.0 / 24.0,
@@ -43,7 +41,19 @@ pub fn exp(x: f64) -> f64 {
     let whole = shifted - SHIFT;
     let rest = (x - whole * LN_2_HIGH) - whole * LN_2_LOW;
     // Times 2ⁿ: n added to the exponent.
-    f64::from_bits(horner::<f64, false, 14>(rest, SERIES).to_bits().wrapping_add(shifted.to_bits() << 52))
+    f64::from_bits(series(rest, SERIES).to_bits().wrapping_add(shifted.to_bits() << 52))
+}
+
+/// 1 + x + x² times a series of these coefficients, lowest first, which is summed in pairs of pairs: in the
+/// loop over lanes each result waits for the one before it, and six waits take half the time of thirteen.
+#[inline(always)]
+fn series(x: f64, coefficients: [f64; 12]) -> f64 {
+    let second = x * x;
+    let fourth = second * second;
+    let sums = halved::<false, 12, 6>(x, coefficients);
+    let sums = halved::<false, 6, 3>(second, sums);
+    let [low, high] = halved::<false, 3, 2>(fourth, sums);
+    1.0 + (x + second * (low + fourth * fourth * high))
 }
 
 /// ln x of a positive, normal x.

@@ -174,8 +174,9 @@ impl Pass<'_> {
             values
         };
         let mut own = [[0.0; LANES]; MOST_STATES];
-        let (later, earlier): (Vec<_>, Vec<_>) =
-            movers(self.parts.terms, self.parts.first).into_iter().partition(|m| m.term.role() == Role::LowPass);
+        let (later, earlier): (Vec<_>, Vec<_>) = movers(self.parts.terms, self.parts.first, self.parts.parameters)
+            .into_iter()
+            .partition(|m| m.role == Role::LowPass);
         for m in &earlier {
             m.term.begin(&x, &v, &values(m), &mut own[m.state..]);
         }
@@ -199,16 +200,16 @@ impl Pass<'_> {
         let seen = self.parts.observed.output;
         let mut y = if seen == Output::Displacement { at.x } else { plan.observed(at, acting, motion) };
         for r in &plan.sensing {
-            if seen != Output::Displacement && r.term.role() == Role::Mode {
+            if seen != Output::Displacement && r.role == Role::Mode {
                 continue;
             }
-            r.term.reading(at, &self.parts.parameters[r.first..], &motion.own[r.state..], &mut y);
+            r.term.reading(at, &r.values, &motion.own[r.state..], &mut y);
         }
         for l in 0..LANES {
             y[l] += offset[l] + motion.bias[l];
         }
         for r in &plan.adding {
-            r.term.reading(at, &self.parts.parameters[r.first..], &motion.own[r.state..], &mut y);
+            r.term.reading(at, &r.values, &motion.own[r.state..], &mut y);
         }
         y
     }

@@ -12,12 +12,17 @@ use crate::model::Output;
 use crate::physics::coulomb_friction::{self, Sliding};
 use crate::physics::law::{Place, Role};
 use crate::physics::library::Term;
-use crate::physics::state::{BaseLanes, Constants, Instants, LANES, Lanes, MOST_STAGED, Stride};
+use crate::physics::state::{
+    BaseLanes, Constants, Instants, LANES, Lanes, MOST_STAGED, MOST_VALUES, Staged, Stride, Values,
+};
 
 use super::propagator::{Shift, Transition};
 
 /// Most own states of all terms of a model together.
 pub(super) const MOST_STATES: usize = 8;
+/// Rows that hold the states of all terms that act on the mass and, from each term's first one on, as
+/// many as a law is given.
+const STAGED_ROWS: usize = 2 * MOST_STAGED;
 
 /// Everything that moves during a pass.
 pub(super) struct StepState {
@@ -81,16 +86,16 @@ impl<'a> Plan<'a> {
         let Parts { terms, first, parameters, .. } = *parts;
         let step_s = parts.interval_s / parts.steps as f64;
         let placed = |kept: fn(&Term) -> bool| -> Vec<Mover<'a>> {
-            let mut all = movers(terms, first);
+            let mut all = movers(terms, first, parameters);
             all.retain(|m| kept(m.term));
             all
         };
         let moving = placed(|t| t.role() == Role::Force);
         let mut followers = placed(|t| t.role().follows());
         // A low-pass sees the others where they have come to.
-        followers.sort_by_key(|m| m.term.role() == Role::LowPass);
-        let constants = followers.iter().map(|m| m.term.constants(&parameters[m.first..], step_s)).collect();
-        let place = |m: &Mover<'a>| m.term.role().place();
+        followers.sort_by_key(|m| m.role == Role::LowPass);
+        let constants = followers.iter().map(|m| m.term.constants(&m.values, step_s)).collect();
+        let place = |m: &Mover<'a>| m.role.place();
         let mut readers = placed(|t| t.role().place().is_some());
         readers.sort_by_key(place);
         let (sensing, adding): (Vec<_>, Vec<_>) =
@@ -110,7 +115,7 @@ impl<'a> Plan<'a> {
             moving,
             followers,
             constants,
-            modes: sensing.iter().filter(|m| m.term.role() == Role::Mode).map(|m| m.state).collect(),
+            modes: sensing.iter().filter(|m| m.role == Role::Mode).map(|m| m.state).collect(),
             sensing,
             adding,
             delay: delay(of(Role::InputDelay), of(Role::InputLead))
@@ -150,9 +155,9 @@ impl<'a> Plan<'a> {
         let (hx, hv) = half.apply(&x, &v);
         let (fx, fv) = full.apply(&x, &v);
         let mut a = [[0.0; LANES]; 4];
-        let mut rate = [[0.0; LANES]; MOST_STAGED];
+        let mut rate = [[0.0; LANES]; STAGED_ROWS];
         let mut sums = [[0.0; LANES]; MOST_STAGED];
-        let mut here: [Lanes; MOST_STAGED] = std::array::from_fn(|s| own[s]);
+        let mut here: [Lanes; STAGED_ROWS] = std::array::from_fn(|s| own[s]);
         let mut side = [0.0; LANES];
         for stage in 0..4 {
             let lead = if stage == 3 { h } else { 0.5 * h };
@@ -190,9 +195,12 @@ impl<'a> Plan<'a> {
             for l in 0..LANES {
                 acceleration[l] = parts.base.gain[l] * at.input[l];
             }
+            // In the order of their states: rows beyond a term's own are zero until the next writes them.
             for m in &self.moving {
-                let p = &parts.parameters[m.first..];
-                m.term.force::<f64, LANES, false>(at, p, &here[m.state..], &mut rate[m.state..], &mut acceleration);
+                let (Some(own), Some(rate)) = (here[m.state..].first_chunk(), rate[m.state..].first_chunk_mut()) else {
+                    continue;
+                };
+                m.term.force::<f64, LANES, false>(at, &m.values, own, rate, &mut acceleration);
             }
             if let Some(friction) = friction {
                 if stage == 0 {
@@ -235,15 +243,15 @@ impl<'a> Plan<'a> {
     /// Velocity or acceleration of mass and modes together, as the displacement that stands for it,
     /// under an input that acts now.
     pub(super) fn observed(&self, at: &Instants<'_, f64, LANES>, acting: Lanes, motion: &StepState) -> Lanes {
-        let Parts { base, parameters, observed, .. } = *self.parts;
+        let Parts { base, observed, .. } = *self.parts;
         let mut y = at.v;
         if observed.output == Output::Acceleration {
             let at = Instants { input: acting, ..*at };
             let mut push: Lanes = std::array::from_fn(|l| base.gain[l] * acting[l]);
-            let mut rate = [[0.0; LANES]; MOST_STAGED];
+            let mut rate: Staged<f64, LANES> = [[0.0; LANES]; MOST_STAGED];
             for m in &self.moving {
-                let own = &motion.own[m.state..];
-                m.term.force::<f64, LANES, false>(&at, &parameters[m.first..], own, &mut rate[m.state..], &mut push);
+                let Some(own) = motion.own[m.state..].first_chunk() else { continue };
+                m.term.force::<f64, LANES, false>(&at, &m.values, own, &mut rate, &mut push);
             }
             let sides = self.friction.map(|friction| coulomb_friction::sides(&base, &friction, [&at.x, &at.v, &push]));
             for l in 0..LANES {
@@ -255,10 +263,9 @@ impl<'a> Plan<'a> {
                 };
             }
         }
-        for (m, l) in
-            self.sensing.iter().filter(|m| m.term.role() == Role::Mode).flat_map(|m| (0..LANES).map(move |l| (m, l)))
+        for (m, l) in self.sensing.iter().filter(|m| m.role == Role::Mode).flat_map(|m| (0..LANES).map(move |l| (m, l)))
         {
-            let ([gain, omega, zeta, ..], [x, v, ..]) = (&parameters[m.first..], &motion.own[m.state..]) else {
+            let ([gain, omega, zeta, ..], [x, v, ..]) = (&m.values, &motion.own[m.state..]) else {
                 continue;
             };
             y[l] += match observed.output {
@@ -284,12 +291,13 @@ impl<'a> Plan<'a> {
         let (x0, v0) =
             if modes.is_empty() { (stride.x0, stride.v0) } else { together(modes, own, [&stride.x0, &stride.v0]) };
         for (m, constants) in self.followers.iter().zip(&self.constants) {
-            let mut seen = stride;
-            if m.term.role() == Role::LowPass && !modes.is_empty() {
+            if m.role == Role::LowPass && !modes.is_empty() {
                 let (x1, v1) = together(modes, own, [&stride.x1, &stride.v1]);
-                seen = Stride { x0, v0, x1, v1, ..stride };
+                let seen = Stride { x0, v0, x1, v1, ..stride };
+                m.term.follow(&seen, constants, &m.values, &mut own[m.state..]);
+            } else {
+                m.term.follow(&stride, constants, &m.values, &mut own[m.state..]);
             }
-            m.term.follow(&seen, constants, &self.parts.parameters[m.first..], &mut own[m.state..]);
         }
     }
 }
@@ -301,22 +309,28 @@ fn delay(late: Option<&Lanes>, early: Option<&Lanes>) -> Option<Lanes> {
     (late.is_some() || early.is_some()).then(|| std::array::from_fn(|l| late_s[l] - early_s[l]))
 }
 
-/// A term, where its parameters begin and where its states begin.
+/// A term, its values and where its states begin.
 pub(super) struct Mover<'a> {
     pub term: &'a Term,
+    pub role: Role,
+    /// Where its values begin among those of all terms.
     pub first: usize,
+    /// Its values, with those of the first recording where it has some of each.
+    pub values: Values<f64, LANES>,
     pub state: usize,
 }
 
 /// Terms in their order; those that move the mass have the first states.
-pub(super) fn movers<'a>(terms: &'a [Term], first: &[usize]) -> Vec<Mover<'a>> {
+pub(super) fn movers<'a>(terms: &'a [Term], first: &[usize], parameters: &[Lanes]) -> Vec<Mover<'a>> {
     let mut next = [0, MOST_STAGED];
     let mut all = Vec::new();
     for (term, first) in terms.iter().zip(first) {
         let (next, end) =
             if term.role().acts_on_mass() { (&mut next[0], MOST_STAGED) } else { (&mut next[1], MOST_STATES) };
         if *next + term.states() <= end {
-            all.push(Mover { term, first: *first, state: *next });
+            let mut values = [[0.0; LANES]; MOST_VALUES];
+            values.iter_mut().zip(&parameters[*first..]).take(term.values()).for_each(|(row, p)| *row = *p);
+            all.push(Mover { term, role: term.role(), first: *first, values, state: *next });
             *next += term.states();
         }
     }
