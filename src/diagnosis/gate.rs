@@ -44,22 +44,15 @@ gates! {
     InputLine "input-line" "An oscillation at a line of the input may be caused by it" "";
     SearchBound "search-bound" "A candidate at the end of its plausible range is not added" "";
     PartOfRest "part-of-rest" "A term must gain a part of what is still unexplained with it" "held-out gain";
-    HeldOutChoice "held-out-choice" "Held-out samples choose between candidates that fitted ones cannot tell apart" "lead in log-likelihood";
-    LeastGain "least-gain" "A term must gain a share of the one-step error" "held-out gain";
-    LaterGain "later-gain" "The third term and later ones must gain a larger share of the one-step error" "held-out gain";
     InTurn "in-turn" "All samples judge in turn where the validation samples show nothing" "p";
     Pruned "pruned" "A term whose absence costs nothing is removed" "lead in log-likelihood";
     Hopeless "hopeless" "A model of four terms that leaves most is not extended" "predictable share of the residual";
-    WithoutLinear "without-linear" "Under one or two lines the way without linear laws is preferred" "predictable share of the residual";
     NoRivals "no-rivals" "A model of several terms that is far from done is not compared with its rivals" "predictable share of the residual";
-    OneForTwo "one-for-two" "One candidate replaces two that can be mistaken for each other" "lead in log-likelihood";
     Swap "swap" "A better candidate takes a term's place" "lead in log-likelihood";
     Tie "tie" "A candidate that fits as well in a term's place stays its rival" "lead in log-likelihood";
     KeptBack "kept-back" "A second pole, a mode or a second mass replaces or ties the linear terms" "lead in log-likelihood";
     FreeForm "free-form" "A law with a free form replaces what only patched the stated form" "lead in log-likelihood";
-    FreeRival "free-rival" "A law whose free form fits as well stays a rival" "";
     PowerForStop "power-for-stop" "A spring of one power replaces a stop that it fits as well or better" "lead in log-likelihood";
-    StopTie "stop-tie" "A spring of another power ties a stop" "";
     OwnPower "own-power" "A law with its own exponent replaces a stated law that departs" "lead in log-likelihood";
     OwnSharpness "own-sharpness" "Hysteresis with its own exponent replaces what was chosen" "lead in log-likelihood";
     OtherInput "other-input" "Hold or linear input replaces linear terms that it explains as well" "";
@@ -78,8 +71,6 @@ gates! {
     KnownSignal "known-signal" "Noise that follows a known signal is dropped: a law is missing" "predictable share of the noise";
     SmoothTrend "smooth-trend" "A random walk that a smooth trend describes better is dropped" "";
     Twins "twins" "Two faint terms that can be mistaken for each other are dropped" "growth of the error without it";
-    ManyLaws "many-laws" "More laws than may be named at once are dropped" "number of laws";
-    LookAlikes "look-alikes" "Three laws that can be mistaken for each other are dropped" "number of laws";
     RoundedReadings "rounded-readings" "Coarse rounding that explains the residual counts as named" "gain in log-likelihood per sample";
     Disturbance "disturbance" "A disturbance in the residual is a faint remainder" "p";
     NoisePower "noise-power" "Noise whose power is not even is a remainder" "predictable share of the noise power";
@@ -89,8 +80,6 @@ gates! {
     StandIn "stand-in" "A term that does not tower above the residual is not named in an unexplained verdict" "growth of the error without it";
     NoiseAlone "noise-alone" "Noise alone is not named in an unexplained verdict" "";
     NoBase "no-base" "Nothing is named in an unexplained verdict whose base model the recording does not follow" "";
-    BlurredResonance "blurred-resonance" "A mode without a peak of its own is not named in an unexplained verdict" "";
-    PredictsWorse "predicts-worse" "Nothing is named where the named terms alone predict worse than the base model" "test error over that of the base model";
 }
 
 impl Gate {

@@ -24,7 +24,6 @@ pub mod residual_structure;
 pub mod rivals;
 mod round;
 mod score_test;
-pub mod series;
 pub mod smooth_course;
 pub mod stepwise;
 pub mod term_worth;

@@ -35,18 +35,9 @@ pub(crate) fn earned(
     scales: &Scales,
     tried: usize,
 ) -> Option<Comparison> {
-    let (gate, least) = if larger.fit.structure.terms.len() > 2 {
-        (Gate::LaterGain, 4.0 * SMALLEST_GAIN)
-    } else {
-        (Gate::LeastGain, SMALLEST_GAIN)
-    };
     let added = larger.fit.structure.terms.iter().map(Term::id).find(|id| !reduced.has(id));
     let score_gain = larger.score() - reduced.score() - (tried.max(1) as f64).ln();
-    let suffices = |c: &Comparison| {
-        let step = || Step::keeps_out(gate, added).measured(c.gain, least);
-        c.gain >= least || c.p_value < LEVEL && !data.trace.acts(step())
-    };
-    let convinces = |c: &Comparison| suffices(c) && c.p_value < LEVEL;
+    let convinces = |c: &Comparison| c.p_value < LEVEL;
     let plain = compare(&reduced.held_out, &larger.held_out);
     if score_gain <= 3.0 || convinces(&plain) {
         return (score_gain > 3.0).then_some(plain);

@@ -1,4 +1,4 @@
-//! Whether a stop is told from a spring of another power than the library's.
+//! Tells a stop from a spring of another power than the library's.
 
 use crate::driven::identification::fit::{Fit, OMEGA, ZETA, fit};
 use crate::driven::intake::data::Data;
@@ -13,7 +13,7 @@ use crate::physics::scales::Scales;
 use crate::trace::Step;
 
 use super::earned::{ITERATIONS, earned};
-use super::forms::{IMMATERIAL, LEAST_LEAD, MANY, UNDONE, freed, visits, with_instead};
+use super::forms::{IMMATERIAL, LEAST_LEAD, MANY, UNDONE, visits, with_instead};
 use super::held_out::compare;
 use super::judged::{Departing, Judged, Rival, Selection, judge};
 use super::residual_structure::residual_structure;
@@ -25,33 +25,6 @@ const POWERS: [f64; 2] = [-1.9, 3.0];
 const BETWEEN_POWERS: f64 = 0.05;
 /// A fit that moves exponent, strength and the linear spring along each other goes slowly.
 const LONG: usize = 4 * ITERATIONS;
-
-/// A mass that hardly reaches its stop shows no corner: where a spring of some other power than the
-/// cube does as well as the stop, the recording tells neither from the other.
-pub(super) fn settle_stop(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
-    let chosen = &selection.chosen;
-    let is_stop = matches!(chosen.fit.structure.terms.as_slice(), [Term::EndStop(_)]);
-    let is_asked = is_stop && data.trace.is_on(Gate::StopTie);
-    if !is_asked || selection.departing.is_some() || data.work.is_spent(budget) {
-        return;
-    }
-    let mut alone = selection.alone.iter().filter_map(|t| t.judged.as_ref());
-    let spring = alone.find(|j| matches!(j.fit.structure.terms.as_slice(), [Term::CubicStiffness(_)]));
-    let Some(spring) = spring.cloned() else { return };
-    let id = spring.fit.structure.terms[0].id();
-    let known = selection.rivals.first().is_some_and(|rivals| rivals.iter().any(|r| r.id == id));
-    if known {
-        return;
-    }
-    // Of one power and no more: a form with more freedom would bend where the stop does.
-    let is_power = |terms: &[Term]| matches!(terms, [Term::FreeForm(FreeForm { extent: Extent::Narrow, .. })]);
-    let found = freed(data, &spring.fit, 0, scales, false).filter(|found| is_power(&found.structure.terms));
-    if found.is_some_and(|found| judge(data, found, scales).score() > chosen.score() - TIE) {
-        data.trace.acts(Step { term: Some(id), ..Step::of(Gate::StopTie, "rival", "tied with end-stop") });
-        selection.rivals.resize_with(selection.rivals.len().max(1), Vec::new);
-        selection.rivals[0].push(Rival { judged: spring, id });
-    }
-}
 
 /// A fit of the power that starts at the cube ends before it gets there, and a stop whose gap lies
 /// within the motion imitates it. Started where its force is nearest to the stop's, the fit gets

@@ -42,38 +42,6 @@ pub(super) struct Look<'a> {
 }
 
 impl Look<'_> {
-    /// A model in which one other candidate does the work of two terms that can be mistaken for
-    /// each other: what neither of two look-alikes is, both together can imitate. `None` where two
-    /// are needed.
-    ///
-    /// # Errors
-    /// Stopped.
-    pub(super) fn one_for_two(&mut self, chosen: &Judged) -> Result<Option<Judged>, Stopped> {
-        let terms = &chosen.fit.structure.terms;
-        let pairs = (0..terms.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
-        let mut found = Vec::new();
-        for (i, j) in pairs.filter(|(i, j)| alike(&terms[*i], &terms[*j])) {
-            if self.is_over() {
-                break;
-            }
-            found.extend(self.in_place_of_two(chosen, [i, j])?);
-        }
-        let better = found.into_iter().filter(|j| j.score() > chosen.score());
-        Ok(better.max_by(|a, b| a.score().total_cmp(&b.score())))
-    }
-
-    /// The best model with another candidate in the place of both of these terms.
-    fn in_place_of_two(&self, chosen: &Judged, [i, j]: [usize; 2]) -> Result<Option<Judged>, Stopped> {
-        let (data, terms) = (self.data, &chosen.fit.structure.terms);
-        let open = self.candidates.iter().copied().filter(|t| !chosen.has(t.id()));
-        let open: Vec<Term> = open.filter(|t| alike(t, &terms[i]) || alike(t, &terms[j])).collect();
-        let reduced = without(data, chosen, i, self.scales).and_then(|p| without(data, &p, j, self.scales));
-        let Some(reduced) = reduced else { return Ok(None) };
-        let here = refined(data, &reduced.fit, self.scales);
-        let tried = round(data, &reduced, &open, &here, open.len(), self.control)?;
-        Ok(tried.into_iter().filter_map(|t| t.judged).find(|j| !j.fit.at_bound(&here)))
-    }
-
     /// Tries every other candidate in the place of each chosen term.
     ///
     /// # Errors

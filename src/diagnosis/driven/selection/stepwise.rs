@@ -1,6 +1,5 @@
-//! The order in which terms are added: stepwise forward, with backward pruning after every step,
-//! and a second way where the first one ends with structure left. Not what makes a term worth its
-//! place (`earned`).
+//! The order in which terms are added: stepwise forward, with backward pruning after every step. Not what
+//! makes a term worth its place (`earned`).
 
 use crate::control::{Control, Progress, Stopped};
 use crate::driven::identification::refined_scales::refined;
@@ -13,13 +12,13 @@ use crate::trace::Step;
 
 use super::earned::{earned, pruned};
 use super::forms;
-use super::identifiability::{Reach, is_linear};
+use super::identifiability::Reach;
 use super::judged::{Judged, Selection, Trial};
 use super::kept_back::settle_kept_back;
 use super::kept_shape::settle_shape;
-use super::other_power::{settle_power, settle_stop};
+use super::other_power::settle_power;
 use super::residual_structure::residual_structure;
-use super::rivals::{Look, TIE};
+use super::rivals::Look;
 use super::round::{SURE, round};
 
 /// Most terms in a model.
@@ -41,9 +40,7 @@ const DONE: f64 = 0.02;
 /// The same for a model of several terms that will not be.
 const FAR_FROM_DONE: f64 = 0.15;
 
-/// Stepwise forward, with backward pruning after every step. Noise terms can follow whatever is
-/// missing, and once one does, little of it shows any more; where they end with structure left,
-/// physics alone is tried from the beginning, noise last.
+/// Searches stepwise forward, with backward pruning after every step.
 ///
 /// # Errors
 /// Stopped.
@@ -69,8 +66,7 @@ pub(crate) fn search(
         follows_input: false,
     };
     let reach = Reach::of(data, &base.fit);
-    let way = steps.way(candidates, &reach)?;
-    let Way { mut chosen, predictable: mut rest, cut_short, follows_input } = way;
+    let Way { chosen, predictable: rest, cut_short, follows_input } = steps.forward(candidates)?;
     let mut look = Look {
         data,
         scales,
@@ -79,15 +75,6 @@ pub(crate) fn search(
         left_out: false,
         control,
     };
-    if !cut_short
-        && data.trace.is_on(Gate::OneForTwo)
-        && let Some(simpler) = look.one_for_two(&chosen)?
-    {
-        let lead = simpler.score() - chosen.score();
-        data.trace.acts(Step::of(Gate::OneForTwo, chosen.words(), simpler.words()).measured(lead, 0.0));
-        chosen = simpler;
-        rest = residual_structure(data, &chosen.fit).r_squared;
-    }
     // What is far from explained needs no rivals: it will not be named.
     let no_rivals = || Step::of(Gate::NoRivals, "compared", "not compared").measured(rest, FAR_FROM_DONE);
     let hopeless = chosen.fit.structure.terms.len() > 2 && rest > FAR_FROM_DONE && data.trace.acts(no_rivals());
@@ -117,7 +104,6 @@ pub(crate) fn search(
         let budget = data.work.budget(Stage::Forms, data.hull.len());
         forms::settle(data, &mut selection, scales, budget);
         settle_power(data, &mut selection, scales, budget);
-        settle_stop(data, &mut selection, scales, budget);
         let budget = data.work.budget(Stage::KeptShapes, data.hull.len());
         settle_shape(data, &mut selection, scales, budget);
     }
@@ -151,32 +137,10 @@ struct Way {
 }
 
 impl Stepwise<'_> {
-    /// The way from the base model. Where the input tells nothing linear apart, a linear law takes
-    /// up whatever is left, and so beside others it says nothing: then the way without any is tried
-    /// as well.
-    fn way(&mut self, candidates: &[Term], reach: &Reach) -> Result<Way, Stopped> {
-        let base = self.base;
-        let way = self.forward(base.clone(), candidates)?;
-        let terms = &way.chosen.fit.structure.terms;
-        let alone = terms.len() == 1 && way.predictable <= DONE;
-        let apart = !reach.tells_nothing_linear_apart() || !terms.iter().any(is_linear);
-        if apart || alone || way.cut_short || !self.data.trace.is_on(Gate::WithoutLinear) {
-            return Ok(way);
-        }
-        let others: Vec<Term> = candidates.iter().copied().filter(|t| !is_linear(t) && t.noise().is_none()).collect();
-        let other = self.forward(base.clone(), &others)?;
-        let does = !other.cut_short
-            && !other.chosen.fit.structure.terms.is_empty()
-            && other.predictable <= way.predictable.max(DONE);
-        let step = Step::of(Gate::WithoutLinear, way.chosen.words(), other.chosen.words());
-        let step = step.measured(other.predictable, way.predictable.max(DONE));
-        Ok(if does && self.data.trace.acts(step) { other } else { way })
-    }
-
-    /// As far as these candidates lead.
-    fn forward(&mut self, from: Judged, candidates: &[Term]) -> Result<Way, Stopped> {
-        let (data, mut chosen, mut cut_short, mut follows_input) = (self.data, from, false, false);
-        for _ in chosen.fit.structure.terms.len()..=MOST_TERMS {
+    /// From the base model as far as these candidates lead.
+    fn forward(&mut self, candidates: &[Term]) -> Result<Way, Stopped> {
+        let (data, mut chosen, mut cut_short, mut follows_input) = (self.data, self.base.clone(), false, false);
+        for _ in 0..=MOST_TERMS {
             let best = self.step(&chosen, candidates)?;
             self.progress.step();
             let Some(best) = best else {
@@ -232,31 +196,21 @@ impl Stepwise<'_> {
         } else {
             FAIR_PART_OF_REST
         };
-        let qualifying: Vec<(&Judged, f64)> = trials
+        let mut qualifying = trials
             .iter()
             .filter_map(|t| t.judged.as_ref())
             // At the end of its plausible range a law is not what its name says: the others answer
             // without it.
             .filter(|j| !(j.fit.at_bound(self.scales) && data.trace.acts(not_added(Gate::SearchBound, chosen, j))))
             .take(3)
-            .filter_map(|j| Some((j, earned(data, chosen, j, self.scales, tried)?.gain)))
-            .filter(|(j, gain)| {
+            .filter(|j| {
+                let Some(earned) = earned(data, chosen, j, self.scales, tried) else { return false };
                 let least = residual_structure(data, &j.fit).r_squared * rest;
-                let step = || not_added(Gate::PartOfRest, chosen, j).measured(*gain, least);
-                *gain > least || !data.trace.acts(step())
-            })
-            .collect();
-        // Where the fitted samples do not tell the best apart, the others do.
-        let likeliest = qualifying.first().map(|(j, _)| *j);
-        let most = likeliest.map_or(0.0, Judged::score);
-        let equal = qualifying.into_iter().filter(|(j, _)| most - j.score() < TIE);
-        let best = equal.max_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(j, _)| j);
-        let best = best.zip(likeliest).map(|(best, likeliest)| {
-            let step = || Step::of(Gate::HeldOutChoice, likeliest.words(), best.words());
-            let is_other = !std::ptr::eq(best, likeliest)
-                && data.trace.acts(step().measured(likeliest.score() - best.score(), TIE));
-            if is_other { best.clone() } else { likeliest.clone() }
-        });
+                let step = || not_added(Gate::PartOfRest, chosen, j).measured(earned.gain, least);
+                earned.gain > least || !data.trace.acts(step())
+            });
+        let best = qualifying.next().cloned();
+        drop(qualifying);
         if first && self.alone.is_empty() {
             self.alone = trials;
         }

@@ -95,7 +95,6 @@ pub fn answer(
         neighbour: c.noise.memory.map(|m| m.neighbour),
         is_structured: c.after.r_squared >= WHITE,
         detectable_r_squared: c.after.detectable_r_squared,
-        series: c.series,
         lines_hz: selection.reach.lines_hz.clone(),
         is_linear_class: !selection.reach.class(&c.model.fit.structure.terms).is_empty(),
         few_cycles: selection.reach.few_cycles,

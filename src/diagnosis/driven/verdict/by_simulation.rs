@@ -134,7 +134,6 @@ fn named(
         named,
         dropped: Vec::new(),
         departing,
-        series: None,
         after,
         lattice: None,
         ..c.clone()

@@ -15,7 +15,6 @@ use crate::driven::selection::noise_character::{
 };
 use crate::driven::selection::noise_scale::MassMotion;
 use crate::driven::selection::residual_structure::{EVEN, Residual, power_structure, residual_structure_of_noise};
-use crate::driven::selection::series::Series;
 use crate::driven::selection::term_worth::{LEAST_ROUNDING_GAIN, Named, rounding};
 use crate::driven::simulation::run::trace;
 use crate::driven::verdict::dropped::{Dropped, LeftOut};
@@ -57,8 +56,6 @@ pub struct Conclusion {
     pub dropped: Vec<(Term, Dropped)>,
     /// The final model with the form of one law free, where that law departs from its stated form.
     pub departing: Option<Departing>,
-    /// Why terms that each earn a place got no name together, where they did not.
-    pub series: Option<Series>,
     /// Structure that remains in the final model's innovations.
     pub after: Structure,
     /// All tests of what is left, in the vocabulary of every kind.
@@ -90,7 +87,6 @@ pub(crate) fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> C
     let nameless = draft.carry_what_is_small();
     let followed = draft.drop_noise_that_follows() | draft.drop_walk_that_is_smooth();
     let twins = draft.drop_twins();
-    let series = draft.drop_series();
     order::sort_by_key(&mut draft.named, |n| -n.growth);
     let named = |l: &Lattice| {
         let step = Step::of(Gate::RoundedReadings, "not named", "named");
@@ -99,7 +95,7 @@ pub(crate) fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> C
     let lattice = rounding(data, &draft.model).filter(named);
     draft.departing = draft.departing.take().filter(|d| draft.names(d));
     let remainder = remainder(data, draft.departing.as_ref().map_or(&draft.model, |d| &d.judged), &draft.after);
-    let outcome = rule(&draft.evidence(nameless, followed || twins || series.is_some(), lattice.is_some(), remainder));
+    let outcome = rule(&draft.evidence(nameless, followed || twins, lattice.is_some(), remainder));
     if outcome == Outcome::Unexplained {
         draft.settle_unexplained(r_squared, WHITE);
     }
@@ -124,7 +120,6 @@ pub(crate) fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> C
         named,
         dropped,
         departing,
-        series,
         remainder,
         noise,
         after: after.structure,

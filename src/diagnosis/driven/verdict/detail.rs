@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use crate::driven::identification::profile::Profile;
 use crate::driven::intake::notes::Broken;
-use crate::driven::selection::series::Series;
 use crate::standing::Gain;
 use crate::verdict::{Detectable, Form};
 
@@ -83,8 +82,6 @@ pub struct Account {
     pub few_cycles: Option<f64>,
     /// Resonance of the base model, Hz.
     pub resonance_hz: f64,
-    /// Why terms that each earn a place got no name together, where they did not.
-    pub series: Option<Series>,
 }
 
 /// Recording and both models where they differ most, sample by sample.

@@ -1,7 +1,6 @@
 //! Why a term has no name, and what was left undone.
 
 use crate::driven::selection::known::Known;
-use crate::driven::selection::series::Series;
 
 /// Why a term that was in the model has no name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,8 +38,6 @@ pub enum Dropped {
     WithinInexactness,
     /// It does something only together with another that it can be mistaken for.
     Twin,
-    /// It belongs to a series of terms that together mean nothing.
-    Series(Series),
     /// It does not bring the residual to the noise.
     StandIn,
 }

@@ -4,7 +4,6 @@ use crate::driven::identification::fit::{Fit, fit as refitted};
 use crate::driven::selection::earned::{ITERATIONS, without};
 use crate::driven::selection::independence::{Explained, explained_by_known};
 use crate::driven::selection::rivals::alike;
-use crate::driven::selection::series::{MOST_LAWS, Series, series};
 use crate::driven::selection::smooth_course::is_smooth;
 use crate::driven::selection::term_worth::Named;
 use crate::driven::verdict::dropped::Dropped;
@@ -169,20 +168,5 @@ impl Draft<'_> {
         twins.iter().for_each(|i| self.drop_term(*i, Dropped::Twin));
         self.named.retain(|n| !twins.contains(&n.index));
         !twins.is_empty()
-    }
-
-    /// Nothing of a series has a name.
-    pub(super) fn drop_series(&mut self) -> Option<Series> {
-        let terms: Vec<Term> = self.named.iter().map(|n| self.term(n.index)).collect();
-        let found = series(&terms)?;
-        let gate = if found == Series::ManyLaws { Gate::ManyLaws } else { Gate::LookAlikes };
-        if !self.data.trace.is_on(gate) {
-            return None;
-        }
-        for n in std::mem::take(&mut self.named) {
-            self.drops(gate, &n, [terms.len() as f64, MOST_LAWS as f64]);
-            self.drop_term(n.index, Dropped::Series(found));
-        }
-        Some(found)
     }
 }

@@ -8,10 +8,8 @@ use crate::driven::selection::residual_structure::residual_structure_of_noise;
 use crate::driven::selection::term_worth::Named;
 use crate::driven::verdict::dropped::Dropped;
 use crate::gate::Gate;
-use crate::trace::Step;
 
-use super::draft::{Draft, Objection, UNMEASURED};
-use super::second_resonance::{is_resolved, is_second_resonance};
+use super::draft::{Draft, UNMEASURED};
 use super::standing::FAR_ABOVE;
 
 impl Draft<'_> {
@@ -21,7 +19,7 @@ impl Draft<'_> {
         self.drop_stand_ins(r_squared, tolerated);
         self.drop_beside_no_base();
         self.keep_what_is_named();
-        while let Some((index, objection)) = self.named.iter().find_map(|n| Some((n.index, self.stands_in(n)?))) {
+        while let Some((index, objection)) = self.named.iter().find_map(|n| Some((n.index, self.misnamed(n)?))) {
             self.drop_for(index, objection);
             self.named.retain(|n| n.index != index);
             self.keep_what_is_named();
@@ -40,18 +38,7 @@ impl Draft<'_> {
         }
     }
 
-    /// Why a term cannot be told from what the library lacks, if it cannot: beside a misfit of the
-    /// linear dynamics a mode takes up whatever is broad, and only a peak of its own is evidence of
-    /// a resonance.
-    fn stands_in(&self, named: &Named) -> Option<Objection> {
-        let blurred = is_second_resonance(&self.term(named.index)) && !is_resolved(&self.model.fit, named.index);
-        let gate = Gate::BlurredResonance;
-        let blurred = || blurred.then(|| self.objects(named, gate, Dropped::NoSecondResonance, UNMEASURED)).flatten();
-        self.misnamed(named).or_else(blurred)
-    }
-
-    /// The model of a verdict that explains nothing holds what it names and nothing else; and
-    /// predicts no worse than the base.
+    /// Keeps in the model of a verdict that explains nothing what it names and nothing else.
     fn keep_what_is_named(&mut self) {
         let terms = self.model.fit.structure.terms.len();
         let named = |draft: &Self, index: usize| draft.named.iter().any(|n| n.index == index);
@@ -69,10 +56,7 @@ impl Draft<'_> {
             self.model = Judged { held_out, fit: reduced.fit };
             self.named.iter_mut().filter(|n| n.index > index).for_each(|n| n.index -= 1);
         }
-        let ratio = self.model.held_out.free() / self.base.held_out.free();
-        let step = || Step::of(Gate::PredictsWorse, self.model.words(), "base model").measured(ratio, 1.0);
-        if self.named.is_empty() || ratio > 1.0 && self.data.trace.acts(step()) {
-            self.named.clear();
+        if self.named.is_empty() {
             self.departing = None;
             self.model = self.base.clone();
         }

@@ -72,7 +72,7 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
         Outcome::Unexplained if answer.repair.is_none() => "The mismatch is real: the recording follows no linear \
              oscillator, and no candidate that was tried explains it down to the noise."
             .to_owned(),
-        Outcome::Unexplained if named.is_empty() && account.series.is_none() && !account.is_structured => format!(
+        Outcome::Unexplained if named.is_empty() && !account.is_structured => format!(
             "The mismatch is real, and no candidate in the library explains it{}.",
             answer.fit.noise.as_ref().filter(|n| before > 1.2 * n.value).map_or(String::new(), |n| format!(
                 ": the base model's error is {} {unit}, and the noise is {} {unit} (measured from {})",
@@ -80,11 +80,6 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
                 short(n.value),
                 n.how
             ))
-        ),
-        Outcome::Unexplained if named.is_empty() && (account.series.is_some() || !account.is_structured) => format!(
-            "The mismatch is real, and the library can only approximate it by several terms at once{}, none of \
-             which holds on its own.",
-            account.series.map_or(String::new(), |s| format!(" ({})", s.words()))
         ),
         Outcome::Unexplained if named.is_empty() => format!(
             "The mismatch is real, and no candidate in the library explains it: {} % of the residual variance is \
