@@ -10,14 +10,15 @@
 mod agreement;
 mod blocks;
 mod candidate;
+mod candidates_round;
 mod cause;
 mod chain;
 mod channel;
-mod coarse;
 mod column;
 mod common;
 mod conclusion;
 mod course;
+mod decimated;
 mod departure;
 mod describe;
 pub mod detail;
@@ -35,14 +36,12 @@ mod level;
 mod location;
 mod mean;
 mod near_law;
-mod otherwise;
 mod plausible;
 mod products;
 mod profile;
+mod quantisation;
 mod residual;
 mod rival_column;
-mod round;
-mod rounding;
 mod score;
 mod search;
 mod selection;
@@ -50,13 +49,14 @@ mod sensor;
 mod shape;
 mod shared_exponent;
 mod shared_lag;
+mod shift_null;
 mod slow;
 mod spectrum;
 mod standing;
 pub mod statement;
 mod statements;
 mod telegraph;
-mod warmth;
+mod temperature_profile;
 
 pub use candidate::CANDIDATES;
 pub use detail::{ChannelDetail, Detail};
@@ -159,14 +159,18 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
     let means: Vec<f64> = channels.iter().map(|c| c.mean).collect();
     findings.extend(plausible::gravity(&means, &model.unit));
     let stopped = |s: Stopped| s.during(format!("could not diagnose {}", recording.path.display()), "start it again");
+    let work = control.stage("searching the laws of each channel", channels.len() as u64);
     let followed = shared_lag::find(&channels, &environment, control).map_err(stopped)?;
     let select = |(channel, following): (&Channel, &Vec<Following>)| {
         let surroundings = Surroundings { columns: &environment, following };
-        selection::select(channel, &surroundings, channels.len(), control)
+        let selected = selection::select(channel, &surroundings, channels.len(), control);
+        work.step();
+        selected
     };
     let asked: Vec<_> = channels.iter().zip(&followed).collect();
     let selected: Result<Vec<_>, Stopped> = parallel::map(&asked, |of| select(*of)).into_iter().collect();
     let mut selected = selected.map_err(stopped)?;
+    work.rename("comparing the channels");
     agreement::agree(&channels, &mut selected, &environment, control).map_err(stopped)?;
     rival_column::tie(&channels, &mut selected, &environment, control).map_err(stopped)?;
     let common = if environment.is_empty() { common::find(&channels, &selected) } else { None };
