@@ -21,7 +21,7 @@ pub(super) struct Acting<T> {
     p: Values<T, LANES>,
     /// First state at rest under a unit of force.
     rest: [T; LANES],
-    /// How many states it has.
+    /// Number of its states.
     states: usize,
     /// Its states, the first less what it would be at rest.
     own: Staged<T, LANES>,
