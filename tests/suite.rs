@@ -61,6 +61,7 @@ mod suite {
     pub mod pages;
     pub mod paper;
     pub mod parity;
+    pub mod plan;
     pub mod planted;
     pub mod ranks;
     pub mod read_quantity;
@@ -273,6 +274,8 @@ fn main() {
         suite::sweeps::campaigns(),
         // check: what a recording can know, and whether it says it twice.
         suite::check::tests(),
+        // plan: the next experiment decides as often as it is said to.
+        suite::plan::tests(),
         // several recordings: fitted together, judged by others, refused where they do not belong together.
         suite::several_recordings::tests(),
         // require: the value that a requirement takes is the one of theory, covered as stated.

@@ -45,6 +45,17 @@ pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
     parse_toml(&name, &text)
 }
 
+/// Reads a JSON file.
+///
+/// # Errors
+/// A file that cannot be read; one that is no JSON, or lacks what is needed, with line and column.
+pub fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T> {
+    serde_json::from_str(&read_text(path)?).map_err(|error| {
+        let hint = "give a whole file that this program wrote";
+        Error::new(format!("could not read {}", path.display()), error.to_string(), hint)
+    })
+}
+
 /// A TOML document that was changed after it was read; `name` stands in messages for where it came
 /// from.
 ///

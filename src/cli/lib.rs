@@ -28,6 +28,7 @@ pub mod map;
 pub mod merge;
 mod numbers;
 pub mod paper;
+pub mod plan;
 pub mod require;
 mod samples;
 pub mod say;
@@ -64,6 +65,7 @@ const EXAMPLES: &str = "Examples:
   proofmass export sensor.toml --to kalibr          its noise as the configuration of an estimator
   proofmass diagnose log.csv                        what the usual model of this recording leaves out
   proofmass diagnose log.csv --model model.toml     what your own model of it leaves out
+  proofmass plan out/verdict.json --limits limits.toml   what to record next, so that a verdict decides
   proofmass validate                                check this build against laws and closed forms
 
 Scope of a study: one axis, small tilt, flat non-rotating Earth, until it is given a trajectory.";
@@ -89,6 +91,8 @@ pub enum Command {
     Import(import::Arguments),
     /// Find the physics that a model of a recording leaves out
     Diagnose(diagnose::Arguments),
+    /// Plan the experiment that tells the rivals of a verdict apart, or shows a law
+    Plan(plan::Arguments),
     /// List the physics that `diagnose` can name
     Candidates(candidates::Arguments),
     /// Reproduce the paper's twenty figures, each with its checks
@@ -200,6 +204,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         Some(Command::Export(a)) => export::run(a, json),
         Some(Command::Import(a)) => import::run(a, json),
         Some(Command::Diagnose(a)) => diagnose::run(a, json),
+        Some(Command::Plan(a)) => plan::run(a, json),
         Some(Command::Candidates(a)) => candidates::run(a, json),
         Some(Command::Paper(a)) => paper::run(a, json),
         Some(Command::Map(a)) => map::run(a, json),

@@ -11,6 +11,7 @@ use super::template::Kind;
 use proofmass_base::document::to_json;
 use proofmass_base::error::Result;
 use proofmass_diagnosis::model::{Driven, Response, Static, Trajectory, Tumble};
+use proofmass_diagnosis::plan::limits::Limits;
 use proofmass_map::document::Document;
 use proofmass_study::file::File;
 
@@ -44,6 +45,7 @@ fn schema(kind: Kind) -> Schema {
         Kind::Tumble => model(schema_for!(Tumble), "tumble"),
         Kind::Trajectory => model(schema_for!(Trajectory), "trajectory"),
         Kind::Response => model(schema_for!(Response), "response"),
+        Kind::Limits => titled(schema_for!(Limits), "limits.toml"),
         Kind::Map => titled(schema_for!(Document), "map.toml"),
     }
 }

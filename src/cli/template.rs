@@ -38,6 +38,8 @@ pub(super) enum Kind {
     Response,
     /// map.toml for `map`
     Map,
+    /// limits.toml for `plan`
+    Limits,
 }
 
 impl Kind {
@@ -51,6 +53,7 @@ impl Kind {
             Self::Trajectory => include_str!("template/trajectory.toml"),
             Self::Response => include_str!("template/response.toml"),
             Self::Map => include_str!("template/map.toml"),
+            Self::Limits => include_str!("template/limits.toml"),
         }
     }
 }
@@ -74,6 +77,7 @@ mod tests {
     use super::*;
     use proofmass_base::document::parse_toml;
     use proofmass_diagnosis::model;
+    use proofmass_diagnosis::plan::limits::Limits;
     use proofmass_map::document::Document;
     use proofmass_study as study;
 
@@ -81,6 +85,7 @@ mod tests {
         match kind {
             Kind::Study | Kind::TrajectoryStudy => study::parse("the template", text, Path::new("")).map(drop),
             Kind::Map => parse_toml::<Document>("the template", text).map(drop),
+            Kind::Limits => Limits::parse("the template", text).map(drop),
             _ => model::parse("the template", text).map(drop),
         }
     }

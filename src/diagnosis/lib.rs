@@ -45,6 +45,7 @@ pub mod driven;
 mod engine;
 pub mod gate;
 pub mod model;
+pub mod plan;
 pub mod proposal;
 pub mod recordings;
 pub mod rectification;

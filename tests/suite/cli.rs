@@ -16,12 +16,13 @@ pub fn tests() -> Vec<Trial> {
     ]
 }
 
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 13] = [
     "study",
     "merge",
     "require",
     "allan",
     "diagnose",
+    "plan",
     "candidates",
     "paper",
     "map",

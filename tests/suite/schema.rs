@@ -57,6 +57,7 @@ const SLIPS: &[(&str, &[(&str, &str)])] = &[
             ("kind = \"traj", "kind = \"Traj"),
         ],
     ),
+    ("limits", &[("largest_input_m_s2 = 20.0", ""), ("\"chirp\"", "\"chirps\"")]),
     ("map", &[("cubic_n_m3 = 0.3", ""), ("quantity = \"amplitude_n\"", "quantity = \"amplitude\"")]),
 ];
 

@@ -22,7 +22,7 @@ mod other_power;
 mod pumped;
 pub mod residual_structure;
 pub mod rivals;
-mod round;
+pub mod round;
 mod score_test;
 pub mod smooth_course;
 pub mod stepwise;

@@ -31,7 +31,12 @@ pub enum Shape {
     /// Shocks: Gaussian pulses, which rows a few per width apart tell whole; `length_s` is four
     /// standard deviations.
     Shocks { at_s: Vec<f64>, peaks: Vec<f64>, length_s: f64 },
+    /// Samples of a file that is played, smooth between them; nothing before and after.
+    Played { rate_hz: f64, values: Vec<f64> },
 }
+
+/// Samples of silence around a file that is played.
+const SILENCE: usize = 16;
 
 /// An input that can be asked at any time.
 #[derive(Debug, Clone)]
@@ -53,6 +58,7 @@ impl Shape {
             Self::Sweep { from_hz, to_hz, .. } => from_hz.max(*to_hz),
             Self::Steps { rise_s, .. } => 0.5 / rise_s,
             Self::Shocks { length_s, .. } => 2.8 / length_s,
+            Self::Played { rate_hz, .. } => 0.25 * rate_hz,
         }
     }
 
@@ -70,6 +76,7 @@ impl Shape {
             Self::Sweep { .. } => "sweep",
             Self::Steps { .. } => "steps",
             Self::Shocks { .. } => "shocks",
+            Self::Played { .. } => "played",
         }
     }
 
@@ -98,7 +105,7 @@ impl Shape {
 
     fn at(&self, t: f64) -> f64 {
         match self {
-            Self::None | Self::Lines { .. } => 0.0,
+            Self::None | Self::Lines { .. } | Self::Played { .. } => 0.0,
             Self::Sines { lines } => lines.iter().map(|[a, f, p]| a * (TAU * f * t + p).sin()).sum(),
             Self::Sweep { from_hz, to_hz, length_s, exponential } => {
                 let phase = |s: f64| {
@@ -127,6 +134,11 @@ impl Shape {
 
     /// Ready to be asked between two times.
     pub fn wave(&self, from_s: f64, to_s: f64) -> Wave {
+        if let Self::Played { rate_hz, values } = self {
+            let silence = [0.0; SILENCE];
+            let values = [&silence, values.as_slice(), &silence].concat();
+            return Wave::Table { from_s: -(SILENCE as f64) / rate_hz, step_s: 1.0 / rate_hz, values };
+        }
         let lines = self.lines();
         if lines.is_empty() {
             return Wave::Formula(self.clone());

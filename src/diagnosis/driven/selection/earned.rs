@@ -20,9 +20,11 @@ pub(crate) const LEVEL: f64 = 0.002;
 /// Smallest share of the one-step error that is worth a name: below it, the simulation's own errors
 /// begin.
 pub(crate) const SMALLEST_GAIN: f64 = 0.005;
+/// Log-likelihood that a term must gain beyond what its parameters and the choice among candidates cost.
+pub(crate) const PENALTY: f64 = 3.0;
 /// Lead on the fitted samples at which validation samples that show nothing are doubted: what is
 /// rare may have missed them.
-const DOUBT: f64 = 25.0;
+pub(crate) const DOUBT: f64 = 25.0;
 /// Iterations of one fit.
 pub(crate) const ITERATIONS: usize = 14;
 
@@ -39,8 +41,8 @@ pub(crate) fn earned(
     let score_gain = larger.score() - reduced.score() - (tried.max(1) as f64).ln();
     let convinces = |c: &Comparison| c.p_value < LEVEL;
     let plain = compare(&reduced.held_out, &larger.held_out);
-    if score_gain <= 3.0 || convinces(&plain) {
-        return (score_gain > 3.0).then_some(plain);
+    if score_gain <= PENALTY || convinces(&plain) {
+        return (score_gain > PENALTY).then_some(plain);
     }
     let doubted = score_gain > DOUBT && data.trace.is_on(Gate::InTurn);
     let in_turn = if doubted { in_turn(data, reduced, larger, scales) } else { None };
@@ -77,7 +79,7 @@ pub(super) fn pruned(data: &Data, mut model: Judged, scales: &Scales, tried: usi
                 let lead = model.score() - reduced.score();
                 let gone = model.fit.structure.terms.iter().map(Term::id).find(|id| !reduced.has(id));
                 let step = Step::of(Gate::Pruned, "in the model", "removed");
-                data.trace.acts(Step { term: gone, ..step.measured(lead, (tried.max(1) as f64).ln() + 3.0) });
+                data.trace.acts(Step { term: gone, ..step.measured(lead, (tried.max(1) as f64).ln() + PENALTY) });
                 model = reduced;
             }
             None => break,

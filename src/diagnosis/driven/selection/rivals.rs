@@ -20,7 +20,7 @@ const SWAPS: usize = 1;
 /// Log-likelihood by which a stand-in must lead to take a term's place.
 const LEAST_LEAD: f64 = 1.0;
 /// Log-likelihood by which a model must lead to be told from another: odds of 400 to 1.
-pub(super) const TIE: f64 = 6.0;
+pub(crate) const TIE: f64 = 6.0;
 
 /// Whether the library says that one can be mistaken for the other.
 pub(crate) fn alike(a: &Term, b: &Term) -> bool {

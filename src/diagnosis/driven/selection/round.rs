@@ -38,7 +38,7 @@ const POLISHED: usize = 3;
 const HEAT: usize = 3;
 
 /// The start of a term from which one linear step promises most, and what it promises.
-fn screen(
+pub(crate) fn screen(
     data: &Data,
     model: &Fit,
     ensemble: Option<&StartSearch<'_>>,

@@ -1,0 +1,252 @@
+//! The question that a file asks: a verdict's open one, or what a model and a law leave to be shown.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use serde::Deserialize;
+
+use crate::candidate::Kind;
+use crate::document::read_json;
+use crate::driven::base::{BASE, GAIN, OFFSET, OMEGA, ZETA};
+use crate::error::{Error, Result, nearest};
+use crate::model::{self, Model, Output};
+use crate::physics::law::Role;
+use crate::physics::library::Term;
+
+use super::limits::Limits;
+use super::question::{Interval, Known, Purpose, Question, Sensor, Strength};
+
+/// The part of a verdict that is needed.
+#[derive(Debug, Deserialize)]
+struct Verdict {
+    schema: String,
+    kind: Kind,
+    verdict: String,
+    recording: Recorded,
+    #[serde(default)]
+    base: Vec<Number>,
+    effects: Vec<Effect>,
+    fit: Fit,
+    #[serde(default)]
+    detectable: Vec<Detectable>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Recorded {
+    samples: usize,
+    rate_hz: f64,
+}
+
+#[derive(Debug, Deserialize)]
+struct Number {
+    name: String,
+    value: f64,
+    unit: String,
+    ci95: [f64; 2],
+}
+
+#[derive(Debug, Deserialize)]
+struct Effect {
+    id: String,
+    parameters: Vec<Number>,
+    confusable_with: Vec<String>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Fit {
+    noise_floor: f64,
+    noise: Option<Noise>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Noise {
+    value: f64,
+}
+
+#[derive(Debug, Deserialize)]
+struct Detectable {
+    id: String,
+    parameter: String,
+    strength: Option<f64>,
+    unit: String,
+}
+
+/// Words for refusals of one file.
+struct Refusal<'a>(&'a Path);
+
+impl Refusal<'_> {
+    fn because(&self, cause: impl Into<String>, hint: impl Into<String>) -> Error {
+        Error::new(format!("could not plan from {}", self.0.display()), cause, hint)
+    }
+
+    fn of_kind(&self, kind: Kind) -> Error {
+        let cause = format!("it is of kind = \"{}\", and experiments are planned for a driven proof mass", kind.name());
+        let hint = match kind {
+            Kind::Tumble => "`proofmass check` says which poses and turns a calibration still needs",
+            Kind::Static => "a sensor at rest needs time alone: its intervals shrink as the square root of it",
+            _ => "the verdict's next_experiment says in words what to record",
+        };
+        self.because(cause, hint)
+    }
+}
+
+/// Reads the question from a verdict.json or a model.toml; `show` is "LAW=STRENGTH".
+///
+/// # Errors
+/// A file that cannot be read; one of another kind; one that leaves nothing to plan for.
+pub fn read(path: &Path, show: Option<&str>, limits: &Limits) -> Result<Question> {
+    let refusal = Refusal(path);
+    let show = show.map(shown).transpose()?;
+    if path.extension().is_some_and(|e| e == "toml") {
+        let sensor = modelled(path, limits, &refusal)?;
+        let Some((known, strength)) = show else {
+            return Err(
+                refusal.because("a model leaves no question open", "say what to show: --show cubic-stiffness=1%")
+            );
+        };
+        return Ok(Question { sensor, common: Vec::new(), rivals: vec![known], purpose: Purpose::Show(strength) });
+    }
+    let verdict: Verdict = read_json(path)?;
+    if !verdict.schema.starts_with("proofmass.verdict/") {
+        let cause = format!("its schema is \"{}\"", verdict.schema);
+        return Err(refusal.because(cause, "give the verdict.json that `proofmass diagnose --out DIR` writes"));
+    }
+    if verdict.kind != Kind::Driven {
+        return Err(refusal.of_kind(verdict.kind));
+    }
+    let sensor = diagnosed(&verdict, &refusal)?;
+    match show {
+        Some((known, strength)) => {
+            Ok(Question { sensor, common: Vec::new(), rivals: vec![known], purpose: Purpose::Show(strength) })
+        }
+        None => asked(&verdict, sensor, &refusal),
+    }
+}
+
+fn modelled(path: &Path, limits: &Limits, refusal: &Refusal<'_>) -> Result<Sensor> {
+    let model = match model::read(path)? {
+        Model::Driven(model) => model,
+        Model::Static(_) => return Err(refusal.of_kind(Kind::Static)),
+        Model::Tumble(_) => return Err(refusal.of_kind(Kind::Tumble)),
+        Model::Trajectory(_) => return Err(refusal.of_kind(Kind::Trajectory)),
+        Model::Response(_) => return Err(refusal.of_kind(Kind::Response)),
+    };
+    if model.output_is != Output::Displacement {
+        return Err(
+            refusal.because("it reads a velocity or an acceleration", "experiments are planned for a displacement")
+        );
+    }
+    let (Some(hz), Some(zeta)) = (model.start.resonance_hz, model.start.damping_ratio) else {
+        let hint = "give both under [start], or plan from a verdict, which has measured them";
+        return Err(refusal.because("it does not say resonance_hz and damping_ratio", hint));
+    };
+    let Some(given) = limits.sensor else {
+        let hint = "add [sensor] noise = …, the standard deviation of a reading at rest, or plan from a verdict";
+        return Err(refusal.because("neither it nor the limits say how much noise a reading has", hint));
+    };
+    if !(hz > 0.0 && hz < 0.5 * limits.rate_hz && zeta > 0.0 && zeta.is_finite()) {
+        let cause = format!("resonance_hz = {hz}, damping_ratio = {zeta} at a sampling rate of {} Hz", limits.rate_hz);
+        return Err(refusal.because(cause, "need a resonance between zero and half the rate, and damping above zero"));
+    }
+    let mut base = vec![0.0; BASE];
+    (base[OMEGA], base[ZETA]) = (TAU * hz, zeta);
+    base[GAIN] = given.static_gain * base[OMEGA].powi(2);
+    Ok(Sensor { base, noise: given.noise })
+}
+
+fn diagnosed(verdict: &Verdict, refusal: &Refusal<'_>) -> Result<Sensor> {
+    let number = |name: &str| verdict.base.iter().find(|n| n.name == name).map(|n| n.value);
+    let (Some(omega), Some(zeta), Some(gain)) = (number("omega0"), number("zeta"), number("gain")) else {
+        let hint = "diagnose a recording with an input and a resonance first";
+        return Err(refusal.because("its recording had no input that moves a resonance", hint));
+    };
+    let mut base = vec![0.0; BASE];
+    (base[GAIN], base[OMEGA], base[ZETA], base[OFFSET]) = (gain, omega, zeta, number("offset").unwrap_or(0.0));
+    Ok(Sensor { base, noise: verdict.fit.noise.as_ref().map_or(verdict.fit.noise_floor, |n| n.value) })
+}
+
+/// The question that a verdict leaves open.
+fn asked(verdict: &Verdict, sensor: Sensor, refusal: &Refusal<'_>) -> Result<Question> {
+    let mut known: Vec<(Known, &Effect)> = Vec::new();
+    for effect in &verdict.effects {
+        let law = Term::all().into_iter().find(|t| t.id() == effect.id);
+        if let Some(term) = law.filter(|t| t.noise().is_none() && t.role() != Role::Lattice) {
+            known.push((with_values(term, &effect.parameters), effect));
+        }
+    }
+    let is_tied = |(_, effect): &(Known, &Effect)| !effect.confusable_with.is_empty();
+    match verdict.verdict.as_str() {
+        "undecidable" if known.iter().any(is_tied) => {
+            let (tied, common): (Vec<_>, Vec<_>) = known.into_iter().partition(is_tied);
+            // Of several ties the first is asked; the others' own laws are taken as they are.
+            let first = tied[0].1;
+            let is_rival = |e: &Effect| e.id == first.id || first.confusable_with.contains(&e.id);
+            let (rivals, others): (Vec<_>, Vec<_>) = tied.into_iter().partition(|(_, e)| is_rival(e));
+            let mut seen: Vec<&str> = Vec::new();
+            let own = others.into_iter().filter(|(_, e)| {
+                let is_new = !e.confusable_with.iter().any(|id| seen.contains(&id.as_str()));
+                seen.push(&e.id);
+                is_new
+            });
+            let common = common.into_iter().chain(own).map(|(k, _)| k).collect();
+            let rivals = rivals.into_iter().map(|(k, _)| k).collect();
+            Ok(Question { sensor, common, rivals, purpose: Purpose::Decide })
+        }
+        "explained" if !known.is_empty() => {
+            let (rival, effect) = known.remove(0);
+            let number = &effect.parameters[0];
+            let purpose = Purpose::Narrow(Interval {
+                parameter: number.name.clone(),
+                unit: number.unit.clone(),
+                half_width: 0.5 * (number.ci95[1] - number.ci95[0]),
+                seconds: verdict.recording.samples as f64 / verdict.recording.rate_hz,
+            });
+            Ok(Question { sensor, common: known.into_iter().map(|(k, _)| k).collect(), rivals: vec![rival], purpose })
+        }
+        other => {
+            let could =
+                |d: &Detectable| Some(format!("{} from {} = {:.3e} {}", d.id, d.parameter, d.strength?, d.unit));
+            let could: Vec<String> = verdict.detectable.iter().filter_map(could).collect();
+            let limits =
+                if could.is_empty() { String::new() } else { format!("; it could have shown {}", could.join(", ")) };
+            Err(refusal.because(
+                format!("its verdict, \"{other}\", has no law that an input could tell from another{limits}"),
+                "say what the next recording shall show: --show LAW=STRENGTH, as --show cubic-stiffness=1%",
+            ))
+        }
+    }
+}
+
+fn with_values(term: Term, numbers: &[Number]) -> Known {
+    let value = |name: &str| numbers.iter().find(|n| n.name == name).map_or(0.0, |n| n.value);
+    let mut values: Vec<f64> = term.candidate().parameters.iter().map(|p| value(p.name)).collect();
+    values.resize(term.values(), 0.0);
+    Known { term, values }
+}
+
+/// "cubic-stiffness=1%" as a law and its strength; the values follow once the motion is known.
+fn shown(text: &str) -> Result<(Known, Strength)> {
+    let refuse = |cause: String, hint: String| Error::new(format!("could not use --show {text}"), cause, hint);
+    let (id, strength) = text.split_once('=').unwrap_or((text, ""));
+    let laws: Vec<Term> =
+        Term::all().into_iter().filter(|t| t.noise().is_none() && t.role() != Role::Lattice).collect();
+    let Some(term) = laws.iter().copied().find(|t| t.id() == id) else {
+        let near = nearest(id, laws.iter().map(|t| t.id()))
+            .map_or("see `proofmass candidates`".to_owned(), |n| format!("did you mean {n}?"));
+        return Err(refuse(format!("no law of motion or of the readout is called \"{id}\""), near));
+    };
+    let (number, is_share) = strength.strip_suffix('%').map_or((strength, false), |n| (n, true));
+    let Some(number) = number.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v != 0.0) else {
+        let parameter = term.candidate().parameters[0];
+        let hint =
+            format!("{id}=1% of the spring's force, or {id}=NUMBER for {} in {}", parameter.name, parameter.unit);
+        return Err(refuse(format!("need a strength other than zero, got \"{strength}\""), hint));
+    };
+    if is_share && !(term.role().acts_on_mass() && term.states() == 0) {
+        let parameter = term.candidate().parameters[0];
+        let hint = format!("state its {} in {}: --show {id}=NUMBER", parameter.name, parameter.unit);
+        return Err(refuse(format!("{id} is no force that is a part of the spring's"), hint));
+    }
+    let strength = if is_share { Strength::Share(0.01 * number) } else { Strength::Value(number) };
+    Ok((Known { term, values: vec![0.0; term.values()] }, strength))
+}

@@ -1,0 +1,273 @@
+//! The search for the shortest experiment: all that the limits allow at one length after the other, by
+//! one linear step of each rival, and the most promising by the search that a diagnosis makes.
+
+use crate::control::{Control, Stopped};
+use crate::driven::base::ZETA;
+use crate::error::{Error, Result};
+use crate::numerics::order;
+use crate::parallel;
+
+use super::chance::Comparisons;
+use super::experiment::{self, Experiment, Shape};
+use super::limits::{Limit, Limits};
+use super::question::{Purpose, Question};
+use super::simulated::{Motion, Truth};
+use super::strength::{SHORTEST, lengths, settled};
+
+/// Experiments of one length that are looked at closely.
+const FINALISTS: usize = 3;
+/// Doublings of a limit that are looked at.
+const DOUBLINGS: i32 = 6;
+
+/// An experiment and what a diagnosis of it would say.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Proposal {
+    /// The experiment.
+    pub experiment: Experiment,
+    /// Probability that the diagnosis decides rightly, whichever of the rivals is true: the least of all.
+    pub probability: f64,
+    /// The same for each rival, in order, and where none of them is true.
+    pub each: Vec<f64>,
+    /// Half the width of the 95 % interval of the first rival's first parameter.
+    pub half_width: Option<f64>,
+}
+
+/// The limit that is most in the way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Binding {
+    /// Which one.
+    pub limit: Limit,
+    /// Times that it would have to be as large; `None` where no such factor was found.
+    pub factor: Option<f64>,
+    /// Probability at twice the limit, for each of them.
+    pub doubled: [(Limit, f64); 3],
+}
+
+/// The answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Planned {
+    /// The question, with the strength of what is to be shown.
+    pub question: Question,
+    /// The best experiment, and the next best of another shape.
+    pub best: Vec<Proposal>,
+    /// True where the best one answers the question.
+    pub reached: bool,
+    /// The shortest multisine over the whole band, at the largest input, that does as well.
+    pub broadband: Option<Proposal>,
+    /// The limit in the way, where the best one does not.
+    pub binding: Option<Binding>,
+}
+
+impl Planned {
+    /// The best experiment and the next best.
+    pub fn proposals(&self) -> impl Iterator<Item = &Proposal> {
+        self.best.iter()
+    }
+}
+
+pub(super) fn stopped(by: Stopped) -> Error {
+    by.during("stopped planning", "nothing was written; run it again, or with a shorter longest_s")
+}
+
+/// Finds it.
+///
+/// # Errors
+/// When stopped; where no experiment can be simulated.
+pub fn search(question: &Question, limits: &Limits, probability: f64, control: &Control) -> Result<Planned> {
+    let nothing = || {
+        Error::new(
+            "could not plan an experiment",
+            format!(
+                "none can be simulated with largest_input_m_s2 = {}, rate_hz = {} and longest_s = {} about a resonance of {} Hz",
+                limits.largest_input_m_s2,
+                limits.rate_hz,
+                limits.longest_s,
+                question.sensor.resonance_hz()
+            ),
+            format!(
+                "need a rate above twice the resonance, {} cycles of it and {} samples, and a motion that stays finite and within largest_reading",
+                SHORTEST.0, SHORTEST.1
+            ),
+        )
+    };
+    if question.sensor.resonance_hz() >= 0.5 * limits.rate_hz {
+        return Err(nothing());
+    }
+    let question = settled(question, limits).ok_or_else(nothing)?;
+    let look = Look { question: &question, limits, probability, control };
+    let best = look.shortest().map_err(stopped)?;
+    let Some(first) = best.first() else { return Err(nothing()) };
+    let reached = look.is_reached(first);
+    let broadband = if reached { look.broadband(first).map_err(stopped)? } else { None };
+    let binding = if reached { None } else { Some(look.binding(first).map_err(stopped)?) };
+    Ok(Planned { question: question.clone(), reached, best, broadband, binding })
+}
+
+/// A search within some limits.
+struct Look<'a> {
+    question: &'a Question,
+    limits: &'a Limits,
+    probability: f64,
+    control: &'a Control,
+}
+
+impl Look<'_> {
+    /// Returns whether an experiment answers the question.
+    fn is_reached(&self, proposal: &Proposal) -> bool {
+        match &self.question.purpose {
+            Purpose::Narrow(interval) => proposal.half_width.is_some_and(|h| h <= 0.5 * interval.half_width),
+            Purpose::Decide | Purpose::Show(_) => proposal.probability >= self.probability,
+        }
+    }
+
+    /// Better ones first.
+    fn rank(&self, proposals: &mut [Proposal]) {
+        let is_narrowing = matches!(self.question.purpose, Purpose::Narrow(_));
+        let width = |p: &Proposal| p.half_width.unwrap_or(f64::INFINITY);
+        order::sort_by_key(proposals, |p| if is_narrowing { width(p) } else { -p.probability });
+    }
+
+    /// Every truth: each rival, and none.
+    fn truths(&self) -> impl Iterator<Item = Truth<'_>> {
+        let q = self.question;
+        let own = q.rivals.iter().map(Some).chain([None]);
+        own.map(|own| Truth { sensor: &q.sensor, common: &q.common, own })
+    }
+
+    /// An experiment as a diagnosis would see it; `closely`: by its own search among all laws. `None` where
+    /// it cannot be simulated.
+    fn proposal(&self, experiment: Experiment, closely: bool) -> Result<Option<Proposal>, Stopped> {
+        let (mut each, mut half_width) = (Vec::new(), None);
+        for truth in self.truths() {
+            self.control.go_on()?;
+            let Some(motion) = Motion::of(&truth, &experiment, self.limits) else { return Ok(None) };
+            let rivals = match truth.own {
+                Some(_) if closely => motion.best(self.control)?,
+                _ => motion.nearly(&self.question.rivals),
+            };
+            let comparisons = Comparisons {
+                rows: motion.rows(),
+                without: motion.without(),
+                values: truth.own.map_or(0, |k| k.term.values()),
+                rivals: &rivals,
+                tried: Motion::tried(),
+            };
+            each.push(if truth.own.is_some() { comparisons.named() } else { comparisons.silent() });
+            let asks_width = matches!(self.question.purpose, Purpose::Narrow(_)) && truth.own.is_some();
+            half_width = half_width.or(if asks_width { motion.half_width() } else { None });
+        }
+        let probability = each.iter().fold(1.0, |a: f64, p| a.min(*p));
+        Ok(Some(Proposal { experiment, probability, each, half_width }))
+    }
+
+    fn all(&self, shapes: &[(Shape, f64)], seconds: f64, closely: bool) -> Result<Vec<Proposal>, Stopped> {
+        let rate_hz = self.limits.rate_hz;
+        let looked = parallel::map(shapes, |(shape, level)| {
+            self.proposal(Experiment { shape: *shape, level: *level, seconds, rate_hz }, closely)
+        });
+        let mut found: Vec<Proposal> =
+            looked.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
+        self.rank(&mut found);
+        Ok(found)
+    }
+
+    /// The best of one length: all by one step, those that promise most closely, no two of one shape.
+    fn best(&self, shapes: &[(Shape, f64)], seconds: f64, always: bool) -> Result<Vec<Proposal>, Stopped> {
+        let promising = self.all(shapes, seconds, false)?;
+        if !always && !promising.first().is_some_and(|p| self.is_reached(p)) {
+            return Ok(promising);
+        }
+        let finalists: Vec<(Shape, f64)> =
+            promising.iter().take(FINALISTS).map(|p| (p.experiment.shape, p.experiment.level)).collect();
+        self.all(&finalists, seconds, true)
+    }
+
+    /// The shortest experiments that answer the question; the best of the longest where none does.
+    fn shortest(&self) -> Result<Vec<Proposal>, Stopped> {
+        let (hz, zeta) = (self.question.sensor.resonance_hz(), self.question.sensor.base[ZETA]);
+        let shapes = experiment::all(self.limits, hz, zeta);
+        let lengths = lengths(self.limits, &self.question.sensor);
+        let progress = self.control.stage("lengths of experiments", lengths.len() as u64);
+        for (i, seconds) in lengths.iter().enumerate() {
+            let found = self.best(&shapes, *seconds, i + 1 == lengths.len())?;
+            progress.step();
+            if !found.first().is_some_and(|p| self.is_reached(p) || i + 1 == lengths.len()) {
+                continue;
+            }
+            let mut best = self.shortened(found, i.checked_sub(1).map_or(*seconds, |i| lengths[i]))?;
+            let first = best[0].experiment.shape;
+            let other = best.iter().position(|p| p.experiment.shape != first);
+            let next = other.map(|at| best.swap_remove(at));
+            best.truncate(1);
+            best.extend(next);
+            return Ok(best);
+        }
+        Ok(Vec::new())
+    }
+
+    /// The same with the best made shorter, down to this length, while it answers the question.
+    fn shortened(&self, mut found: Vec<Proposal>, from_s: f64) -> Result<Vec<Proposal>, Stopped> {
+        let (mut low, mut high) = (from_s, found[0].experiment.seconds);
+        for _ in 0..2 {
+            if !self.is_reached(&found[0]) || low >= high {
+                break;
+            }
+            let seconds = (low * high).sqrt();
+            match self.proposal(Experiment { seconds, ..found[0].experiment }, true)?.filter(|p| self.is_reached(p)) {
+                Some(shorter) => (found[0], high) = (shorter, seconds),
+                None => low = seconds,
+            }
+        }
+        Ok(found)
+    }
+
+    /// The shortest broadband multisine that does as well as an experiment.
+    fn broadband(&self, best: &Proposal) -> Result<Option<Proposal>, Stopped> {
+        let shape = [experiment::broadband(self.limits, self.question.sensor.resonance_hz())];
+        for seconds in lengths(self.limits, &self.question.sensor) {
+            if seconds < 0.5 * best.experiment.seconds {
+                continue;
+            }
+            let found = self.all(&shape, seconds, false)?;
+            if let Some(found) = found.into_iter().find(|p| self.is_reached(p)) {
+                return Ok(Some(found));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The limit that, doubled, helps most, and by how much it would have to grow.
+    fn binding(&self, best: &Proposal) -> Result<Binding, Stopped> {
+        let shapes = experiment::all(self.limits, self.question.sensor.resonance_hz(), self.question.sensor.base[ZETA]);
+        let progress = self.control.stage("limits doubled", 3 + DOUBLINGS as u64);
+        let with = |limit: Limit, factor: f64| -> Result<Option<Proposal>, Stopped> {
+            let limits = self.limits.with(limit, factor);
+            let look = Look { limits: &limits, ..*self };
+            let grown: Vec<(Shape, f64)> = match limit {
+                Limit::Input => shapes.iter().map(|(shape, level)| (*shape, factor * level)).collect(),
+                Limit::Length | Limit::Rate => shapes.clone(),
+            };
+            progress.step();
+            let Some(seconds) = lengths(&limits, &self.question.sensor).last().copied() else { return Ok(None) };
+            Ok(look.all(&grown, seconds, false)?.into_iter().next())
+        };
+        let mut doubled = Limit::ALL.map(|limit| (limit, best.clone()));
+        for (limit, proposal) in &mut doubled {
+            if let Some(found) = with(*limit, 2.0)? {
+                *proposal = found;
+            }
+        }
+        let mut ranked: Vec<Proposal> = doubled.iter().map(|d| d.1.clone()).collect();
+        self.rank(&mut ranked);
+        let limit = doubled.iter().find(|d| d.1 == ranked[0]).map_or(Limit::Input, |d| d.0);
+        let mut factor = None;
+        for power in 1..=DOUBLINGS {
+            let grown = 2f64.powi(power);
+            if with(limit, grown)?.is_some_and(|p| self.is_reached(&p)) {
+                factor = Some(grown);
+                break;
+            }
+        }
+        Ok(Binding { limit, factor, doubled: doubled.map(|(limit, p)| (limit, p.probability)) })
+    }
+}
