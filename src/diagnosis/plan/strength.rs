@@ -7,7 +7,7 @@ use crate::driven::base::{GAIN, OMEGA, ZETA};
 use crate::driven::intake::input::REACH;
 use crate::parallel;
 use crate::physics::law::Role;
-use crate::physics::state::{BaseLanes, Instants, LANES};
+use crate::physics::state::{BaseLanes, Instants, LANES, MOST_STAGED, MOST_VALUES};
 
 use super::experiment::{self, Experiment};
 use super::limits::Limits;
@@ -57,8 +57,9 @@ fn strength_of(known: &Known, sensor: &Sensor, largest: f64, share: f64) -> f64 
     }
     let all = |v: f64| [v; LANES];
     let base = BaseLanes { gain: all(gain), stiffness: all(omega * omega), damping: all(2.0 * zeta * omega) };
-    let p: Vec<[f64; LANES]> =
-        known.values.iter().enumerate().map(|(i, v)| all(if i == 0 { 1.0 } else { *v })).collect();
+    let mut p = [[0.0; LANES]; MOST_VALUES];
+    p.iter_mut().zip(&known.values).for_each(|(row, v)| *row = all(*v));
+    p[0] = all(1.0);
     // Eight phases of a quarter swing, its ends among them.
     let phase = |l: usize| FRAC_PI_2 * l as f64 / (LANES - 1) as f64;
     let at = Instants {
@@ -70,7 +71,7 @@ fn strength_of(known: &Known, sensor: &Sensor, largest: f64, share: f64) -> f64 
         base: &base,
         environment: &[],
     };
-    let mut acceleration = [0.0; LANES];
-    known.term.force::<f64, LANES, false>(&at, &p, &[], &mut [], &mut acceleration);
+    let (own, mut rates, mut acceleration) = ([all(0.0); MOST_STAGED], [all(0.0); MOST_STAGED], all(0.0));
+    known.term.force::<f64, LANES, false>(&at, &p, &own, &mut rates, &mut acceleration);
     share * spring / acceleration.iter().fold(1e-300f64, |a, f| a.max(f.abs()))
 }
