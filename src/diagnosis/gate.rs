@@ -52,6 +52,7 @@ gates! {
     Tie "tie" "A candidate that fits as well in a term's place stays its rival" "lead in log-likelihood";
     KeptBack "kept-back" "A second pole, a mode or a second mass replaces or ties the linear terms" "lead in log-likelihood";
     FreeForm "free-form" "A law with a free form replaces what only patched the stated form" "lead in log-likelihood";
+    FreeRival "free-rival" "A law whose free form fits as well stays a rival" "";
     PowerForStop "power-for-stop" "A spring of one power replaces a stop that it fits as well or better" "lead in log-likelihood";
     OwnPower "own-power" "A law with its own exponent replaces a stated law that departs" "lead in log-likelihood";
     OwnSharpness "own-sharpness" "Hysteresis with its own exponent replaces what was chosen" "lead in log-likelihood";

@@ -25,7 +25,7 @@ use crate::trace::Step;
 use super::earned::{ITERATIONS, earned, without};
 use super::held_out::compare;
 use super::identifiability::is_linear;
-use super::judged::{Departing, Judged, Selection, judge};
+use super::judged::{Departing, Judged, Rival, Selection, judge};
 use super::residual_structure::residual_structure;
 use super::rivals::TIE;
 
@@ -168,6 +168,20 @@ fn may_be_another(selection: &Selection) -> bool {
     }
 }
 
+/// Ties the first term with these laws.
+fn add_rivals<'r>(data: &Data, selection: &mut Selection, further: impl Iterator<Item = &'r Rival>) {
+    for rival in further {
+        if selection.rivals.is_empty() {
+            selection.rivals.push(Vec::new());
+        }
+        let is_new = !selection.rivals[0].iter().any(|r| r.id == rival.id) && !selection.chosen.has(rival.id);
+        let step = || Step::of(Gate::FreeRival, "rival", format!("tied with {}", selection.chosen.words()));
+        if is_new && data.trace.acts(Step { term: Some(rival.id), ..step() }) {
+            selection.rivals[0].push(rival.clone());
+        }
+    }
+}
+
 /// Laws beside the chosen ones whose forms are freed, each alone.
 fn others(selection: &Selection, scales: &Scales) -> Vec<Fit> {
     let is_free = |fit: &Fit| freed_law(&fit.structure.terms[0]).is_some();
@@ -279,6 +293,12 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
         consider(&mut best, found, &chosen.fit);
     }
     // Ahead of both what was chosen and its own free form, another law may take its place.
+    let mut as_good: Vec<(f64, Rival)> = Vec::new();
+    // What is as likely with more freedom is nothing that parsimony could settle between laws that
+    // are tied in any case.
+    let mut freer: Vec<Rival> = Vec::new();
+    let likelihoods = best.iter().map(|(own, _)| own.judged.fit.log_likelihood());
+    let most_likely = likelihoods.fold(chosen.fit.log_likelihood(), f64::max);
     let (mut other_best, mut left_out): (Option<(Departing, Fit)>, bool) = (None, false);
     let bar = best.as_ref().map_or(chosen.score(), |(own, _)| own.judged.score().max(chosen.score()));
     let is_doubtful = chosen.fit.structure.terms.len() > 1 || may_be_another(selection);
@@ -302,8 +322,20 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
                 continue;
             }
             // At the end of its range a form is that of another law.
-            let is_ahead = found.judged.score() - bar > TIE;
-            if is_ahead && !chosen.has(found.id()) && !found.judged.fit.at_bound(scales) {
+            let lead = found.judged.score() - bar;
+            let is_as_likely = found.judged.fit.log_likelihood() > most_likely - TIE;
+            if chosen.has(found.id()) || lead < -TIE && !is_as_likely || found.judged.fit.at_bound(scales) {
+                continue;
+            }
+            let stated = found.as_stated(data, &other, scales);
+            let stated = stated.filter(|s| !s.fit.at_bound(scales));
+            let rival = stated.map(|judged| (found.judged.score(), Rival { id: found.id(), judged }));
+            if lead < -TIE {
+                freer.extend(rival.map(|(_, rival)| rival));
+                continue;
+            }
+            as_good.extend(rival);
+            if lead > TIE {
                 consider(&mut other_best, found, &other);
             }
         }
@@ -311,6 +343,10 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
     selection.rivals_left_out |= left_out;
     best = other_best.or(best);
     selection.rivals.resize_with(chosen.fit.structure.terms.len(), Vec::new);
+    add_rivals(data, selection, as_good.iter().map(|(_, rival)| rival));
+    if selection.rivals.iter().any(|rivals| !rivals.is_empty()) {
+        add_rivals(data, selection, freer.iter());
+    }
     let Some((found, like)) = best else { return };
     let fewer = found.judged.fit.structure.terms.len() < chosen.fit.structure.terms.len();
     let score_gain = found.judged.score() - chosen.score();
@@ -348,5 +384,7 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
         })
         .collect();
     selection.chosen = stated;
+    let near = as_good.iter().filter(|(score, rival)| *score > found.judged.score() - TIE && rival.id != found.id());
+    add_rivals(data, selection, near.map(|(_, rival)| rival));
     selection.departing = departs.then_some(found);
 }
