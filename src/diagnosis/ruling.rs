@@ -12,8 +12,7 @@
 //!    for the mismatch cannot be said then: `undecidable`.
 //! 2. *Do the named effects account for the mismatch?* If what is left is real, no candidate does,
 //!    alone or together: `unexplained`. This comes **before** ties. Two indistinguishable
-//! candidates that both
-//!    leave more than noise fit equally badly; `undecidable` would claim that the truth is one of
+//!    candidates that both leave more than noise fit equally badly; `undecidable` would claim that the truth is one of
 //!    them and send the reader to an experiment that parts two candidates of which neither is
 //!    right. Effects that hold in spite of the residual keep their names.
 //! 3. *Is one of them indistinguishable?* Now the candidates do fit, and equally: `undecidable`.

@@ -5,7 +5,7 @@
 //! 57, 1989; a shift in the mean of a normal law). Each comparison of a diagnosis asks that it exceed a
 //! threshold, on the samples that are fitted or on those that judge.
 
-use crate::driven::selection::earned::{DOUBT, LEVEL, PENALTY, SMALLEST_GAIN};
+use crate::driven::selection::earned::{DOUBT, LEVEL, PENALTY};
 use crate::driven::selection::rivals::TIE;
 use crate::numerics::special::{chi_squared_survival, normal_cdf};
 
@@ -14,8 +14,8 @@ use super::simulated::{Left, Rival};
 /// Everything that the comparisons depend on.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Comparisons<'a> {
-    /// Fitted and judging samples.
-    pub rows: [f64; 2],
+    /// Fitted samples.
+    pub rows: f64,
     /// Residual of the model without the law.
     pub without: Left,
     /// Values of the law.
@@ -36,20 +36,20 @@ fn earns(values: usize, rows: f64, tried: usize) -> f64 {
     PENALTY + (tried.max(1) as f64).ln() + 0.5 * values as f64 * rows.ln()
 }
 
-/// Log-likelihood ratio at which so many unseen samples confirm it: no chance, and large enough for a name.
-fn confirms(rows: f64) -> f64 {
-    (2.0 / LEVEL).ln().max(-0.5 * rows * (1.0 - SMALLEST_GAIN).ln())
+/// Log-likelihood ratio at which unseen samples confirm it.
+fn confirms() -> f64 {
+    (2.0 / LEVEL).ln()
 }
 
 impl Comparisons<'_> {
     /// Probability that the law is named, and nothing in its place.
     pub(super) fn named(&self) -> f64 {
         let Left { fitted, judging } = self.without;
-        let [rows, unseen] = self.rows;
+        let rows = self.rows;
         let least = earns(self.values, rows, self.tried);
         // Judging samples that show less than the fitted ones are doubted: then all judge in turn.
-        let at_once = exceeds(judging, confirms(unseen));
-        let in_turn = exceeds(fitted, least - PENALTY + DOUBT) * exceeds(fitted + judging, confirms(rows + unseen));
+        let at_once = exceeds(judging, confirms());
+        let in_turn = exceeds(fitted, least - PENALTY + DOUBT) * exceeds(fitted + judging, confirms());
         let leads = |rival: &Rival| {
             let penalty = 0.5 * (self.values as f64 - rival.values as f64) * rows.ln();
             exceeds(rival.fitted, TIE + penalty)
@@ -60,7 +60,7 @@ impl Comparisons<'_> {
     /// Probability that no rival is named where there is nothing to be found.
     pub(super) fn silent(&self) -> f64 {
         let chance = |rival: &Rival| {
-            let threshold = earns(rival.values, self.rows[0], self.tried);
+            let threshold = earns(rival.values, self.rows, self.tried);
             chi_squared_survival(2.0 * threshold, rival.values as f64) * LEVEL
         };
         1.0 - self.rivals.iter().map(chance).sum::<f64>().min(1.0)
@@ -82,7 +82,7 @@ mod tests {
             let lambda: f64 = (0..rows).map(|k| delta(k).powi(2)).sum();
             let mut rng = Philox::new(7, 0, Stream::Host);
             let ratio = |rng: &mut Philox| -> f64 {
-                (0..rows).map(|k| rng.normal()).enumerate().map(|(k, e)| 0.5 * ((e + delta(k)).powi(2) - e * e)).sum()
+                (0..rows).map(|_| rng.normal()).enumerate().map(|(k, e)| 0.5 * ((e + delta(k)).powi(2) - e * e)).sum()
             };
             let drawn = (0..4000).filter(|_| ratio(&mut rng) > threshold).count() as f64 / 4000.0;
             assert!(

@@ -150,9 +150,9 @@ impl Motion {
         Some(Self { data, common, scales, variance: sensor.noise.powi(2), own: truth.own.cloned() })
     }
 
-    /// Number of fitted and of judging samples.
-    pub(super) fn rows(&self) -> [f64; 2] {
-        [&self.data.train, &self.data.validation].map(|ranges| ranges.iter().map(|r| r.len()).sum::<usize>() as f64)
+    /// Number of fitted samples.
+    pub(super) fn rows(&self) -> f64 {
+        self.data.train.iter().map(|r| r.len()).sum::<usize>() as f64
     }
 
     /// Returns what the model without the law leaves.
@@ -189,7 +189,7 @@ impl Motion {
         let laws: Vec<Term> = Term::tried(0, true).into_iter().filter(open).collect();
         let model = judge(&self.data, self.common.clone(), &self.scales);
         let tried = round(&self.data, &model, &laws, &self.scales, 3, &control.without_stages())?;
-        let rows = self.rows()[0];
+        let rows = self.rows();
         let rival = |t: &crate::driven::selection::judged::Trial| {
             let judged = t.judged.as_ref().filter(|j| !j.fit.at_bound(&self.scales))?;
             Some(Rival { id: t.term.id(), values: t.term.values(), fitted: judged.fit.variance * rows / self.variance })

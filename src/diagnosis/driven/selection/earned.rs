@@ -17,9 +17,6 @@ use super::judged::{Judged, judge};
 /// Level of the test on validation samples. Only the few candidates that are best on the fitted
 /// samples come before it, at a penalty there of ln(tried), so that no further correction is due.
 pub(crate) const LEVEL: f64 = 0.002;
-/// Smallest share of the one-step error that is worth a name: below it, the simulation's own errors
-/// begin.
-pub(crate) const SMALLEST_GAIN: f64 = 0.005;
 /// Log-likelihood that a term must gain beyond what its parameters and the choice among candidates cost.
 pub(crate) const PENALTY: f64 = 3.0;
 /// Lead on the fitted samples at which validation samples that show nothing are doubted: what is

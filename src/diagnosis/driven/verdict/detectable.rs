@@ -8,7 +8,7 @@
 
 use crate::driven::identification::fit::Fit;
 use crate::driven::intake::data::Data;
-use crate::driven::selection::earned::{LEVEL, SMALLEST_GAIN};
+use crate::driven::selection::earned::LEVEL;
 use crate::driven::simulation::filter::Nothing;
 use crate::driven::simulation::run::{Run, innovations};
 use crate::numerics::least_squares::Linear;
@@ -63,12 +63,10 @@ pub(super) fn limits(data: &Data, base: &Fit, scales: &Scales, candidates: &[Ter
         (base.linear.residual.len() as f64, data.validation.iter().map(|r| r.len()).sum::<usize>() as f64);
     let noise = base.variance.sqrt();
     let z = |probability: f64| special::normal_quantile(probability);
-    // By the penalty of a parameter, by the test on validation samples, and by the least gain that
-    // earns a name.
+    // By the penalty of a parameter, and by the test on validation samples.
     let penalty = 3.0 + (candidates.len().max(1) as f64).ln() + 0.5 * rows.ln();
     let least = (((2.0 * penalty).sqrt() + z(POWER)) / rows.sqrt())
-        .max(2.0 * (z(1.0 - LEVEL) + z(POWER)) / judging.max(1.0).sqrt())
-        .max((SMALLEST_GAIN / (1.0 - SMALLEST_GAIN)).sqrt());
+        .max(2.0 * (z(1.0 - LEVEL) + z(POWER)) / judging.max(1.0).sqrt());
     let found: Vec<Signature> =
         parallel::map(candidates, |term| signatures(data, base, scales, *term)).into_iter().flatten().collect();
     let mut limits = Limits { least_over_noise: least, ..Limits::default() };
