@@ -24,7 +24,7 @@ use limits::Limits;
 use question::Question;
 use search::Planned;
 
-/// Requests beside the question.
+/// Requests next to the question.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wish {
     /// Probability of a right decision at which an experiment is long enough.

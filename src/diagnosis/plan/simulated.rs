@@ -12,11 +12,12 @@ use crate::driven::intake::observed::Observed;
 use crate::driven::intake::stretches::{interleaved, loudest};
 use crate::driven::intake::work::Work;
 use crate::driven::selection::earned::ITERATIONS;
-use crate::driven::selection::judged::judge;
+use crate::driven::selection::judged::{Trial, judge};
 use crate::driven::selection::round::{round, screen};
 use crate::driven::simulation::run::{Run, trace};
 use crate::driven::simulation::structure::ModelStructure;
 use crate::numerics::least_squares::Residuals;
+use crate::parallel;
 use crate::physics::law::Role;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
@@ -33,7 +34,7 @@ const NEARLY: usize = 6;
 pub(super) struct Truth<'a> {
     /// The sensor.
     pub sensor: &'a Sensor,
-    /// Laws beside the one in question.
+    /// Laws next to the one in question.
     pub common: &'a [Known],
     /// The law in question; none where there is nothing to be found.
     pub own: Option<&'a Known>,
@@ -68,7 +69,7 @@ pub(super) struct Motion {
     own: Option<Known>,
 }
 
-/// Model of some laws beside a sensor's base.
+/// Model of some laws next to a sensor's base.
 fn model(sensor: &Sensor, laws: &[&Known]) -> (ModelStructure, Vec<f64>) {
     let terms: Vec<Term> = laws.iter().map(|k| k.term).collect();
     let structure = ModelStructure::new(&terms);
@@ -190,11 +191,14 @@ impl Motion {
         let model = judge(&self.data, self.common.clone(), &self.scales);
         let tried = round(&self.data, &model, &laws, &self.scales, 3, &control.without_stages())?;
         let rows = self.rows();
-        let rival = |t: &crate::driven::selection::judged::Trial| {
-            let judged = t.judged.as_ref().filter(|j| !j.fit.at_bound(&self.scales))?;
-            Some(Rival { id: t.term.id(), values: t.term.values(), fitted: judged.fit.variance * rows / self.variance })
+        // One that ends at a bound without noise need not with it: it stays a rival.
+        let rival = |t: &Trial| {
+            let found = &t.judged.as_ref()?.fit;
+            let further = fit(&self.data, &found.structure, &found.point, &self.scales, ITERATIONS);
+            let variance = further.map_or(found.variance, |f| f.variance.min(found.variance));
+            Some(Rival { id: t.term.id(), values: t.term.values(), fitted: variance * rows / self.variance })
         };
-        Ok(tried.iter().filter_map(rival).collect())
+        Ok(parallel::filter_map(&tried, rival))
     }
 
     /// Half the width of the 95 % interval that the law's first parameter would have.
