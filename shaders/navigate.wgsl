@@ -33,7 +33,7 @@ struct Flight {
     padding: u32,
 }
 
-// One sample of the truth; mirrored in `src/kernel/passage.rs`.
+// One sample of the truth; mirrored in `src/kernel/truth_step.rs`.
 struct Passage {
     attitude: mat3x3<f32>,
     force: vec3<f32>,

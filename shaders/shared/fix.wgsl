@@ -1,4 +1,4 @@
-// A fix applied to one member. Twin of `src/kernel/cpu/fix.rs`; see there.
+// A fix applied to one member. Twin of `src/kernel/cpu/aiding.rs`; see there.
 
 // Mirrored in `src/kernel/layout.rs`.
 struct Fix {

@@ -150,8 +150,8 @@ impl Folder {
     }
 
     /// Files that change while the run goes on, which the run writes itself, and from which it can
-    /// be resumed: one of the names of states, which may hold one `*` for any text. `resume` says that those which lie
-    /// there are meant to be gone on from, whoever put them there.
+    /// be resumed: one of the names of states, which may hold one `*` for any text. `resume` says
+    /// that those which lie there are meant to be gone on from, whoever put them there.
     ///
     /// # Errors
     /// A file of the user's has such a name, or the folder cannot be written.
@@ -255,7 +255,7 @@ impl Folder {
         })
     }
 
-    /// Writes a file beside its place; [`finish`](Self::finish) puts it there.
+    /// Writes a file next to its place; [`finish`](Self::finish) puts it there.
     ///
     /// # Errors
     /// The folder cannot be written.

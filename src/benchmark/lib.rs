@@ -1,5 +1,5 @@
-//! How fast this machine does the tool's work, beside what it could do at most and what a plain
-//! loop does.
+//! States how fast this machine does the tool's work, next to what it could do at most and what a
+//! plain loop does.
 //!
 //! Rates are per second of wall time, the fastest of repeated runs, all in one process: on a
 //! machine that does other things too, that is the run least disturbed, and only ratios within one
@@ -95,7 +95,7 @@ fn kernels<T: Real>(control: &Control) -> Result<Vec<Row>> {
     rows.push(quiet.counted(operations::DUFFING));
     let name = "Duffing, Runge-Kutta 4, one normal number a step";
     let noisy = timed(control, name, T::NAME, members, steps, || problem.run(true, level))?;
-    // Beside the step and its number: the force noise added three times, and its deviation.
+    // Next to the step and its number: the force noise added three times, and its deviation.
     rows.push(noisy.counted(operations::DUFFING + 4.0 + operations::normal::<T>()));
     let numbers = timed(control, NORMAL, T::NAME, members, steps, || normal::run::<T>(level))?;
     rows.push(numbers.counted(operations::normal::<T>()));

@@ -13,7 +13,7 @@ const STEP: f64 = 0.01;
 const SIGMA: f64 = 10.0;
 const BETA: f64 = 8.0 / 3.0;
 
-/// Where all systems begin.
+/// States where all systems begin.
 const START: [f64; 3] = [10.0, 10.0, 10.0];
 
 /// ρ of a system.

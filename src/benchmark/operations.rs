@@ -1,8 +1,8 @@
-//! What a unit of work costs in instructions, counted by hand in the kernels' source: the numerator
-//! of every share of peak.
+//! States what a unit of work costs in instructions, counted by hand in the kernels' source: the
+//! numerator of every share of peak.
 //!
 //! One fused multiply-add, addition, multiplication, comparison, blend, shift or exclusive-or of a
-//! full-width vector is one instruction; loads and stores are not counted, for they run beside.
+//! full-width vector is one instruction; loads and stores are not counted, for they run alongside.
 //! Divisions and roots count as one although they take several, so a share is if anything too
 //! small.
 
@@ -33,8 +33,8 @@ const BOX_MULLER: f64 = 22.5;
 /// Philox: ten rounds of two multiplications, two shifts and two exclusive-ors of three for four
 /// numbers.
 const PHILOX_WIDE: f64 = 15.0;
-/// Where a multiplication gives one half of its product: two more, no shifts, and two additions for
-/// the key.
+/// If a multiplication gives one half of its product: two more, no shifts, and two
+/// additions for the key.
 const PHILOX_NARROW: f64 = 25.0;
 
 /// One normal number on the CPU: Philox in 64-bit lanes takes twice the instructions of f32 lanes.

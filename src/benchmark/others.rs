@@ -1,5 +1,5 @@
-//! How much other programs took of the processors while something was measured: what a figure from
-//! a busy machine owes its reader. Linux only; elsewhere nothing is known.
+//! States how much other programs took of the processors while something was measured: what a
+//! figure from a busy machine owes its reader. Linux only; elsewhere nothing is known.
 
 /// A reading of the counters, in clock ticks since the machine and the program began.
 #[derive(Debug, Clone, Copy)]
@@ -10,7 +10,7 @@ pub struct Ticks {
 }
 
 impl Ticks {
-    /// As they stand now.
+    /// Reads them as they stand now.
     pub fn now() -> Option<Self> {
         let machine = std::fs::read_to_string("/proc/stat").ok()?;
         let own = std::fs::read_to_string("/proc/self/stat").ok()?;

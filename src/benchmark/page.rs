@@ -39,7 +39,7 @@ pub fn table(rows: &[Row]) -> Table {
     table
 }
 
-/// Published speeds beside the rows of the same work.
+/// Published speeds next to the rows of the same work.
 fn published(rows: &[Row]) -> Table {
     let mut table = Table::new(&["work", "by", "on", "million steps per s", "source"]);
     for p in &PUBLISHED {
@@ -53,7 +53,7 @@ fn published(rows: &[Row]) -> Table {
     table
 }
 
-/// What the full path is predicted to reach on cards that are not here.
+/// Returns what the full path is predicted to reach on cards that are not here.
 fn predicted() -> Table {
     let mut table =
         Table::new(&["card", "f32 lanes × boost clock", "TFLOP/s", "bound, million member-steps per s", "expected"]);
@@ -137,7 +137,7 @@ pub fn sizes(rows: &[Row]) -> Figure {
     chart.draw()
 }
 
-/// Time by length of the run, beside proportionality.
+/// Time by length of the run, next to proportionality.
 pub fn lengths(rows: &[Row]) -> Figure {
     let scaled: Vec<&Row> = rows.iter().filter(|r| r.work.starts_with(work::SCALED)).collect();
     let units = |r: &Row| r.per_second * r.seconds;
@@ -152,8 +152,8 @@ pub fn lengths(rows: &[Row]) -> Figure {
     chart.draw()
 }
 
-/// How far the cost per member-step strays over three decades of length: least and greatest against
-/// the longest run.
+/// Returns how far the cost per member-step strays over three decades of length: least and greatest
+/// against the longest run.
 fn linearity(rows: &[Row]) -> Option<String> {
     let scaled: Vec<f64> = rows.iter().filter(|r| r.work.starts_with(work::SCALED)).map(|r| r.per_second).collect();
     let longest = scaled.last()?;
@@ -166,7 +166,7 @@ fn linearity(rows: &[Row]) -> Option<String> {
     ))
 }
 
-/// How much longer the full path takes than its dynamics and its numbers, each alone.
+/// Returns how much longer the full path takes than its dynamics and its numbers, each alone.
 fn parts(rows: &[Row]) -> Option<String> {
     let seconds = |work: &str, precision: &str| {
         let row = rows.iter().find(|r| r.work == work && r.precision == precision && r.place == "cpu")?;

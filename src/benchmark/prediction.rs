@@ -1,5 +1,5 @@
-//! What the full path should reach on a card that is not at hand: its lanes times its boost clock
-//! over the kernel's counted instructions. A prediction from a roofline, never a measurement.
+//! States what the full path should reach on a card that is not at hand: its lanes times its boost
+//! clock over the kernel's counted instructions. A prediction from a roofline, never a measurement.
 
 use super::operations::FULL_GPU;
 

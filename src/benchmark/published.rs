@@ -1,5 +1,6 @@
-//! What others have published for GPUs, to stand beside what this machine does. Copied figures, not
-//! measurements of ours: another machine, another clock, and where noted another scheme.
+//! States what others have published for GPUs, to stand next to what this machine does. Copied
+//! figures, not measurements of ours: another machine, another clock, and where noted another
+//! scheme.
 //!
 //! Both come from the raw timings that the authors of DiffEqGPU.jl publish with their article
 //! (Utkarsh et al., Computer Methods in Applied Mechanics and Engineering, 2024, doi
@@ -10,7 +11,7 @@
 /// A speed that others have published.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Published {
-    /// What was solved, in the words of our own row.
+    /// Holds what was solved, in the words of our own row.
     pub work: &'static str,
     /// Program that was measured.
     pub solver: &'static str,
@@ -20,9 +21,9 @@ pub struct Published {
     pub systems: u64,
     /// Steps of each trajectory.
     pub steps: u64,
-    /// What they took, without the copying to and from the card.
+    /// Holds what they took, without the copying to and from the card.
     pub milliseconds: f64,
-    /// Where it is printed, and how its setting differs from ours.
+    /// States where it is printed, and how its setting differs from ours.
     pub source: &'static str,
 }
 

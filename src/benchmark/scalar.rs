@@ -1,5 +1,5 @@
-//! What one writes first: a loop over members on all threads, a loop over steps inside, a normal
-//! number from a library. The yardstick for lanes, not part of the tool's path.
+//! States what one writes first: a loop over members on all threads, a loop over steps inside, a
+//! normal number from a library. The yardstick for lanes, not part of the tool's path.
 
 use rand::rand_core::UnwrapErr;
 use rand_distr::{Distribution, StandardNormal};

@@ -92,7 +92,7 @@ pub(super) fn orbit_steps(points: usize, plan: &Plan) -> f64 {
     points as f64 * f64::from(plan.steps_per_period) * f64::from(ALIGN_PERIODS + plan.periods)
 }
 
-/// What an ensemble is mostly asked for.
+/// Returns what an ensemble is mostly asked for.
 pub(crate) fn ensembles(members: u64) -> Vec<(&'static str, Job)> {
     let linear = duffing(1200.0, 0.7).with(&CUBIC_STIFFNESS, 0.0);
     let mut plain = Sensor { proof_mass: Some(linear), ..Sensor::default() };

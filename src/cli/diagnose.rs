@@ -140,7 +140,7 @@ const UNCORRECTED: &str = "uncorrected.toml";
 /// The model that was chosen where none was given: to be edited and given with --model.
 const PROPOSED: &str = "proposed.toml";
 
-/// Requests of a command line on recordings, beside their model.
+/// Requests of a command line on recordings, next to their model.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Asked {
     pub topic: Option<String>,

@@ -1,4 +1,4 @@
-//! A page into a folder, with the numbers behind its figures beside it: `numbers/FIGURE.csv`, and
+//! A page into a folder, with the numbers behind its figures next to it: `numbers/FIGURE.csv`, and
 //! Parquet on request.
 
 use proofmass_base::columns::Format;

@@ -47,8 +47,8 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR", group = "folder",
         conflicts_with_all = ["parquet", "quick", "planted", "independent", "cases", "samples", "like", "case"])]
     pub book: Option<PathBuf>,
-    /// Compare the book with the one in DIR; exits with 1 where false names rose or right marks fell
-    /// beyond chance. With --resume a finished book is compared as it is
+    /// Compare the book with the one in DIR; exits with 1 where false names rose or right marks
+    /// fell beyond chance. With --resume a finished book is compared as it is
     #[arg(long, value_name = "DIR", requires = "book")]
     pub against: Option<PathBuf>,
     /// Part of the book's cases, the same of each kind, family and sub-family
@@ -57,8 +57,8 @@ pub struct Arguments {
     /// Only these cases of the book, by their names up to the colon, e.g. 1-17,1-23
     #[arg(long, value_name = "LIST", requires = "book", value_delimiter = ',')]
     pub only: Vec<String>,
-    /// Then ask each verdict of the book again without each rule that acted in it, and write what each
-    /// rule is worth to gates.md
+    /// Then ask each verdict of the book again without each rule that acted in it, and write what
+    /// each rule is worth to gates.md
     #[arg(long, requires = "book", conflicts_with = "shard")]
     pub ablate: bool,
     /// Rules that never act (ids as in gates.md): for measuring what they are worth
@@ -80,7 +80,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "quick")]
     pub planted: bool,
     /// Cases of a second generator, mostly outside the library: modified laws, unknown physics,
-    /// real noise; driven, at rest and turned by hand
+    /// real noise; driven, at rest and hand-rotated
     #[arg(long, conflicts_with_all = ["planted", "like", "recordings"])]
     pub independent: bool,
     /// Resume the trial in --out, or the book

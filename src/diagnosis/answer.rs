@@ -1,5 +1,5 @@
-//! What a diagnosis found, whatever the kind of recording: numbers and typed reasons. The words,
-//! and with them the public document, are made in `report::diagnosis`.
+//! States what a diagnosis found, whatever the kind of recording: numbers and typed reasons. The
+//! words, and with them the public document, are made in `report::diagnosis`.
 
 use super::candidate::Kind;
 use super::repair::Repair;
@@ -28,19 +28,20 @@ pub struct Answer {
     pub places: Places,
     /// Errors before and after repair, on fitted and held-out samples.
     pub fit: Fit,
-    /// Whether the residual of the final model is white.
+    /// States whether the residual of the final model is white.
     pub residual_after: Whiteness,
     /// Found in the file and survived, in sentences.
     pub findings: Vec<String>,
     /// Every candidate that was tried, best first, named or not.
     pub ranking: Vec<Ranked>,
-    /// What each rule that acted changed, in their order; driven recordings only.
+    /// Holds what each rule that acted changed, in their order; driven recordings only.
     pub trace: Vec<Step>,
     /// The sensor with and without the named physics, for a study and for the cost in metres.
     /// `None` where nothing a study could run came out, e.g. when the base model could not be
     /// fitted.
     pub repair: Option<Repair>,
-    /// What only this kind of recording has: numbers behind its figures, reasons behind its words.
+    /// Holds what only this kind of recording has: numbers behind its figures, reasons behind its
+    /// words.
     pub detail: Detail,
 }
 
@@ -59,7 +60,7 @@ pub struct Places {
     pub argument: Option<DependsOn>,
 }
 
-/// What each kind keeps for its figures and its own paragraphs.
+/// Holds what each kind keeps for its figures and its own paragraphs.
 #[derive(Debug, Clone)]
 pub enum Detail {
     /// Input and output of one proof mass.
@@ -75,8 +76,8 @@ pub enum Detail {
 }
 
 impl Detail {
-    /// What would have been named: of driven recordings where nothing is. At rest, in poses and in
-    /// motion it is not worked out.
+    /// Returns what would have been named: of driven recordings where nothing is. At rest, in poses
+    /// and in motion it is not worked out.
     pub fn detectable(&self) -> &[Detectable] {
         match self {
             Self::Driven(detail) => &detail.detectable,

@@ -1,11 +1,11 @@
-//! What the omission costs in metres: position error after 10 s and 60 s of a navigator with the
-//! original model and of one with the named physics.
+//! States what the omission costs in metres: position error after 10 s and 60 s of a navigator with
+//! the original model and of one with the named physics.
 //!
 //! Constant and random errors by their closed forms, the proof mass under the stated vibration by
 //! `rectification`. One axis, flat earth. Not an ensemble: `proofmass study` runs DIR/repaired.toml
 //! for distributions. Left out: what follows temperature (the sensor stays at its reference), what
-//! is in proportion to an input, rounding and full scale. Laws with states of their own have no row:
-//! only a study integrates them.
+//! is in proportion to an input, rounding and full scale. Laws with states of their own have no
+//! row: only a study integrates them.
 
 use super::rectification::{self, repeats};
 use super::repair::{Cost, Repair, Row, Vibration};
@@ -27,9 +27,9 @@ struct Drift {
     mechanical: [f64; 2],
 }
 
-/// Returns the cost table: a navigator with the model as it was, one with the named physics, then the
-/// kind's own rows. It is empty where the recording is of no inertial sensor, and where only a study
-/// integrates the named physics.
+/// Returns the cost table: a navigator with the model as it was, one with the named physics, then
+/// the kind's own rows. It is empty where the recording is of no inertial sensor, and where only a
+/// study integrates the named physics.
 ///
 /// # Errors
 /// Stopped.
@@ -53,7 +53,8 @@ pub fn costs(repair: Option<&Repair>, control: &Control) -> Result<Vec<Cost>, St
     Ok(rows)
 }
 
-/// Whether all laws of the sensor repeat with the vibration; those with states of their own do not.
+/// Returns whether all laws of the sensor repeat with the vibration; those with states of their own
+/// do not.
 fn is_integrated(sensor: &Sensor) -> bool {
     sensor.proof_mass.iter().flat_map(|mass| mass.laws.acting()).all(repeats)
 }
@@ -90,8 +91,8 @@ impl Drift {
     }
 
     /// Position error of a navigator who takes the readings of this sensor for those of `model`: its
-    /// noise, and the mechanics that the model does not have. The noise of the model does not count: a
-    /// driven base model takes its whole mismatch for noise.
+    /// noise, and the mechanics that the model does not have. The noise of the model does not
+    /// count: a driven base model takes its whole mismatch for noise.
     fn read_as(&self, model: &Self) -> [f64; 2] {
         std::array::from_fn(|n| (self.random[n] + (self.mechanical[n] - model.mechanical[n]).powi(2)).sqrt())
     }
@@ -166,10 +167,10 @@ mod tests {
         }
     }
 
-    /// With a spring with memory, which is not integrated here, and of a recording in volts, nothing is
-    /// claimed; with a quadratic spring, which a vibration rectifies, both navigators have a row
-    /// (control). The one with the named physics errs by the noise alone, N t^1.5/√3; the other by what
-    /// the spring rectifies as well, in quadrature.
+    /// With a spring with memory, which is not integrated here, and of a recording in volts,
+    /// nothing is claimed; with a quadratic spring, which a vibration rectifies, both navigators
+    /// have a row (control). The one with the named physics errs by the noise alone, N t^1.5/√3;
+    /// the other by what the spring rectifies as well, in quadrature.
     #[test]
     fn both_navigators_err_by_the_same_sensor() {
         let noise = 1e-3;
@@ -208,10 +209,10 @@ mod tests {
         assert!(expected > 2.0 * by_noise && (before.position_10_s_m / expected - 1.0).abs() < 1e-9, "{before:?}");
     }
 
-    /// Slow errors of an accelerometer by their double integrals, written out: Gauss–Markov σ²(2τt³/3
-    /// − τ²t² + 2τ⁴ − 2τ³(t + τ)e^(−t/τ)) (the integral of (t−u)(t−v) e^(−|u−v|/τ)), a sine of any
-    /// phase A²/2 |∫(t−u)e^(iωu)du|², a warm-up b(τt − τ²(1 − e^(−t/τ))). Another shape costs
-    /// something else.
+    /// Slow errors of an accelerometer by their double integrals, written out: Gauss–Markov
+    /// σ²(2τt³/3 − τ²t² + 2τ⁴ − 2τ³(t + τ)e^(−t/τ)) (the integral of (t−u)(t−v) e^(−|u−v|/τ)), a
+    /// sine of any phase A²/2 |∫(t−u)e^(iωu)du|², a warm-up b(τt − τ²(1 − e^(−t/τ))). Another shape
+    /// costs something else.
     #[test]
     fn each_slow_error_alone_costs_its_closed_form() {
         type Set = fn(&mut Sensor, f64);

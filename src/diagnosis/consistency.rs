@@ -26,7 +26,7 @@ pub enum Contradiction {
 }
 
 impl Contradiction {
-    /// As a finding; `None` where only a meaningless number was left out.
+    /// Returns it as a finding; `None` where only a meaningless number was left out.
     pub fn words(self) -> Option<&'static str> {
         match self {
             Self::AdequateAboveNoise => Some(
@@ -53,9 +53,9 @@ const SEVERAL: f64 = 3.0;
 /// Growth of the held-out error that noise terms, which weigh the samples differently, may cause.
 const BY_NOISE_TERMS: f64 = 1.01;
 
-/// What breaks a rule.
+/// Holds what breaks a rule.
 type Test = fn(&Answer) -> bool;
-/// What is done about it.
+/// Holds what is done about it.
 type Remedy = fn(&mut Answer);
 
 const RULES: &[(Contradiction, Test, Remedy)] = &[

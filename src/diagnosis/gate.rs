@@ -1,8 +1,8 @@
 //! Rules of a driven diagnosis that can change a name or the verdict, each with an id.
 //!
 //! A rule that acts records a [`Step`](crate::trace::Step); a rule that is switched off
-//! (`Driven::without`) never acts, so that its worth can be measured. Not for the rules themselves: each
-//! stands where it acts.
+//! (`Driven::without`) never acts, so that its worth can be measured. Not for the rules themselves:
+//! each stands where it acts.
 
 use serde::{Serialize, Serializer};
 
@@ -21,12 +21,12 @@ macro_rules! gates {
                 match self { $(Self::$variant => $id,)* }
             }
 
-            /// What the rule says, in a sentence without a full stop.
+            /// Returns what the rule says, in a sentence without a full stop.
             pub fn statement(self) -> &'static str {
                 match self { $(Self::$variant => $statement,)* }
             }
 
-            /// What its value and threshold measure; empty where it has none.
+            /// Returns what its value and threshold measure; empty where it has none.
             pub fn quantity(self) -> &'static str {
                 match self { $(Self::$variant => $quantity,)* }
             }
@@ -81,10 +81,10 @@ gates! {
     ManyLaws "many-laws" "More laws than may be named at once are dropped" "number of laws";
     LookAlikes "look-alikes" "Three laws that can be mistaken for each other are dropped" "number of laws";
     RoundedReadings "rounded-readings" "Coarse rounding that explains the residual counts as named" "gain in log-likelihood per sample";
-    Disturbance "disturbance" "A disturbance in the residual is a faint remainder" "p";
-    NoisePower "noise-power" "Noise whose power is not even is a remainder" "predictable share of the noise power";
+    Disturbance "disturbance" "A disturbance in the residual is a faint residual" "p";
+    NoisePower "noise-power" "Noise whose power is not even is a residual" "predictable share of the noise power";
     FewCycles "few-cycles" "Too few cycles of the resonance determine nothing" "cycles";
-    LinearClass "linear-class" "Linear laws that the input cannot tell apart are tied" "";
+    LinearClass "linear-class" "Linear laws that the input cannot tell apart are indistinguishable" "";
     // Where the named terms do not account for the mismatch.
     StandIn "stand-in" "A term that does not tower above the residual is not named in an unexplained verdict" "growth of the error without it";
     NoiseAlone "noise-alone" "Noise alone is not named in an unexplained verdict" "";

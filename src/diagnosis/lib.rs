@@ -2,7 +2,7 @@
 //! fit improve.
 //!
 //! Chain: detection → isolation → selection → ruling. One sub-folder per kind of recording: it
-//! reads its recording, tries its candidates and weighs what is left (`remainder`); from that
+//! reads its recording, tries its candidates and weighs the residual (`remainder`); from that
 //! evidence `ruling` draws the verdict, the same for all kinds. The vocabulary of a selection
 //! stands in `standing`. Each kind returns the same [`answer::Answer`]: numbers and typed reasons.
 //! Not for words or drawing: `report` turns an `Answer` into the public document and a page.
@@ -26,10 +26,9 @@
 //! let values = (0..8192).map(|_| reading()).collect();
 //! let columns = vec![Column { name: "ax".into(), values }];
 //! let recording = Recording { rows: 8192, rate_hz: 100.0, columns, ..Recording::default() };
-//! let model = model::parse("model.toml", "kind = \"static\"\nrate_hz = 100.0\n[columns]\nchannels = [\"ax\"]\n")?;
-//! let answer = diagnose(&recording, &model, &Control::silent())?;
-//! assert_eq!(answer.outcome, Outcome::Explained);
-//! assert_eq!(answer.effects[0].id, "random-walk");
+//! let model = model::parse("model.toml", "kind = \"static\"\nrate_hz = 100.0\n[columns]\nchannels
+//! = [\"ax\"]\n")?; let answer = diagnose(&recording, &model, &Control::silent())?;
+//! assert_eq!(answer.outcome, Outcome::Explained); assert_eq!(answer.effects[0].id, "random-walk");
 //! # Ok::<(), proofmass_base::error::Error>(())
 //! ```
 

@@ -161,7 +161,7 @@ pub fn read(path: &Path) -> Result<Model> {
     Ok(model)
 }
 
-/// What a diagnosis of this recording will take of memory, where that is much: for a word
+/// Returns what a diagnosis of this recording will take of memory, where that is much: for a word
 /// beforehand.
 pub fn memory_note(recording: &Recording, model: &Model) -> Option<String> {
     let values: usize = recording.columns.iter().map(|c| c.values.len().min(MOST_AT_REST)).sum();

@@ -1,8 +1,8 @@
 //! Propose the model of a recording from a first look at its file: its kind, its columns, what is
 //! assumed.
 //!
-//! `inspect` suggests the next command by it, and `diagnose` without a model runs on it. A proposal is
-//! withheld where two readings of the file are as likely; the error then names both.
+//! `inspect` suggests the next command by it, and `diagnose` without a model runs on it. A proposal
+//! is withheld where two readings of the file are as likely; the error then names both.
 
 use super::model::{self, Model};
 use crate::document::toml_string;
@@ -19,7 +19,7 @@ const WORTHWHILE_S: f64 = 60.0;
 /// Standard gravity (CGPM 1901), where nobody said what it is at the place of the recording.
 const GRAVITY_M_S2: f64 = 9.806_65;
 
-/// What a recording suits.
+/// Holds what a recording suits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Suited {
     /// Input and output of one proof mass, or a free decay.
@@ -59,13 +59,13 @@ pub fn longest(still: &[Stretch]) -> Option<&Stretch> {
     still.iter().max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s)))
 }
 
-/// Whether a sensor rests with gravity in so many directions that it was turned on purpose.
+/// Returns whether a sensor rests with gravity in so many directions that it was turned on purpose.
 pub fn is_turned(rows: &Rows) -> bool {
     rows.poses >= FACES
 }
 
-/// Decides what a recording suits; `None` without a clock, or where a single sensor moves, which says
-/// nothing of itself.
+/// Decides what a recording suits; `None` without a clock, or where a single sensor moves, which
+/// says nothing of itself.
 pub fn suited(rows: &Rows) -> Option<Suited> {
     if sweeps(rows).is_some() {
         return Some(Suited::Sweeps);
@@ -91,8 +91,8 @@ fn refused(file: &str, cause: String, hint: String) -> Error {
 /// Writes the model.toml that a recording suits; `file` stands for it in commands.
 ///
 /// # Errors
-/// A file without rows or clock, poses, a sensor in motion, and columns of which nothing says which is
-/// the input.
+/// A file without rows or clock, poses, a sensor in motion, and columns of which nothing says which
+/// is the input.
 pub fn proposed(file: &str, seen: &Inspection, named: &Named) -> Result<String> {
     let text = of_kind(file, seen, named)?;
     Ok(match (named.rate_hz, text.split_once('\n')) {
@@ -287,8 +287,8 @@ fn driven(file: &str, rows: &Rows, named: &Named) -> Result<String> {
     }
 }
 
-/// Headings of a sweep's frequency, its two components and its drive; the words of a heading that say
-/// each.
+/// Headings of a sweep's frequency, its two components and its drive; the words of a heading that
+/// say each.
 const SWEEP: [(&str, &[&str]); 6] = [
     ("frequency", &["frequency", "freq", "f"]),
     ("x", &["x"]),

@@ -1,5 +1,5 @@
-//! How far a proof mass alone carries the position off under a sine: what a nonlinear spring or
-//! damper rectifies.
+//! States how far a proof mass alone carries the position off under a sine: what a nonlinear spring
+//! or damper rectifies.
 //!
 //! The user integrates a = ω₀²x twice; the error is what that differs by from the true motion. The
 //! equation of motion is integrated in f64 (Runge–Kutta 4) until the motion repeats from one period
@@ -42,12 +42,13 @@ struct VibratedSensor<'a> {
     omega_rad_s: f64,
     period_s: f64,
     steps_per_period: usize,
-    /// The force at each half step of a period, the same in all of them, from the first whole one on.
+    /// The force at each half step of a period, the same in all of them, from the first whole one
+    /// on.
     period: OnceCell<Vec<f64>>,
 }
 
-/// Whether a law acts the same in every period. Laws that change with time or temperature, or that
-/// have states of their own, do not, and the position error here leaves them out.
+/// Returns whether a law acts the same in every period. Laws that change with time or temperature,
+/// or that have states of their own, do not, and the position error here leaves them out.
 pub(crate) fn repeats(law: &StudyLaw) -> bool {
     !matches!(law.term, Term::StiffnessDrift(_)) && !law.term.follows_temperature() && !law.has_states()
 }

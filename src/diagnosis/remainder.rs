@@ -1,8 +1,8 @@
-//! What a repaired model leaves, in the words that all kinds share: every test of the residual,
-//! with the probability that noise alone would do as much and the size of what was found.
+//! States what a repaired model leaves, in the words that all kinds share: every test of the
+//! residual, with the probability that noise alone would do as much and the size of what was found.
 //!
 //! How a residual is tested differs by kind (bands of a spectrum at rest, innovations of a filter
-//! when driven, poses of an IMU turned by hand). What counts as real, and what counts as white, is
+//! when driven, poses of an IMU hand-rotated). What counts as real, and what counts as white, is
 //! defined here once. Not for the verdict that follows: see `ruling`.
 
 use super::verdict::Whiteness;
@@ -15,7 +15,7 @@ pub(super) const REAL: f64 = 0.004;
 /// finds something.
 pub const WHITE: f64 = 0.05;
 
-/// How much was found, against what the noise model of the kind can promise.
+/// States how much was found, against what the noise model of the kind can promise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Size {
     /// Within what the model of the noise can be trusted.
@@ -55,7 +55,7 @@ impl Test {
         if self.p_value < REAL { self.size } else { Size::Negligible }
     }
 
-    /// Whether it shows that the residual is not white.
+    /// Returns whether it shows that the residual is not white.
     pub fn is_coloured(&self) -> bool {
         self.p_value < WHITE && self.size > Size::Negligible
     }
@@ -68,7 +68,7 @@ pub struct Remainder {
     pub p_value: f64,
     /// The largest size that chance does not account for.
     pub size: Size,
-    /// Whether no test found more than a negligible departure from white noise.
+    /// States whether no test found more than a negligible departure from white noise.
     pub white: bool,
 }
 

@@ -8,14 +8,14 @@
 //! asked follows from that:
 //!
 //! 1. *Is the base model determined?* If the recording cannot even fix the base model's own
-//!    parameters, no candidate could be judged beside them. That nothing in the library accounts
+//!    parameters, no candidate could be judged next to them. That nothing in the library accounts
 //!    for the mismatch cannot be said then: `undecidable`.
 //! 2. *Do the named effects account for the mismatch?* If what is left is real, no candidate does,
-//!    alone or together: `unexplained`. This comes **before** ties. Two tied candidates that both
-//!    leave more than noise fit equally badly; `undecidable` would claim that the truth is one of
+//!    alone or together: `unexplained`. This comes **before** ties. Two indistinguishable
+//!    candidates that both leave more than noise fit equally badly; `undecidable` would claim that the truth is one of
 //!    them and send the reader to an experiment that parts two candidates of which neither is
-//!    right. Effects that hold in spite of the remainder keep their names.
-//! 3. *Is one of them tied?* Now the candidates do fit, and equally: `undecidable`.
+//!    right. Effects that hold in spite of the residual keep their names.
+//! 3. *Is one of them indistinguishable?* Now the candidates do fit, and equally: `undecidable`.
 //! 4. Otherwise `explained`; and where nothing is named and nothing is left, `adequate`.
 //!
 //! Something faint without a name is a recording too weak to decide, not a failure of the library:
@@ -31,20 +31,20 @@ use super::verdict::Outcome;
 /// Facts that a verdict is decided by.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Evidence {
-    /// Whether the recording determines the parameters of the base model.
+    /// States whether the recording determines the parameters of the base model.
     pub base_determined: bool,
-    /// Whether the recording follows the base model at all.
+    /// States whether the recording follows the base model at all.
     pub base_follows: bool,
-    /// Whether any effect, of any size, would have been seen.
+    /// States whether any effect, of any size, would have been seen.
     pub has_power: bool,
     /// Number of effects that hold.
     pub named: usize,
-    /// Whether the form of one of them is not the stated one.
+    /// States whether the form of one of them is not the stated one.
     pub departs: bool,
     /// Effects among them in whose place another candidate does as well.
     pub tied: usize,
-    /// Whether terms that look alike, or too many to be told apart, do the work of something that
-    /// the library lacks.
+    /// States whether terms that look alike, or too many to be told apart, do the work of something
+    /// that the library lacks.
     pub stand_ins: bool,
     /// Relative fall of the error's variance by terms that earned no name.
     pub nameless: f64,
@@ -53,12 +53,12 @@ pub struct Evidence {
     /// Fraction of the base model's held-out error variance that is gone with the named effects;
     /// zero where unknown.
     pub removed: f64,
-    /// Whether a model with a named law errs more on held-out data than the base model.
+    /// States whether a model with a named law errs more on held-out data than the base model.
     pub predicts_worse: bool,
     /// Root-mean-square error on held-out data with the named effects over that of the base model,
     /// the lower end of its 95 % interval; 1 where it is not known.
     pub held_out_ratio: f64,
-    /// Whether the search ended by itself, not because its budget was spent.
+    /// States whether the search ended by itself, not because its budget was spent.
     pub search_complete: bool,
 }
 
@@ -68,7 +68,7 @@ const NAMELESS: f64 = 0.05;
 /// explains nothing. Noise terms weigh the samples differently and may raise the error of free
 /// simulation by a few per cent.
 const WORSE: f64 = 1.05;
-/// Fraction of the held-out error that must be gone before a structured remainder counts as a
+/// Fraction of the held-out error that must be gone before a structured residual counts as a
 /// detail.
 const NEARLY_ALL: f64 = 0.99;
 
@@ -108,7 +108,7 @@ pub fn rule(evidence: &Evidence) -> Outcome {
     }
 }
 
-/// Where nothing has a name.
+/// Rules where nothing has a name.
 fn silent(evidence: &Evidence) -> Outcome {
     let base_suffices = evidence.base_follows && !evidence.stand_ins && evidence.nameless < NAMELESS;
     match evidence.remainder {
@@ -122,10 +122,10 @@ fn silent(evidence: &Evidence) -> Outcome {
     }
 }
 
-/// Whether the named effects bring the residual to the noise, or so close that the rest is a
-/// detail.
+/// Returns whether the named effects bring the residual to the noise, or so close that the rest is
+/// a detail.
 fn accounts_for_all(evidence: &Evidence) -> bool {
-    // Of the error of a base model that the recording does not follow, any law takes up most.
+    // Of the error of a base model that the recording does not follow, any law absorbs most.
     let a_detail = evidence.base_follows && evidence.search_complete && evidence.removed > NEARLY_ALL;
     let noise = evidence.remainder == Size::Negligible || a_detail;
     noise && !evidence.departs && !evidence.stand_ins && !evidence.predicts_worse && evidence.held_out_ratio <= WORSE

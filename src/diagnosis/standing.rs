@@ -1,5 +1,5 @@
-//! How a candidate stands after a search, as data: what it gained, on which data, and what became
-//! of it.
+//! States how a candidate stands after a search, as data: what it gained, on which data, and what
+//! became of it.
 //!
 //! The kinds share the vocabulary. A *standing* is what one candidate does to a model without it.
 //! A *selection* holds the base model, the model chosen, and its terms that are *named*, each with
@@ -21,8 +21,8 @@ pub enum Gain {
         /// Its 95 % interval, where there is one.
         ci95: Option<[f64; 2]>,
     },
-    /// Log-likelihood per held-out sample that a noise term adds; no simulation predicts noise sample
-    /// by sample.
+    /// Log-likelihood per held-out sample that a noise term adds; no simulation predicts noise
+    /// sample by sample.
     LogScore {
         /// Difference of the mean log-likelihoods.
         value: f64,
@@ -40,8 +40,8 @@ impl Gain {
         Self::HeldOut { value, ci95: Some(ci95).filter(|c| c.iter().all(|v| v.is_finite())) }
     }
 
-    /// The order of its kind in a list: shares of the held-out error first, then noise, then what no
-    /// held-out sample has judged.
+    /// The order of its kind in a list: shares of the held-out error first, then noise, then what
+    /// no held-out sample has judged.
     pub fn rank(self) -> f64 {
         match self {
             Self::HeldOut { .. } => 0.0,
@@ -66,24 +66,24 @@ impl Gain {
     }
 }
 
-/// How one candidate stood after the search.
+/// States how one candidate stood after the search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranked {
     /// Library id of the candidate.
     pub id: &'static str,
     /// Columns it was tried in; the same id may stand once per sensor or channel.
     pub channels: Vec<String>,
-    /// What it adds, to the base model or to the effects already named (`note` says which).
+    /// Holds what it adds, to the base model or to the effects already named (`note` says which).
     pub gain: Gain,
     /// Corrected for the number of candidates tried.
     pub p_value: f64,
-    /// Whether the verdict names it.
+    /// States whether the verdict names it.
     pub named: bool,
-    /// What became of it in the search.
+    /// Holds what became of it in the search.
     pub note: Note,
 }
 
-/// What became of a candidate.
+/// Holds what became of a candidate.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Note {
     /// Not fitted in full: the linear step promised too little.
@@ -94,22 +94,23 @@ pub enum Note {
     AloneByLikelihood {
         /// Gain in log-likelihood on all data.
         gain: f64,
-        /// Whether held-out data gain too.
+        /// States whether held-out data gain too.
         held_out_better: bool,
     },
     /// Judged by what it adds to the other named effects.
     BesideNamed,
-    /// Its parameter was in the model, but holds no more than the lag of this named effect (its id).
+    /// Its parameter was in the model, but holds no more than the lag of this named effect (its
+    /// id).
     LagOf(&'static str),
     /// It was in the model and was removed.
     Dropped(Dropped),
     /// It stays in the repaired model, so that it does not bias the named terms, and has no name.
     Unnamed(Dropped),
-    /// In the poses of an IMU that was turned by hand.
+    /// In the poses of an IMU that was hand-rotated.
     InPoses {
         /// The residual it is judged by.
         judged: Group,
-        /// How it came out.
+        /// States how it came out.
         fate: Fate,
     },
     /// Never fitted: no pose can tell it from the common scale.

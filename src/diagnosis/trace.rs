@@ -1,7 +1,8 @@
-//! What the rules of a diagnosis changed: one record each time a gate acts.
+//! States what the rules of a diagnosis changed: one record each time a gate acts.
 //!
 //! All copies of a recording share one trace, as they share the work spent on it. Gates act in the
-//! sequential parts of a diagnosis only, so that the order of the records does not depend on threads.
+//! sequential parts of a diagnosis only, so that the order of the records does not depend on
+//! threads.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -9,20 +10,20 @@ use serde::Serialize;
 
 use crate::gate::Gate;
 
-/// What one gate changed.
+/// Holds what one gate changed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Step {
     /// The rule.
     pub gate: Gate,
     /// Id of the candidate that it is about; none where it is about the whole model.
     pub term: Option<&'static str>,
-    /// What stood before, in words or ids of candidates.
+    /// Holds what stood before, in words or ids of candidates.
     pub before: String,
-    /// What stands now.
+    /// Holds what stands now.
     pub after: String,
-    /// What the gate measured, as `Gate::quantity`.
+    /// Holds what the gate measured, as `Gate::quantity`.
     pub value: Option<f64>,
-    /// What it was compared with.
+    /// Holds what it was compared with.
     pub threshold: Option<f64>,
 }
 
@@ -48,20 +49,20 @@ impl Step {
         Self { value: finite(value), threshold: finite(threshold), ..self }
     }
 
-    /// Whether it is the same change as another, whatever was measured.
+    /// Returns whether it is the same change as another, whatever was measured.
     fn repeats(&self, other: &Self) -> bool {
         (self.gate, self.term, &self.before, &self.after) == (other.gate, other.term, &other.before, &other.after)
     }
 
-    /// Whether it kept a term from the model, or took its name.
+    /// Returns whether it kept a term from the model, or took its name.
     pub fn is_out(&self) -> bool {
         [DROPPED, NOT_ADDED].contains(&self.after.as_str())
     }
 }
 
-/// What stands after a gate dropped a term.
+/// States what stands after a gate dropped a term.
 const DROPPED: &str = "dropped";
-/// What stands after a gate kept a candidate out.
+/// States what stands after a gate kept a candidate out.
 const NOT_ADDED: &str = "not added";
 
 /// Steps taken so far, and the gates that never act.
@@ -77,12 +78,12 @@ impl Trace {
         Self { without: gates.into(), ..Self::default() }
     }
 
-    /// Whether a gate is not switched off: asked where the work behind it can be saved.
+    /// Returns whether a gate is not switched off: asked where the work behind it can be saved.
     pub fn is_on(&self, gate: Gate) -> bool {
         !self.without.contains(&gate)
     }
 
-    /// Whether a gate acts now: records the step, unless the gate is switched off.
+    /// Returns whether a gate acts now: records the step, unless the gate is switched off.
     pub fn acts(&self, step: Step) -> bool {
         let on = self.is_on(step.gate);
         if on {

@@ -1,13 +1,13 @@
-//! An IMU in motion, beside a reference of that motion: which physics a calibrated IMU leaves out.
+//! An IMU in motion, next to a reference of that motion: which physics a calibrated IMU leaves out.
 //!
 //! `start` → `intake` → `fit` → `conclusion`: clocks, axes and biases roughly; readings and poses
 //! on one clock, and whether they agree; attitude and position of the reference against dead
 //! reckoning, linear in every parameter (`attitude`, `position`), made white (`whitening`) and
 //! summed in blocks of time (`blocks`); candidates judged on blocks that were held out; the
 //! verdict. Where the reference has positions alone, `start_by_position` and `along_gyro` stand in:
-//! attitude is reckoned from the gyro, and turns by block. The base model has constant biases, gravity of the place and the IMU's stamps and axes
-//! as they are given. Not for motion without sensors (`motion`), nor for how far a sensor drifts
-//! (`strapdown`).
+//! attitude is reckoned from the gyro, and turns by block. The base model has constant biases,
+//! gravity of the place and the IMU's stamps and axes as they are given. Not for motion without
+//! sensors (`motion`), nor for how far a sensor drifts (`strapdown`).
 
 pub mod account;
 mod alignment;
@@ -74,7 +74,8 @@ use selection::{Allowed, Selection};
 /// Whitened residual over that of the simpler rule, below which the finer one is clearly better.
 const CLEARLY: f64 = 0.8;
 
-/// How many times what noise makes of an attitude an axis must turn for an arm along it to show.
+/// States how many times what noise makes of an attitude an axis must turn for an arm along it to
+/// show.
 const SEEN: f64 = 10.0;
 const LEVER_ARM_UNDETERMINED: &str = "the lever arm cannot be estimated from positions alone, because one axis hardly \
                                       rotates; rotate about all three";
@@ -160,8 +161,8 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     }
     // The Earth's rate is too small to bend anything: its slope is judged, and it is never
     // followed.
-    // Beside positions alone most of the library is poorly observable, and a fit of everything goes
-    // astray: at first only clock and lever arm are free.
+    // Next to positions alone most of the library is poorly observable, and a fit of everything
+    // goes astray: at first only clock and lever arm are free.
     let first = |t: &&&candidate::Term| motion.halves.attitude || t.sensor.is_none();
     let first = library.iter().filter(first).copied();
     let everything: Vec<usize> = selection::with(&selection::base(motion.halves), first)

@@ -2,7 +2,7 @@
 //!
 //! In every pose |f| = g and the rate is zero; the moves between poses carry gravity's direction
 //! along by the gyro. The base model has per axis an offset and per sensor one common scale, the
-//! axes orthogonal and shared by both sensors. Not for motion beside a reference trajectory.
+//! axes orthogonal and shared by both sensors. Not for motion next to a reference trajectory.
 
 pub mod account;
 mod by_axis;
@@ -115,7 +115,8 @@ fn taken<'a>(recording: &'a Recording, model: &model::Tumble, given: Option<Vec<
     Ok(Taken { observed, guess, findings })
 }
 
-/// What a recording in poses can know of its IMU, what it finds, and the same of its halves.
+/// Returns what a recording in poses can know of its IMU, what it finds, and the same of its
+/// halves.
 ///
 /// # Errors
 /// As [`diagnose`].

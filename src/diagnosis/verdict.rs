@@ -22,7 +22,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// As written in verdict.json.
+    /// Returns the word of verdict.json.
     pub fn name(self) -> &'static str {
         match self {
             Outcome::Adequate => "adequate",
@@ -77,7 +77,8 @@ pub struct Estimate {
     pub ci95: [f64; 2],
 }
 
-/// Part of the excess error of free simulation, that over the noise, on samples that were not fitted.
+/// Part of the excess error of free simulation, that over the noise, on samples that were not
+/// fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Share {
     /// Part that is removed; 1 is all of it.
@@ -105,7 +106,7 @@ pub struct Evidence {
     pub p_value: f64,
 }
 
-/// How far a named law departs from the form that its name states.
+/// States how far a named law departs from the form that its name states.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Form {
     /// The law whose form was freed.
@@ -123,7 +124,7 @@ pub struct Form {
     /// The stated form at the same arguments.
     #[serde(skip)]
     pub stated_curve: Vec<[f64; 2]>,
-    /// Whether unseen samples tell the free form from the stated one.
+    /// States whether unseen samples tell the free form from the stated one.
     #[serde(skip)]
     pub departs: bool,
 }
@@ -141,7 +142,7 @@ pub struct Effect {
     pub parameters: Vec<Estimate>,
     /// Columns it shows in.
     pub channels: Vec<String>,
-    /// How far it departs from its stated form, where it has one that was freed.
+    /// States how far it departs from its stated form, where it has one that was freed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub form: Option<Form>,
     /// Why it is believed.
@@ -193,8 +194,8 @@ pub struct Where {
     /// In the plane of displacement and velocity, strongest first; driven recordings only.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub state_cells: Vec<StateCell>,
-    /// Quantity on which the residual of the final model depends most; absent where it is at the noise
-    /// or depends on none.
+    /// Quantity on which the residual of the final model depends most; absent where it is at the
+    /// noise or depends on none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub argument: Option<DependsOn>,
 }
@@ -257,7 +258,7 @@ pub enum Role {
 pub struct RecordingScore {
     /// Path of the recording, as given.
     pub file: String,
-    /// Whether it is fitted or only validates.
+    /// States whether it is fitted or only validates.
     pub role: Role,
     /// Samples on which the errors were taken.
     pub samples: usize,
@@ -310,13 +311,13 @@ pub struct WithUnnamed {
     pub test_ranges_rmse: Vec<f64>,
 }
 
-/// Errors of the models on fitted and held-out samples. What is called "after" is the base model with
-/// the named effects and nothing else.
+/// Errors of the models on fitted and held-out samples. What is called "after" is the base model
+/// with the named effects and nothing else.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fit {
     /// Unit of the errors.
     pub unit: String,
-    /// What noise alone leaves, by the model that was fitted.
+    /// Holds what noise alone leaves, by the model that was fitted.
     pub noise_floor: f64,
     /// The noise of the reading, measured without any model.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -342,8 +343,8 @@ pub struct Fit {
     pub one_step_rmse: Option<[f64; 2]>,
 }
 
-/// Whether the repaired model leaves white noise, or noise that is white once each reading is
-/// compared with the few before it (a finding says so then).
+/// States whether the repaired model leaves white noise, or noise that is white once each reading
+/// is compared with the few before it (a finding says so then).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Whiteness {
     /// At the 5 % level, corrected for the number of tests and channels; the same in every kind.
@@ -420,16 +421,16 @@ pub struct Verdict {
     pub calibration: Option<Triads>,
     /// Errors before and after repair.
     pub fit: Fit,
-    /// Whether anything is left.
+    /// States whether anything is left.
     pub residual_after: Whiteness,
-    /// Where nothing is named: strengths that would have been named.
+    /// If nothing is named: strengths that would have been named.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub detectable: Vec<Detectable>,
     /// Experiment that would decide or confirm the verdict.
     pub next_experiment: String,
     /// Found in the file and survived; said so that nothing is silent.
     pub findings: Vec<String>,
-    /// What each rule that acted changed, where that was asked for (`diagnose --trace`).
+    /// Holds what each rule that acted changed, where that was asked for (`diagnose --trace`).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trace: Option<Vec<super::trace::Step>>,
 }

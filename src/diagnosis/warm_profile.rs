@@ -6,12 +6,13 @@ use crate::numerics::moments;
 /// Points of a profile, at most.
 const POINTS: usize = 60;
 
-/// Whether a sensor can be as warm as that, °C.
+/// Returns whether a sensor can be as warm as that, °C.
 pub(super) fn is_possible(points: &[[f64; 2]]) -> bool {
     points.iter().all(|[_, deg_c]| POSSIBLE_DEG_C.contains(deg_c))
 }
 
-/// Whether a heading is that of a temperature in °C: "temp_C", "T", "temperature [°C]", "deg_c".
+/// Returns whether a heading is that of a temperature in °C: "temp_C", "T", "temperature [°C]",
+/// "deg_c".
 pub(super) fn is_in_celsius(heading: &str) -> bool {
     let lower = heading.to_lowercase();
     let words: Vec<&str> = lower.split(|c: char| !c.is_alphanumeric() && c != '°').filter(|w| !w.is_empty()).collect();

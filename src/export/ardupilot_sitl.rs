@@ -2,7 +2,7 @@
 //! be lowered; no random walk.
 //!
 //! A uniform number in ±A has σ = A/√3, so that N asks for A = N√(3 rate). `SIM_GYR1_RND` is drawn
-//! beside the fixed level (the amplitudes add in squares); `SIM_ACC1_RND` is added to the fixed
+//! next to the fixed level (the amplitudes add in squares); `SIM_ACC1_RND` is added to the fixed
 //! amplitude, in versions that draw it as noise.
 
 use super::drift::{self, Form};

@@ -2,7 +2,7 @@
 //! and simulators, and back.
 //!
 //! Inside stands one convention: N and K of IEEE 952, two-sided, SI. Each target's file turns them
-//! into what that tool computes with, and says so in a comment beside each number. What a tool
+//! into what that tool computes with, and says so in a comment next to each number. What a tool
 //! cannot represent is said, with the error of what stands for it. Not for the numbers of a run:
 //! those are `report`'s.
 //!
@@ -51,7 +51,7 @@ pub struct Target {
     pub file: &'static str,
     /// Holds where its numbers are those of messages at a rate, behind a filter.
     pub messages: bool,
-    /// Terms beside white noise, bias instability and random walk that it represents.
+    /// Terms next to white noise, bias instability and random walk that it represents.
     keeps: &'static [SensorTerm],
     write: fn(&Imu, &mut Sheet),
     read: Option<fn(&str, &str) -> Result<Imu>>,

@@ -1,4 +1,4 @@
-//! A configuration being written: numbers in the tool's syntax, and beside each its unit,
+//! A configuration being written: numbers in the tool's syntax, and next to each its unit,
 //! convention and source.
 
 use super::drift::Process;
@@ -97,7 +97,7 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
-    /// An empty one for a tool, which represents the terms `keeps` beside noise.
+    /// An empty one for a tool, which represents the terms `keeps` next to noise.
     pub(super) fn new(syntax: Syntax, about: &str, keeps: &[SensorTerm], imu: &Imu) -> Self {
         let source = std::path::Path::new(&imu.source).file_name().unwrap_or_default().to_string_lossy().into_owned();
         let mut head = vec![format!(
@@ -171,8 +171,8 @@ impl Sheet {
         self.written(field, &value);
     }
 
-    /// The same of three axes: one number where they are alike, else a row of three as MATLAB writes
-    /// it.
+    /// The same of three axes: one number where they are alike, else a row of three as MATLAB
+    /// writes it.
     pub(super) fn axes(&mut self, field: Field<'_>, axes: [f64; 3]) {
         let values = axes.map(number);
         let alike = values[0] == values[1] && values[0] == values[2];

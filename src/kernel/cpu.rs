@@ -8,14 +8,15 @@
 // into vector code.
 #![allow(clippy::needless_range_loop)]
 
-mod acting;
-mod felt;
-mod fix;
+mod aiding;
+pub(crate) mod cheap_noise;
+mod environment;
 pub mod flicker;
-mod follow;
+mod force_errors;
 mod general;
 pub mod imu;
 pub mod lanes;
+mod law_lanes;
 mod low_pass;
 pub mod lyapunov;
 pub mod members;
@@ -27,6 +28,5 @@ pub mod reading;
 pub mod reduce;
 pub mod simulate;
 mod slow;
-pub(crate) mod small;
 pub mod stretch;
 pub mod sums;

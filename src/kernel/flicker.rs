@@ -4,12 +4,12 @@
 //! constant = time held), so all terms are one process at different speeds and the sum costs little
 //! more than one new number per sample: the slow ones take turns (Voss and McCartney), and the two
 //! fast ones, whose sum over a time is that of many numbers, take small steps that are not normal
-//! (`cpu::small`). It starts from its stationary law, each group of 64 members at a place of its
-//! own in the schedule of renewals: at the same place for all, a slow term would change at the same
-//! time in every member, and a drift over few seconds would be that of one moment of the process
-//! and not of any (15 % short of 1/f noise over 10 s after 10 s of still start; with the places
-//! spread, within 0.3 %). With the weights below, the Allan deviation stays within 2 % of 0.664 B
-//! from one sample to the length of the run, whatever that is; the test computes it.
+//! (`cpu::cheap_noise`). It starts from its stationary law, each group of 64 members at a place of
+//! its own in the schedule of renewals: at the same place for all, a slow term would change at the
+//! same time in every member, and a drift over few seconds would be that of one moment of the
+//! process and not of any (15 % short of 1/f noise over 10 s after 10 s of still start; with the
+//! places spread, within 0.3 %). With the weights below, the Allan deviation stays within 2 % of
+//! 0.664 B from one sample to the length of the run, whatever that is; the test computes it.
 
 use crate::numerics::allan::law::FLICKER_FLOOR;
 
@@ -29,8 +29,8 @@ pub fn terms(samples: u64) -> usize {
     (1..MOST_TERMS).find(|&j| 4_u64.pow(j as u32 - 1) >= samples).map_or(MOST_TERMS, |j| j + 1)
 }
 
-/// Standard deviation that a decade of 1/f noise adds, for bias instability 1: its one-sided spectrum is
-/// B²/(π f), so that ln 10 of frequency hold B² ln 10/π.
+/// Standard deviation that a decade of 1/f noise adds, for bias instability 1: its one-sided
+/// spectrum is B²/(π f), so that ln 10 of frequency hold B² ln 10/π.
 pub const PER_DECADE: f64 = 0.856_116_580_191_873_1;
 
 /// Frequency down to which a run of this many samples has 1/f noise, Hz: that of the slowest term,
@@ -103,8 +103,9 @@ mod tests {
         sum / (m * m) as f64
     }
 
-    // A term is a factor of four in frequency: ln 4 of B²/π. The flat part below the slowest term holds
-    // what 1/f noise has in the next decades, so a frequency ten times lower adds what is stated.
+    // A term is a factor of four in frequency: ln 4 of B²/π. The flat part below the slowest term
+    // holds what 1/f noise has in the next decades, so a frequency ten times lower adds what is
+    // stated.
     #[test]
     fn a_slower_term_adds_what_its_part_of_the_spectrum_holds() {
         let decade = (10f64.ln() / std::f64::consts::PI).sqrt();

@@ -9,10 +9,10 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
-use super::fix::Fix;
-use super::follow::Follow;
+use super::aiding::Fix;
+use super::environment::Follow;
 use super::job::{Clock, Job};
-use super::passage::Course;
+use super::truth_step::TimeFactor;
 use crate::rng::{Philox, Stream};
 
 /// The seed of an axis: the ensemble's own for the first, so that it draws what a study of one axis
@@ -38,7 +38,7 @@ pub enum Vertical {
 pub struct Coupling {
     /// Accelerometer reading per specific force along each axis, 1: misalignment.
     pub force_to_force: Matrix3<f64>,
-    /// Gyro reading per rate about each axis, 1: scale factor on the diagonal, misalignment beside
+    /// Gyro reading per rate about each axis, 1: scale factor on the diagonal, misalignment next to
     /// it.
     pub rate_to_rate: Matrix3<f64>,
     /// Gyro reading per specific force along each axis, rad/s per m/s²: g-sensitivity.
@@ -78,7 +78,7 @@ pub struct Flight {
     /// Says whether the instants of samples are drawn.
     pub jitters: bool,
     /// True motion, sampled at the sensor's rate.
-    pub course: Arc<Course>,
+    pub course: Arc<TimeFactor>,
     /// Navigation of the vertical channel.
     pub vertical: Vertical,
     /// Attitude errors at the start.

@@ -1,6 +1,6 @@
 //! The WGSL of one law of reading errors, in the places that the ensemble shader has for it.
 //!
-//! It stands beside the law's CPU code, in `cpu::reading` and `cpu::flicker`; `source` puts it
+//! It stands next to the law's CPU code, in `cpu::reading` and `cpu::flicker`; `source` puts it
 //! together.
 
 /// WGSL of one law. In it, `$TERM` and `$term` stand for the term's name, `$out` for the error it

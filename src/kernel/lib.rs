@@ -4,11 +4,11 @@
 
 #![warn(unreachable_pub)]
 
+pub mod aiding;
 pub mod cpu;
-pub mod fix;
+pub mod environment;
 pub mod flicker;
 pub mod flight;
-pub mod follow;
 pub mod force;
 pub mod fragment;
 pub mod integrator;
@@ -17,8 +17,8 @@ pub mod layout;
 pub mod low_pass;
 pub mod member;
 pub mod orbit;
-pub mod passage;
 pub mod source;
+pub mod truth_step;
 
 // The crates below, under the names by which files here call them.
 use proofmass_base::{error, parallel};

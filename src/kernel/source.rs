@@ -9,8 +9,8 @@ mod mirror;
 pub(crate) mod staged;
 pub mod terms;
 
+use super::cpu::cheap_noise::EIGHTH;
 use super::cpu::navigate::BOUND_M_S;
-use super::cpu::small::EIGHTH;
 use super::cpu::sums::BOUND_M_S2;
 use super::flicker::{PLACE_MASK, RENEWED, RETAINED, SPREAD};
 use super::integrator::{METHODS, Reach};
@@ -166,7 +166,7 @@ pub fn peak() -> Shader {
     Shader { name: "peak", text: include_str!("../../shaders/peak.wgsl").to_owned() }
 }
 
-/// A check of the device: what sums keep of a small number beside a large one.
+/// A check of the device: what sums keep of a small number next to a large one.
 pub fn compensation() -> Shader {
     Shader { name: "compensation", text: [ACCUMULATE, include_str!("../../shaders/compensation.wgsl")].join("\n") }
 }

@@ -1,4 +1,4 @@
-//! What a map.toml asks for, computed.
+//! States what a map.toml asks for, computed.
 
 use super::diagram::Bifurcation;
 use super::document::Document;

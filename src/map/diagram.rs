@@ -18,8 +18,8 @@ pub struct Bifurcation {
 }
 
 impl Bifurcation {
-    /// How far apart the means of two sweeps count as different, m: a twentieth of the range of all
-    /// strobes.
+    /// Returns how far apart the means of two sweeps count as different, m: a twentieth of the
+    /// range of all strobes.
     pub fn apart_m(&self) -> f64 {
         let strobes = self.up.iter().chain(&self.down).map(|p| p.1).filter(|x| x.is_finite());
         let (low, high) = strobes.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));

@@ -29,7 +29,7 @@ pub const COMMAND: &str = "map";
 struct Carried {
     source: String,
     text: String,
-    /// What it was computed on.
+    /// Holds what it was computed on.
     device: String,
 }
 

@@ -37,7 +37,7 @@ pub fn philox4x32_10(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
 }
 
 /// Purpose of a random number. Each purpose has its own stream, or bits of its own in one
-/// (`kernel::cpu::small`), so that switching one error on does not change another.
+/// (`kernel::cpu::cheap_noise`), so that switching one error on does not change another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[repr(u32)]
 pub enum Stream {

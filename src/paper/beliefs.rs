@@ -1,5 +1,5 @@
-//! What the paper's Kalman filter believes of its sensors, and the three ways in which it trusts
-//! the accelerometer.
+//! States what the paper's Kalman filter believes of its sensors, and the three ways in which it
+//! trusts the accelerometer.
 
 use super::inertial::{PRINTED_ACCELEROMETER_DENSITY, PRINTED_GYRO_DENSITY};
 use proofmass_base::units::{DEGREE, DENSITY_TO_RANDOM_WALK, STANDARD_GRAVITY_M_S2};

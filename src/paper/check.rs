@@ -19,7 +19,7 @@ pub struct Check {
     /// Source of the expected number and of the tolerance.
     #[serde(skip)]
     pub because: String,
-    /// Whether the claim is a range, from `expected − tolerance` to `expected + tolerance`.
+    /// States whether the claim is a range, from `expected − tolerance` to `expected + tolerance`.
     #[serde(skip)]
     pub range: bool,
 }

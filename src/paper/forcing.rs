@@ -44,8 +44,8 @@ impl Scan {
         self.exponents.iter().find(|(_, e)| e.iter().any(|e| positive(*e))).map(|p| p.0)
     }
 
-    /// Where a band of at least ten successive forces begins, each of which is chaotic from some
-    /// start.
+    /// Returns where a band of at least ten successive forces begins, each of which is chaotic from
+    /// some start.
     pub fn band_n(&self) -> Option<f64> {
         let chaotic = |(_, e): &(f64, Vec<f64>)| e.iter().any(|e| positive(*e));
         self.exponents.windows(10).find(|w| w.iter().all(chaotic)).map(|w| w[0].0)
@@ -60,7 +60,7 @@ impl Scan {
         found
     }
 
-    /// How many forces up to a limit are chaotic from any start.
+    /// Returns how many forces up to a limit are chaotic from any start.
     pub fn chaotic_below(&self, limit_n: f64) -> usize {
         self.exponents.iter().filter(|(f, e)| *f <= limit_n && e.iter().any(|e| positive(*e))).count()
     }

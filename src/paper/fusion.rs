@@ -1,8 +1,8 @@
 //! Figures 11 and 12: the Kalman filter's own numbers at rest, and how it fails in motion and comes
 //! back.
 //!
-//! Simulated over an ensemble, each member beside a twin with the same noise that was not moved, so
-//! that what the motion did is seen apart from the noise; and on the moves of a recording. The
+//! Simulated over an ensemble, each member next to a twin with the same noise that was not moved,
+//! so that what the motion did is seen apart from the noise; and on the moves of a recording. The
 //! filter's beliefs come from printed or fitted noise, never from the outcome.
 
 use super::beliefs::{STEP_S, WEIGHTINGS, model};

@@ -1,5 +1,5 @@
-//! Where figures 5 to 12 get an IMU's readings from: the recording, calibrated by the tool itself,
-//! or else a simulation of the same sensor family.
+//! States where figures 5 to 12 get an IMU's readings from: the recording, calibrated by the tool
+//! itself, or else a simulation of the same sensor family.
 //!
 //! Not for judging the calibration: that is `diagnosis::tumble`.
 
@@ -18,7 +18,7 @@ use proofmass_scenario::navigation::tilt::{Vector, turn};
 /// Readings in SI on a uniform clock, and where the IMU lay still.
 #[derive(Debug, Clone)]
 pub struct Inertial {
-    /// Whether the readings were recorded or simulated.
+    /// States whether the readings were recorded or simulated.
     pub source: Provenance,
     /// Origin of the readings, for captions.
     pub origin: String,

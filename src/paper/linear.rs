@@ -14,7 +14,7 @@ use proofmass_physics::dynamics::linear::{
 /// One metre per second squared for half a minute. The paper prints neither; only ratios matter in
 /// a linear equation.
 pub(crate) const RECTANGLE: Rectangle = Rectangle { force_n: 1.0, start_s: 1.0, length_s: 30.0 };
-/// How far the figures reach.
+/// States how far the figures reach.
 pub(crate) const END_S: f64 = 60.0;
 
 /// Curves and checks of figures 13 to 15.
@@ -24,7 +24,8 @@ pub struct Linear {
     pub exact: Vec<(f64, MassResponse)>,
     /// The same by Runge–Kutta with coarse steps.
     pub runge_kutta: Vec<(f64, f64)>,
-    /// What eq. 5 leaves over when put into eq. 4: (time, as printed, with the right roots), N.
+    /// Holds what eq. 5 leaves over when put into eq. 4: (time, as printed, with the right roots),
+    /// N.
     pub residuals: Vec<(f64, f64, f64)>,
     /// (time constant D₀/k in s, final displacement error in m).
     pub error_by_time_constant: Vec<(f64, f64)>,

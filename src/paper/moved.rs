@@ -25,7 +25,7 @@ pub(crate) type Line = (f64, f64, f64, [f64; 3]);
 /// All usable moves of one recording.
 #[derive(Debug, Clone)]
 pub struct Moved {
-    /// Whether the readings were recorded or simulated.
+    /// States whether the readings were recorded or simulated.
     pub source: Provenance,
     /// Largest error in a move, per filter, sorted, rad.
     pub peak_rad: [Vec<f64>; 3],

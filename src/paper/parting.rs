@@ -15,7 +15,7 @@ pub(crate) const NOISE_N_RTS: f64 = 1e-6;
 const TWIN_NOISE_N_RTS: f64 = 1e-10;
 /// Members of each ensemble.
 pub(crate) const MEMBERS: u64 = 200;
-/// How long they are followed.
+/// States how long they are followed.
 pub(crate) const END_S: f64 = 240.0;
 /// Runge–Kutta steps per period of the force.
 const STEPS: u32 = 256;
@@ -81,7 +81,7 @@ fn follow(oscillator: &Oscillator, drive: &Drive, start: State, member: u64, noi
     path
 }
 
-/// Where the orbit is after many periods, at the beginning of a period.
+/// Returns where the orbit is after many periods, at the beginning of a period.
 fn settled(oscillator: &Oscillator, drive: &Drive, index: u64) -> State {
     let (table, h) = (drive.table_n(STEPS), drive.period_s() / f64::from(STEPS));
     let mut state = State { x_m: 0.05 * index as f64, v_m_s: 0.0 };

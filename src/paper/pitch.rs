@@ -203,7 +203,7 @@ fn carried(imu: &Inertial, samples: std::ops::Range<usize>, seconds: impl Fn(usi
     curve
 }
 
-/// What the checks look at.
+/// Holds what the checks look at.
 struct Case<'a> {
     imu: &'a Inertial,
     moves: &'a [Move],

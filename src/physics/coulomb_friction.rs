@@ -8,7 +8,7 @@
 //! The diagnosis takes each step with the force held and puts the instant at which the mass turns,
 //! stops or breaks loose where it belongs inside the step (`Sliding`): a smoothed sign costs an
 //! error of first order in the step at every turn. Studies take the smoothed sign ([`Law::force`]),
-//! whose error is small beside their noise.
+//! whose error is small next to their noise.
 
 use crate::numerics::elementary::{Real, fma};
 

@@ -55,7 +55,7 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
 
 /// Stiffness of the softest stop, over that of the spring.
 const SOFTEST: f64 = 0.003;
-/// The same beside a spring that bends smoothly: a softer stop and such a bend differ by a corner
+/// The same next to a spring that bends smoothly: a softer stop and such a bend differ by a corner
 /// alone, and together they imitate a bend of another order.
 const SOFTEST_BESIDE_A_BEND: f64 = 0.3;
 

@@ -143,7 +143,7 @@ pub trait Law {
     fn at_rest(&self, _displacement: f64, _p: &[f64]) -> f64 {
         0.0
     }
-    /// Number of states beside displacement and velocity of the mass.
+    /// Number of states next to displacement and velocity of the mass.
     fn states(&self) -> usize {
         0
     }
@@ -160,8 +160,8 @@ pub trait Law {
     fn fastest_rad_s(&self, _parameters: &[f64], _scales: &Scales) -> f64 {
         0.0
     }
-    /// The most that it adds to ω₀² of a mass, (rad/s)²; from it a study chooses steps that are short
-    /// enough.
+    /// The most that it adds to ω₀² of a mass, (rad/s)²; from it a study chooses steps that are
+    /// short enough.
     fn stiffens(&self, _p: &[f64]) -> f64 {
         0.0
     }
@@ -170,13 +170,13 @@ pub trait Law {
     fn has_corner(&self) -> bool {
         false
     }
-    /// The environment column that it follows in place of time, in this form; its one parameter is then
-    /// a share per unit of the column.
+    /// The environment column that it follows in place of time, in this form; its one parameter is
+    /// then a share per unit of the column.
     fn environment(&self) -> Option<usize> {
         None
     }
-    /// Returns whether it follows the temperature of a study, which stands in the place of the first
-    /// environment column, in K above its reference.
+    /// Returns whether it follows the temperature of a study, which stands in the place of the
+    /// first environment column, in K above its reference.
     fn follows_temperature(&self) -> bool {
         false
     }
@@ -214,7 +214,8 @@ pub trait Law {
     {
         sum
     }
-    /// Rates of its states (role force; role mode in a study, which takes its stages with the mass).
+    /// Rates of its states (role force; role mode in a study, which takes its stages with the
+    /// mass).
     #[inline(always)]
     fn rates<T: Real, const FMA: bool>(
         &self,

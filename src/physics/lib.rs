@@ -1,4 +1,4 @@
-//! The laws that a proof mass, its readout and its noise may follow beside the linear oscillator,
+//! The laws that a proof mass, its readout and its noise may follow next to the linear oscillator,
 //! one file each.
 //!
 //! A law's file holds what the library says of it (statement, equation, reference), its parameters

@@ -1,7 +1,7 @@
 //! A stop on one side of the mass, where its position says: what a study runs for an [`EndStop`]
 //! that a diagnosis found on one side.
 //!
-//! Two of different gaps are not one law; a stop on both sides beside this one is.
+//! Two of different gaps are not one law; a stop on both sides next to this one is.
 
 use crate::numerics::elementary::{Real, fma};
 

@@ -1,4 +1,4 @@
-//! A second resonance beside the one modelled: it answers the same input and is read together with
+//! A second resonance next to the one modelled: it answers the same input and is read together with
 //! the mass.
 
 use std::f64::consts::TAU;
@@ -28,7 +28,7 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
         Parameter { name: "zeta2", unit: "1", range: (1e-4, 0.6) },
     ],
     acts: "equation of motion",
-    signature: "a second peak, or a dip beside one, in the frequency response",
+    signature: "a second peak, or a dip next to one, in the frequency response",
     confusable_with: &["feedthrough", "readout-lowpass", "readout-delay"],
     reference: "Ewins, Modal Testing, 2nd ed., 2000, ch. 2",
 };

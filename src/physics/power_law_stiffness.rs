@@ -5,7 +5,7 @@
 //! (about the largest that the recording reaches) and not fitted: k is the slope of the line from
 //! the origin to the force there, and k x_r^(1−n) is the coefficient of |x|ⁿ⁻¹x.
 //!
-//! Beside the cube (`cubic_stiffness`) it is not searched for ([`Law::tried`]): a diagnosis looks
+//! Next to the cube (`cubic_stiffness`) it is not searched for ([`Law::tried`]): a diagnosis looks
 //! for it in the place of a cube that departs from its form. No study runs it.
 
 use crate::numerics::elementary::{Real, fma};

@@ -1,10 +1,10 @@
 //! A reading that is smoothed by a low-pass behind the mass: of first order, τy′ + y = x, or with a
 //! second pole, Q²τ²y″ + τy′ + y = x.
 //!
-//! The form with two poles is not searched for ([`Law::tried`]): a delay lies near it, and beside one
-//! it would only make undecidable what is decided. A diagnosis looks for it where nothing simpler
-//! ends the matter. τ is what a slow reading lags by in either form; up to Q = 1/2 the poles are
-//! real.
+//! The form with two poles is not searched for ([`Law::tried`]): a delay lies near it, and next to
+//! one it would only make undecidable what is decided. A diagnosis looks for it where nothing
+//! simpler ends the matter. τ is what a slow reading lags by in either form; up to Q = 1/2 the
+//! poles are real.
 
 use super::candidate::{Candidate, Kind, Parameter};
 use super::free_oscillator::transition;
@@ -93,8 +93,8 @@ impl Law for ReadoutLowpass {
             Poles::Two => 2,
         }
     }
-    /// Returns the number of its states: a recording may begin in the middle of a motion, so what they
-    /// hold is unknown.
+    /// Returns the number of its states: a recording may begin in the middle of a motion, so what
+    /// they hold is unknown.
     fn unknown_beginnings(&self) -> usize {
         self.states()
     }
@@ -112,8 +112,8 @@ impl Law for ReadoutLowpass {
             }
         }
     }
-    /// Time constant in steps, and what a step leaves of a difference: as a factor, or for two poles,
-    /// after Q²τ² in steps squared, as exp(At).
+    /// Time constant in steps, and what a step leaves of a difference: as a factor, or for two
+    /// poles, after Q²τ² in steps squared, as exp(At).
     fn constants(&self, p: &[Lanes], step_s: f64) -> Constants {
         let mut constants = [[0.0; LANES]; 6];
         for l in 0..LANES {

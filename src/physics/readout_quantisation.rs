@@ -13,7 +13,7 @@ pub struct ReadoutQuantisation;
 pub const CANDIDATE: Candidate = Candidate {
     id: "readout-quantisation",
     kind: Kind::Driven,
-    statement: "The reading is rounded to steps that are coarse beside the noise.",
+    statement: "The reading is rounded to steps that are coarse next to the noise.",
     equation: "y = step · round(x / step)",
     parameters: &[Parameter { name: "step", unit: "y", range: (0.0, 1.0) }],
     acts: "readout",

@@ -19,12 +19,13 @@ const PIECE_BYTES: usize = 1 << 18;
 const LONGEST_ROW_BYTES: u64 = 1 << 24;
 /// A table of more columns is none of a recording.
 const MOST_COLUMNS: u64 = 100_000;
-/// What a column is charged next to its name: as many as there may be in one array have room.
+/// States what a column is charged next to its name: as many as there may be in one array have
+/// room.
 const COLUMN_BYTES: usize = ENTRY_BYTES / 4;
 /// Of a table that has this many times as many columns as rows, the columns are the samples.
 const LYING: u64 = 64;
 
-/// How bytes of a file are packed.
+/// States how bytes of a file are packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Packing {
     /// Stored without compression.
@@ -37,14 +38,14 @@ pub enum Packing {
     Zlib,
 }
 
-/// Where the numbers of an array begin.
+/// States where the numbers of an array begin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
     /// First byte in the file.
     pub at: u64,
     /// Bytes in the file.
     pub stored: u64,
-    /// How they are packed.
+    /// States how they are packed.
     pub packing: Packing,
     /// Bytes to pass over when they are unpacked.
     pub skip: u64,
@@ -130,7 +131,7 @@ pub(crate) struct Array {
     pub rows: u64,
     /// Bytes from row to row, where rows follow one another; absent where columns do.
     pub row_bytes: Option<u64>,
-    /// Where its numbers lie.
+    /// States where its numbers lie.
     pub place: Place,
     /// It is given where it is asked for by name alone.
     pub aside: bool,

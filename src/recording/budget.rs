@@ -16,13 +16,13 @@ const MOST_HELD_BYTES: u64 = 4 * LARGEST_BYTES;
 pub(super) const MOST_VALUES: u64 = LARGEST_BYTES / 8;
 /// Values that a file of any size may give.
 const VALUES: u64 = 2 * MOST_VALUES;
-/// Values that each of its bytes may stand for beyond those: what is packed best, runs of one number
-/// in pages of a million, stays below by a factor of two.
+/// Values that each of its bytes may stand for beyond those: what is packed best, runs of one
+/// number in pages of a million, stays below by a factor of two.
 const VALUES_PER_BYTE: u64 = 1 << 14;
 /// Bytes of its description (names, fields, types, metadata) that are looked at, each as often as
 /// something points to it.
 const VISITS: u64 = 1 << 24;
-/// What an entry of such a description takes next to its name: an array, a topic, a column.
+/// States what an entry of such a description takes next to its name: an array, a topic, a column.
 pub const ENTRY_BYTES: usize = 64;
 /// Bytes that a file of any size may become when it is unpacked.
 const HARMLESS_BYTES: u64 = 64 << 20;

@@ -1,6 +1,6 @@
 //! Bytes in memory taken apart from front to back; nothing is there beyond their end.
 
-/// What is left of some bytes.
+/// Holds what is left of some bytes.
 #[derive(Debug, Clone, Copy)]
 pub struct Bytes<'a> {
     rest: &'a [u8],
@@ -13,17 +13,17 @@ impl<'a> Bytes<'a> {
         Self { rest: bytes, taken: 0 }
     }
 
-    /// How many are left.
+    /// Returns how many are left.
     pub fn len(&self) -> usize {
         self.rest.len()
     }
 
-    /// Whether none is left.
+    /// Returns whether none is left.
     pub fn is_empty(&self) -> bool {
         self.rest.is_empty()
     }
 
-    /// How many were taken.
+    /// Returns how many were taken.
     pub fn taken(&self) -> usize {
         self.taken
     }
@@ -66,7 +66,7 @@ impl<'a> Bytes<'a> {
         self.array().map(u64::from_le_bytes)
     }
 
-    /// As many as the four before them say.
+    /// Takes as many as the four before them say.
     pub fn counted(&mut self) -> Option<&'a [u8]> {
         let count = self.u32()?;
         self.take(count as usize)

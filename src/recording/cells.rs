@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-/// Where the cells of a line lie; room is kept from line to line.
+/// States where the cells of a line lie; room is kept from line to line.
 #[derive(Debug, Clone, Default)]
 pub struct Cells {
     places: Vec<Range<u32>>,
@@ -68,12 +68,13 @@ impl Cells {
         self.places.len()
     }
 
-    /// Whether no line was cut yet.
+    /// Returns whether no line was cut yet.
     pub fn is_empty(&self) -> bool {
         self.places.is_empty()
     }
 
-    /// Where a cell lies in its line, without quotation marks around it; empty where there is none.
+    /// Returns where a cell lies in its line, without quotation marks around it; empty where there
+    /// is none.
     pub fn place(&self, index: usize) -> Range<usize> {
         self.places.get(index).map_or(0..0, |p| p.start as usize..p.end as usize)
     }

@@ -33,7 +33,7 @@ const NEARLY_ALL: f64 = 0.995;
 /// A clock by which so few stamps differ has no rate.
 const FEWEST_STAMPS: usize = 10;
 
-/// How rows follow from stamps.
+/// States how rows follow from stamps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
     /// A row per tick, some ticks without one.
@@ -54,7 +54,7 @@ pub enum Kind {
     },
 }
 
-/// What the stamps of a recording say.
+/// Holds what the stamps of a recording say.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clock {
     /// Sampling rate that the clock shows, Hz.
@@ -63,17 +63,17 @@ pub struct Clock {
     pub unit: TimeUnit,
     /// From sample to sample, in that unit.
     pub tick: f64,
-    /// Whether the rows are evenly spaced.
+    /// States whether the rows are evenly spaced.
     pub kind: Kind,
     /// Steps of more than ten ticks.
     pub breaks: Vec<Break>,
     /// Rows that have a stamp.
     pub stamped: usize,
-    /// What was found and survived.
+    /// Holds what was found and survived.
     pub findings: Vec<Finding>,
 }
 
-/// What is asked of a clock: words for messages, and what the user said of it.
+/// Holds what is asked of a clock: words for messages, and what the user said of it.
 #[derive(Debug, Clone, Copy)]
 pub struct Question<'a> {
     /// File whose clock is read, for messages.
@@ -122,7 +122,7 @@ pub fn unit_of(question: &Question<'_>, survey: &Survey) -> Result<(TimeUnit, Ba
                 rounded(evidence.step, 6),
                 choices.join(" or ")
             ),
-            "name the unit in the heading, e.g. t_s, t_ms, t_us or t_ns, or give the sampling rate beside the column",
+            "name the unit in the heading, e.g. t_s, t_ms, t_us or t_ns, or give the sampling rate with the column",
         )
     })
 }
@@ -204,7 +204,7 @@ pub fn judge(question: &Question<'_>, survey: &Survey) -> Result<Clock> {
     Ok(Clock { rate_hz, unit, tick, kind, breaks: survey.breaks.clone(), stamped, findings })
 }
 
-/// Whether rows share stamps, and why.
+/// Returns whether rows share stamps, and why.
 fn kind(survey: &Survey) -> Kind {
     let steps = survey.steps as f64;
     let mut common: Vec<Value> = survey.values.clone();
@@ -277,7 +277,7 @@ fn refuse_stopped(question: &Question<'_>, survey: &Survey, seconds: f64) -> Res
 /// rounded number in a datasheet are off by, and half as much in a noise coefficient.
 const AGREES: f64 = 0.01;
 
-/// Whether two rates contradict each other.
+/// Returns whether two rates contradict each other.
 pub(super) fn contradict(clock_hz: f64, given_hz: f64) -> bool {
     (clock_hz / given_hz - 1.0).abs() > AGREES
 }

@@ -69,7 +69,7 @@ pub(super) fn own(path: &Path, request: &Request) -> Result<(Request, Option<Fin
     Ok((request.clone(), None))
 }
 
-/// How the numbers of a column go on.
+/// States how the numbers of a column go on.
 struct Steps {
     /// They never fall, and do not stand still.
     rise: bool,

@@ -15,9 +15,9 @@ const MOST_DIGITS: usize = 17;
 /// Digits without their point.
 #[derive(Debug, Clone, Copy)]
 struct Mantissa {
-    /// As a whole number.
+    /// The digits as a whole number.
     whole: u64,
-    /// How many stand behind the point.
+    /// States how many stand behind the point.
     decimals: usize,
     /// Bytes read.
     length: usize,

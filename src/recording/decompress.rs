@@ -6,7 +6,7 @@ use super::budget::{Budget, LARGEST_BYTES, Spent};
 #[cfg(feature = "zstd")]
 use super::zstandard;
 
-/// How a part is compressed.
+/// States how a part is compressed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(dead_code, reason = "which of them are met is a matter of features")]
 pub enum Codec {

@@ -13,7 +13,7 @@ pub enum Kind {
     Float,
 }
 
-/// How one number is stored.
+/// States how one number is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Element {
     /// Integer or floating point.
@@ -91,7 +91,7 @@ impl Element {
         }
     }
 
-    /// Whether the number is a whole one that a double had to round.
+    /// Returns whether the number is a whole one that a double had to round.
     pub fn is_rounded(self, from: &[u8]) -> bool {
         if self.bytes < 8 || self.kind == Kind::Float {
             return false;

@@ -1,5 +1,5 @@
-//! What was found in a recording and survived: typed, so that programs can decide by it; the
-//! sentence stands beside it.
+//! States what was found in a recording and survived: typed, so that programs can decide by it; the
+//! sentence stands next to it.
 
 mod words;
 
@@ -28,14 +28,14 @@ pub enum Finding {
     ClockFound {
         /// Heading of the column.
         heading: String,
-        /// How the clock was chosen.
+        /// States how the clock was chosen.
         by: ClockBy,
     },
     /// One part of several was read.
     PartChosen {
         /// Topic, message or array.
         name: String,
-        /// How many other parts there are.
+        /// States how many other parts there are.
         others: usize,
     },
     /// Bytes that are no part of the format were passed over.
@@ -53,7 +53,7 @@ pub enum Finding {
         unit: &'static str,
         /// The option that states it.
         option: &'static str,
-        /// What the size of the readings says about it.
+        /// Holds what the size of the readings says about it.
         size: Size,
     },
     /// Counts, or numbers of no known unit, whose scale follows from gravity's length.
@@ -95,7 +95,7 @@ pub enum Finding {
         heading: String,
         /// Unit of the stamps.
         unit: TimeUnit,
-        /// How it was found.
+        /// States how it was found.
         basis: Basis,
         /// Sampling rate that follows.
         rate_hz: f64,
@@ -112,7 +112,7 @@ pub enum Finding {
     ClockWrapped {
         /// Number of times the counter overflowed.
         times: usize,
-        /// Where it begins again, in the unit of the stamps.
+        /// States where it begins again, in the unit of the stamps.
         modulus: f64,
         /// Unit of the stamps.
         unit: TimeUnit,
@@ -134,7 +134,7 @@ pub enum Finding {
         share: f64,
         /// Sampling rate that follows.
         rate_hz: f64,
-        /// How the uneven clock was treated.
+        /// States how the uneven clock was treated.
         treatment: Uneven,
     },
     /// Samples without a row that straight lines stand in for.
@@ -179,7 +179,7 @@ pub enum Finding {
         rows: usize,
         /// First repeated row.
         first_row: usize,
-        /// Whether they stand for lost samples, not for samples written twice.
+        /// States whether they stand for lost samples, not for samples written twice.
         lost: bool,
     },
     /// Missing readings of one column, filled by straight lines.
@@ -211,7 +211,7 @@ pub enum Finding {
         column: String,
         /// The value that recurs.
         value: f64,
-        /// Whether it is the highest value, not the lowest.
+        /// States whether it is the highest value, not the lowest.
         highest: bool,
         /// Number of rows with that value.
         rows: usize,
@@ -237,7 +237,7 @@ pub enum Finding {
 }
 
 impl Finding {
-    /// Whether a unit that was taken for granted is in doubt.
+    /// Returns whether a unit that was taken for granted is in doubt.
     pub fn is_questionable(&self) -> bool {
         matches!(self, Self::UnitAssumed { size: Size::NotGravity { .. } | Size::Noisy { .. }, .. })
     }
@@ -267,7 +267,7 @@ pub enum Size {
     },
 }
 
-/// How a column was known to hold the time.
+/// States how a column was known to hold the time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ClockBy {
     /// The format says so.
@@ -278,7 +278,7 @@ pub enum ClockBy {
     Numbers,
 }
 
-/// What was done about an uneven clock.
+/// Holds what was done about an uneven clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Uneven {
     /// Values were interpolated at even times.

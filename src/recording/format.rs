@@ -1,5 +1,5 @@
-//! What kind of text file this is: its separator, whether it has a header, and what it is when it
-//! is no table at all.
+//! States what kind of text file this is: its separator, whether it has a header, and what it is
+//! when it is no table at all.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use super::cells::Cells;
 use super::decimal;
 use crate::error::{Error, Result};
 
-/// How cells are separated and whether the first row names them.
+/// States how cells are separated and whether the first row names them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Format {
     pub separator: u8,
@@ -51,8 +51,8 @@ pub(super) fn sniff(path: &Path, head: &[u8]) -> Result<Format> {
     Ok(Format { separator: separator(first, lines.next().or(second).unwrap_or(first)), skip })
 }
 
-/// Whether these are characters of Latin-1, each in so many bytes of which all but its first or its
-/// last are zero.
+/// Returns whether these are characters of Latin-1, each in so many bytes of which all but its
+/// first or its last are zero.
 fn is_wide_text(head: &[u8], width: usize) -> bool {
     let is_letter = |b: u8| matches!(b, b' '..=b'~' | 0xa0.. | b'\t' | b'\n' | b'\r');
     [0, width - 1].into_iter().any(|place| {
@@ -62,8 +62,8 @@ fn is_wide_text(head: &[u8], width: usize) -> bool {
     })
 }
 
-/// What stands between the cells: judged by the first line, and by a later one where a comma may be
-/// a decimal sign.
+/// Returns what stands between the cells: judged by the first line, and by a later one where a
+/// comma may be a decimal sign.
 fn separator(first: &[u8], later: &[u8]) -> u8 {
     let count = |line: &[u8], separator: u8| line.iter().filter(|b| **b == separator).count();
     let mut cells = Cells::default();
@@ -88,10 +88,10 @@ fn separator(first: &[u8], later: &[u8]) -> u8 {
 
 /// No reading in any unit is larger: the powers of it that a fit takes must stay finite.
 const LARGEST: f64 = 1e50;
-/// What is smaller is zero, for the same reason.
+/// Anything smaller is zero, for the same reason.
 const SMALLEST: f64 = 1e-50;
 
-/// What a cell holds.
+/// Holds what a cell holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cell {
     /// A number; NaN where it is missing: empty, infinite, or one of the usual words for that.
@@ -119,7 +119,7 @@ fn plain(cell: &[u8]) -> Option<f64> {
     decimal::leading_number(cell).filter(|(_, length)| *length == cell.len()).map(|(value, _)| value)
 }
 
-/// Whether [`reading`] leaves a number as it is, or it is missing.
+/// Returns whether [`reading`] leaves a number as it is, or it is missing.
 #[inline]
 pub(super) fn is_reading(value: f64) -> bool {
     let size = value.abs();
@@ -193,7 +193,7 @@ pub fn number(text: &[u8]) -> Option<f64> {
     if let Cell::Number(value) = cell(text) { Some(value) } else { None }
 }
 
-/// Whether a number was a whole one that double precision had to round.
+/// Returns whether a number was a whole one that double precision had to round.
 pub(super) fn was_rounded(cell: &[u8], value: f64) -> bool {
     // Sixteen digits are the fewest of which that is true.
     cell.len() > 15
@@ -201,7 +201,7 @@ pub(super) fn was_rounded(cell: &[u8], value: f64) -> bool {
         && std::str::from_utf8(cell).is_ok_and(|t| t.trim().parse::<i128>().is_ok_and(|exact| exact != value as i128))
 }
 
-/// Whether a heading names a clock, so that it is no channel.
+/// Returns whether a heading names a clock, so that it is no channel.
 pub(super) fn names_a_clock(heading: &str) -> bool {
     let heading = heading.to_ascii_lowercase();
     let stem = heading.split(['_', ' ', '(', '[', '/', '.']).next().unwrap_or_default();
@@ -223,7 +223,7 @@ pub(super) fn names_a_clock(heading: &str) -> bool {
     )
 }
 
-/// Whether a heading that names a clock counts rows instead, or writes dates.
+/// Returns whether a heading that names a clock counts rows instead, or writes dates.
 pub(super) fn counts_rows(heading: &str) -> bool {
     let heading = heading.to_ascii_lowercase();
     let stem = heading.split(['_', ' ', '(', '[', '/', '.']).next().unwrap_or_default();

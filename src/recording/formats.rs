@@ -4,11 +4,12 @@
 //! stands for the one recording in it, as a EuRoC set or a ROS 2 bag is laid out.
 //!
 //! Readers are the project's own where the crate of a format holds much more than columns of
-//! numbers. Weighed in 2026: `parquet` 60 brings 10 crates that this tree has not (its part here has
-//! some 1,200 lines), `arrow-ipc` 60 brings 14 (500 lines), `zip` 9 brings 6 (the directory of an
-//! archive is half of `npz`), and `rusqlite` 271,000 lines of C (430 lines), against the rule that a
-//! reader is pure Rust. Each would need the same [`Budget`](super::budget::Budget) around it, as a
-//! crate decides by itself what it allocates for what a file claims. Compression is left to crates.
+//! numbers. Weighed in 2026: `parquet` 60 brings 10 crates that this tree has not (its part here
+//! has some 1,200 lines), `arrow-ipc` 60 brings 14 (500 lines), `zip` 9 brings 6 (the directory of
+//! an archive is half of `npz`), and `rusqlite` 271,000 lines of C (430 lines), against the rule
+//! that a reader is pure Rust. Each would need the same [`Budget`](super::budget::Budget) around
+//! it, as a crate decides by itself what it allocates for what a file claims. Compression is left
+//! to crates.
 
 use std::path::{Path, PathBuf};
 
@@ -51,7 +52,7 @@ pub mod ulog;
 pub struct Format {
     /// Name of the format, for people.
     pub name: &'static str,
-    /// How its files begin, and at which byte.
+    /// States how its files begin, and at which byte.
     magic: (usize, &'static [u8]),
     open: fn(&Input) -> Result<Box<dyn Log>>,
 }

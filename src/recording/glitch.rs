@@ -11,8 +11,8 @@ const LEAP: f64 = 21.0;
 /// Fewer changes than this tell nothing of what is usual.
 const LEAST: usize = 100;
 
-/// Where readings are coarse, a change of this many steps is no leap, however seldom the reading
-/// changes at all.
+/// If readings are coarse, a change of this many steps is no leap, however seldom the
+/// reading changes at all.
 const STEPS: f64 = 10.0;
 
 /// Looks at the changes between neighbours as they pass.
@@ -52,7 +52,7 @@ impl Glitch {
         self.before = None;
     }
 
-    /// What a person should know, if there is such a reading.
+    /// Returns what a person should know, if there is such a reading.
     pub(super) fn finding(&self, name: &str) -> Option<Finding> {
         if self.count < LEAST {
             return None;

@@ -12,7 +12,7 @@ const COMPARED: usize = 100_000;
 /// The headings of a file, in order.
 #[derive(Debug, Clone)]
 pub struct Headings {
-    /// As written, without quotation marks and blanks around them.
+    /// The names as written, without quotation marks and blanks around them.
     pub names: Vec<String>,
     /// Unit of each, where the file states it: in brackets, in a row of its own, or by its format.
     pub units: Vec<Option<String>>,
@@ -100,7 +100,7 @@ impl Headings {
         }
         if let [only] = &self.names[..] {
             return format!(
-                "its only column is `{}`; columns are told apart by commas, semicolons or tabs",
+                "its only column is `{}`; columns are separated by commas, semicolons or tabs",
                 shortened(only)
             );
         }
@@ -117,7 +117,7 @@ pub(super) fn text(bytes: &[u8]) -> String {
     std::str::from_utf8(bytes).map_or_else(|_| bytes.iter().map(|b| char::from(*b)).collect(), str::to_owned)
 }
 
-/// What stands in brackets at the end of a name.
+/// Returns what stands in brackets at the end of a name.
 fn bracketed(name: &str) -> Option<String> {
     let open = name.trim_end().strip_suffix([']', ')'])?;
     let unit = open.rsplit_once(['[', '('])?.1.trim();

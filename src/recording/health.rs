@@ -1,5 +1,5 @@
-//! What is wrong with a column before any physics: a dead channel, touched rails, a stuck stretch,
-//! and the step its numbers are rounded to.
+//! States what is wrong with a column before any physics: a dead channel, touched rails, a stuck
+//! stretch, and the step its numbers are rounded to.
 
 use super::finding::Finding;
 
@@ -22,8 +22,8 @@ pub struct Watch {
     /// Smallest change between neighbours.
     step: f64,
     origin: f64,
-    /// How far values lie off the grid of the smallest change, in steps: at most, or one value
-    /// found off it.
+    /// States how far values lie off the grid of the smallest change, in steps: at most, or one
+    /// value found off it.
     off_grid: f64,
 }
 
@@ -124,12 +124,12 @@ impl Watch {
         (self.step.is_finite() && self.off_grid < ON_GRID && 20.0 * span < self.count as f64).then_some(self.step)
     }
 
-    /// Whether all values are the same.
+    /// Returns whether all values are the same.
     pub(crate) fn constant(&self) -> bool {
         self.levels.len() < 2
     }
 
-    /// What a person should know of the column.
+    /// Returns what a person should know of the column.
     pub(crate) fn findings(&self) -> Vec<Finding> {
         let column = || self.name.clone();
         if self.constant() {
@@ -149,8 +149,8 @@ impl Watch {
         out
     }
 
-    /// Whether the longest run of one value is longer than chance would make it: near ln n /
-    /// ln(1/p) in n draws that repeat with probability p.
+    /// Returns whether the longest run of one value is longer than chance would make it: near ln n
+    /// / ln(1/p) in n draws that repeat with probability p.
     fn frozen(&self) -> bool {
         let others = self.repeats.saturating_sub(self.longest.1) as f64;
         let chance = ((others + 1.0) / self.count as f64).min(0.999);
@@ -158,7 +158,7 @@ impl Watch {
     }
 }
 
-/// How far a number is from the nearest whole one.
+/// Returns how far a number is from the nearest whole one.
 #[inline]
 fn from_whole(number: f64) -> f64 {
     // Above it doubles are whole, so that adding it rounds; what it rounds to at a half is as far

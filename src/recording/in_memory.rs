@@ -20,7 +20,7 @@ pub struct Column {
 /// A recording in memory, on a uniform clock.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Recording {
-    /// Where it came from.
+    /// States where it came from.
     pub path: PathBuf,
     /// SHA-256 of the file, hexadecimal.
     pub sha256: String,
@@ -39,9 +39,9 @@ pub struct Recording {
     /// Unit of each column where its file states it outside its heading, in brackets, or by its
     /// format; empty for columns that were never in a file.
     pub units: Vec<Option<String>>,
-    /// Where neighbouring samples were averaged as they were read.
+    /// Set where neighbouring samples were averaged as they were read.
     pub averaged: Option<Averaged>,
-    /// What was found and survived: gaps filled, rows dropped, rails touched.
+    /// Holds what was found and survived: gaps filled, rows dropped, rails touched.
     pub findings: Vec<Finding>,
     /// Samples that were not recorded but filled in some column, ascending; they may overlap.
     pub filled: Vec<Range<usize>>,
@@ -50,7 +50,7 @@ pub struct Recording {
 /// Neighbouring samples that were averaged as they were read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Averaged {
-    /// How many became one.
+    /// States how many became one.
     pub together: usize,
     /// Samples before averaging.
     pub samples: usize,
@@ -80,13 +80,13 @@ impl Recording {
         self.averaged.as_ref().map_or_else(|| self.columns.first().map_or(0, |c| c.values.len()), |a| a.samples)
     }
 
-    /// Whether it is only a stretch of its file.
+    /// Returns whether it is only a stretch of its file.
     pub fn is_part(&self) -> bool {
         use super::dropped::Reason::{BeyondGap, OutsideRows, OutsideSeconds};
         self.dropped.iter().any(|d| matches!(d.reason, BeyondGap | OutsideRows | OutsideSeconds))
     }
 
-    /// What was found, in sentences.
+    /// Returns what was found, in sentences.
     pub fn sentences(&self) -> Vec<String> {
         finding::sentences(&self.findings)
     }

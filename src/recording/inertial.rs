@@ -40,7 +40,7 @@ pub struct Inertial {
     pub left_out: usize,
     /// The first of them.
     pub first_left_out: Option<usize>,
-    /// What was taken for granted of the units.
+    /// Holds what was taken for granted of the units.
     pub findings: Vec<Finding>,
     /// From one reading to the next, as a rule, s.
     pub interval_s: f64,
@@ -95,7 +95,8 @@ pub fn read(path: &Path, named: Option<&Names>) -> Result<Inertial> {
             }
         }
         if !unstated.is_empty() {
-            // What moves shows gravity's length only roughly: its size is for who judges the motion.
+            // What moves shows gravity's length only roughly: its size is for who judges the
+            // motion.
             findings.push(scale::assumed(unstated, quantity, SCALED, &Measured::default()).1);
         }
     }

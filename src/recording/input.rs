@@ -27,7 +27,7 @@ pub(super) type Bytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
 /// A file that is open for reading at any place.
 #[derive(Debug, Clone)]
 pub struct Input {
-    /// What the user called it.
+    /// Holds what the user called it.
     pub path: PathBuf,
     store: Arc<Store>,
     length: u64,
@@ -35,7 +35,7 @@ pub struct Input {
     packed: Option<Box<Input>>,
 }
 
-/// Where the bytes are.
+/// States where the bytes are.
 #[derive(Debug)]
 enum Store {
     File(File),
@@ -53,7 +53,7 @@ impl std::fmt::Debug for Parts {
 }
 
 impl Parts {
-    /// What lies from a place to the end of its piece.
+    /// Returns what lies from a place to the end of its piece.
     fn from(&self, at: u64) -> &[u8] {
         let Some((start, bytes)) = self.0.iter().rev().find(|(start, _)| *start <= at) else { return &[] };
         usize::try_from(at - start).ok().and_then(|at| (**bytes).as_ref().get(at..)).unwrap_or_default()
@@ -73,7 +73,7 @@ impl Store {
     }
 }
 
-/// As much as there is, and as there is room for.
+/// Copies as much as there is, and as there is room for.
 fn copied(from: &[u8], into: &mut [u8]) -> usize {
     let count = from.len().min(into.len());
     into[..count].copy_from_slice(&from[..count]);
@@ -135,7 +135,7 @@ impl Input {
         Self { path: path.into(), store, length, packed: None }
     }
 
-    /// Whether both are of the same bytes at the same place.
+    /// Returns whether both are of the same bytes at the same place.
     pub fn is(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.store, &other.store)
     }
@@ -212,7 +212,7 @@ impl Input {
         )
     }
 
-    /// Begins to digest all its bytes, beside other work.
+    /// Begins to digest all its bytes, next to other work.
     pub fn checksum(&self) -> Checksum {
         if let Some(packed) = &self.packed {
             return packed.checksum();

@@ -47,7 +47,7 @@ pub struct Column {
     pub step: Option<f64>,
 }
 
-/// What a file contains: format, columns, clock, ranges, still stretches.
+/// Holds what a file contains: format, columns, clock, ranges, still stretches.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inspection {
     /// Name of the format.
@@ -64,12 +64,12 @@ pub struct Inspection {
     pub obstacle: Option<Error>,
 }
 
-/// What the rows of a part hold.
+/// Holds what the rows of a part hold.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rows {
     /// SHA-256 of the file, hexadecimal.
     pub sha256: String,
-    /// How many, and how many samples came of them.
+    /// States how many, and how many samples came of them.
     pub rows: usize,
     /// Number of samples after repeats and gaps are resolved.
     pub samples: usize,
@@ -83,7 +83,8 @@ pub struct Rows {
     pub columns: Vec<Column>,
     /// Columns of an inertial sensor, if they are one's: gyros and accelerometers.
     pub sensors: [Vec<usize>; 2],
-    /// Whether the rows are poses: positions or attitudes of a body, as a reference has them.
+    /// States whether the rows are poses: positions or attitudes of a body, as a reference has
+    /// them.
     pub is_pose: bool,
     /// When the sensor lay still.
     pub still: Vec<Stretch>,
@@ -94,8 +95,8 @@ pub struct Rows {
 /// Looks through a file.
 ///
 /// # Errors
-/// A file that cannot be read, Ctrl-C. One of which no part or no clock can be chosen is none: that stands
-/// in the result.
+/// A file that cannot be read, Ctrl-C. One of which no part or no clock can be chosen is none: that
+/// stands in the result.
 pub fn inspect(path: &Path, request: &Request) -> Result<Inspection> {
     let (format, parts) = match formats::find(path)? {
         Found::Text(_) => ("text", Vec::new()),

@@ -1,4 +1,4 @@
-//! What a recording may lack, and how fast it may have been sampled.
+//! States what a recording may lack, and how fast it may have been sampled.
 
 use std::ops::RangeInclusive;
 

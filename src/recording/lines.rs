@@ -19,11 +19,11 @@ pub struct Lines {
     input: Input,
     pack: Pack,
     pieces: Pieces,
-    /// Whether a checksum is wanted, and the one that is being made.
+    /// States whether a checksum is wanted, and the one that is being made.
     digested: bool,
     checksum: Option<Checksum>,
     piece: Piece,
-    /// Where the next line begins in the piece.
+    /// States where the next line begins in the piece.
     at: usize,
     /// The line at hand, in the piece, and its row among regular ones.
     line: Range<usize>,
@@ -206,7 +206,7 @@ impl Lines {
         self.input.length()
     }
 
-    /// How far it has been read.
+    /// Returns how far it has been read.
     pub fn bytes_read(&self) -> u64 {
         self.pieces.bytes_taken()
     }
@@ -224,7 +224,7 @@ impl Lines {
     }
 }
 
-/// What went wrong on the way from the disk to the text.
+/// Returns what went wrong on the way from the disk to the text.
 fn failed(input: &Input, pack: Pack, error: &std::io::Error) -> Error {
     match pack {
         Pack::None => Error::io("read", &input.path, error),
@@ -234,7 +234,7 @@ fn failed(input: &Input, pack: Pack, error: &std::io::Error) -> Error {
                 pack.name(),
                 input.length()
             ),
-            "copy it again, or unpack what is left of it yourself",
+            "copy it again, or unpack the rest of it yourself",
         ),
         _ => input
             .fail(format!("its {} data cannot be unpacked: {error}", pack.name()), "copy it again; is it complete?"),

@@ -99,7 +99,7 @@ const LAYOUTS: &[Layout] = &[
     },
 ];
 
-/// How messages are serialised.
+/// States how messages are serialised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
     /// ROS 1: no padding, lowest byte first.
@@ -218,7 +218,7 @@ pub(super) trait Messages: std::fmt::Debug + Send {
     /// What is damaged.
     fn next(&mut self, into: &mut Vec<u8>) -> Result<bool>;
 
-    /// How far the file was read, bytes.
+    /// Returns how far the file was read, bytes.
     fn bytes_read(&self) -> u64;
 }
 
@@ -226,17 +226,17 @@ pub(super) trait Messages: std::fmt::Debug + Send {
 #[derive(Debug)]
 pub(super) struct MessageRows {
     pub input: Input,
-    /// Where the messages come from.
+    /// States where the messages come from.
     pub messages: Box<dyn Messages>,
     /// Type of the messages, as the file calls it.
     pub kind: String,
-    /// How they are serialised.
+    /// States how they are serialised.
     pub encoding: Encoding,
-    /// What is wanted of them.
+    /// Holds what is wanted of them.
     pub choice: Choice,
-    /// How many messages the file says there are.
+    /// States how many messages the file says there are.
     pub stated: Option<u64>,
-    /// How many were given.
+    /// States how many were given.
     pub count: u64,
 }
 

@@ -48,7 +48,7 @@ pub struct Line {
     pub excess: f64,
 }
 
-/// What is known of one channel, in the file's units.
+/// Holds what is known of one channel, in the file's units.
 #[derive(Debug)]
 pub struct Channel {
     /// Heading of the channel.
@@ -83,8 +83,8 @@ impl Channel {
         self.curve.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b))).filter(|d| off(d) < 0.05)
     }
 
-    /// Whether the curve still falls at its end: neither flicker nor anything slower is supported, so
-    /// its lowest point is only where the recording ends.
+    /// Returns whether the curve still falls at its end: neither flicker nor anything slower is
+    /// supported, so its lowest point is only where the recording ends.
     pub fn still_falls(&self) -> bool {
         use crate::numerics::allan::law::Term::{Flicker, Ramp, Walk};
         self.fit.as_ref().is_some_and(|fit| {
@@ -99,7 +99,7 @@ impl Channel {
     }
 }
 
-/// What is known of a static log.
+/// Holds what is known of a static log.
 #[derive(Debug)]
 pub struct Noise {
     /// File that was read.

@@ -10,7 +10,7 @@ use super::budget::most_unpacked;
 use super::input::{Cursor, Input};
 use crate::error::Result;
 
-/// What the file's bytes are packed by.
+/// Holds what the file's bytes are packed by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pack {
     /// Stored without compression.
@@ -21,7 +21,7 @@ pub enum Pack {
     Zstandard,
 }
 
-/// How a file is packed, by its first bytes.
+/// Returns how a file is packed, by its first bytes.
 pub fn of(head: &[u8]) -> Pack {
     match head {
         [0x1f, 0x8b, ..] => Pack::Gzip,

@@ -22,7 +22,7 @@ const AHEAD: usize = 2;
 pub(crate) struct Piece {
     /// The lines, the last one maybe without an end.
     pub(crate) bytes: Vec<u8>,
-    /// What they hold, and whether that is to be used.
+    /// Holds what they hold, and whether that is to be used.
     rows: Regular,
     is_regular: bool,
 }
@@ -46,7 +46,7 @@ pub(super) struct Pieces {
     spare: Vec<Piece>,
 }
 
-/// Where the bytes come from.
+/// States where the bytes come from.
 #[derive(Debug)]
 struct Source {
     reader: Unpacked,

@@ -37,13 +37,13 @@ pub struct Plan {
     pub repeated: Option<Repeated>,
     /// About how many samples come of it.
     pub samples: usize,
-    /// What was found and survived.
+    /// Holds what was found and survived.
     pub findings: Vec<Finding>,
     /// Size of the file when it was looked at, bytes.
     pub length_bytes: u64,
 }
 
-/// What a visitor of rows wants next.
+/// Holds what a visitor of rows wants next.
 pub enum Next {
     /// The next row.
     Go,
@@ -51,7 +51,7 @@ pub enum Next {
     Stop,
 }
 
-/// What is passed on the way through a file.
+/// Holds what is passed on the way through a file.
 #[derive(Debug)]
 pub enum Passed<'a> {
     /// One row, at hand.
@@ -159,7 +159,7 @@ pub(crate) fn open(path: &Path, request: &Request) -> Result<Rows> {
     let (topic, time) = (request.topic.as_deref(), request.time.as_deref());
     let rows = Rows::open_wanted(path, &Wanted { topic, time, columns: &columns, memory: request.memory.as_ref() })?;
     if rows.names().iter().all(|name| Some(name.as_str()) == rows.time()) {
-        let cause = "it has no column of numbers beside the clock".to_owned();
+        let cause = "it has no column of numbers next to the clock".to_owned();
         return Err(refuse(
             path,
             cause,
@@ -416,7 +416,7 @@ pub(super) fn drop_outside(tally: &mut Tally, request: &Request, used: &Range<us
     }
 }
 
-/// Whether dropped rows are a finding of their own; others stand in a finding already.
+/// Returns whether dropped rows are a finding of their own; others stand in a finding already.
 pub(super) fn is_said(dropped: &Dropped) -> bool {
     !matches!(
         dropped.reason,
@@ -424,14 +424,14 @@ pub(super) fn is_said(dropped: &Dropped) -> bool {
     )
 }
 
-/// What was cut out, where a part was asked for.
+/// Returns what was cut out, where a part was asked for.
 pub(super) fn cut_finding(request: &Request, used: &Range<usize>, total: usize) -> Option<Finding> {
     let asked = request.rows.is_some() || request.from_s.is_some() || request.to_s.is_some();
     asked.then(|| Finding::Cut { from_row: used.start, to_row: used.end.min(total), of: total })
 }
 
-/// What is said of a file that was read to its end: rows wanted that are not there, and a file that
-/// changed meanwhile.
+/// States what is said of a file that was read to its end: rows wanted that are not there, and a
+/// file that changed meanwhile.
 ///
 /// # Errors
 /// Both.

@@ -147,7 +147,7 @@ struct Gathered {
     kept: usize,
     missing: usize,
     gaps: usize,
-    /// Where the clock is uneven: times, and columns as they are in the file.
+    /// Set where the clock is uneven: times, and columns as they are in the file.
     uneven: Option<(Vec<f64>, Vec<Vec<f64>>)>,
 }
 
@@ -269,7 +269,7 @@ fn longest_part(clock: &Clock, rows: &Range<usize>) -> Option<(Range<usize>, Fin
 mod tests {
     use super::*;
 
-    /// What comes of a file with a time column `t` and one channel that follows it.
+    /// Returns what comes of a file with a time column `t` and one channel that follows it.
     fn judge(heading: &str, times: &[f64], rate_hz: Option<f64>) -> Result<Recording> {
         let lines: String = times.iter().map(|t| format!("{t},{}\n", (3.0 * t).sin())).collect();
         from(&format!("{heading},a\n{lines}"), heading, rate_hz)

@@ -1,5 +1,5 @@
-//! What a format provides: the parts of a file (topics, messages, arrays), and the rows of one of
-//! them in blocks.
+//! States what a format provides: the parts of a file (topics, messages, arrays), and the rows of
+//! one of them in blocks.
 //!
 //! A format is one file under `formats` that implements [`Log`] and [`Reader`], and one line in the
 //! registry there.
@@ -101,7 +101,7 @@ pub trait Log: Debug + Send {
     /// Topics, messages or arrays of the file.
     fn parts(&self) -> &[Part];
 
-    /// What was found on the way and survived.
+    /// Returns what was found on the way and survived.
     fn findings(&self) -> Vec<Finding> {
         Vec::new()
     }
@@ -122,7 +122,7 @@ pub trait Reader: Debug + Send {
     /// What is damaged, with what was expected and its place in the file.
     fn next(&mut self, block: &mut Block) -> Result<bool>;
 
-    /// How far the file was read, bytes.
+    /// Returns how far the file was read, bytes.
     fn bytes_read(&self) -> u64;
 
     /// Rows that could not be given, counted among the rows of the file.
@@ -130,7 +130,7 @@ pub trait Reader: Debug + Send {
         Vec::new()
     }
 
-    /// What was found and survived.
+    /// Returns what was found and survived.
     fn findings(&self) -> Vec<Finding> {
         Vec::new()
     }

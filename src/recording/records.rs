@@ -9,11 +9,11 @@ use super::reader::{Block, Choice, Heading};
 pub struct Field {
     /// Heading and unit of its column.
     pub heading: Heading,
-    /// How it is stored.
+    /// States how it is stored.
     pub element: Element,
     /// Bytes from the beginning of the record.
     pub offset: usize,
-    /// What one unit of the stored number is of the column's; 1 but for fixed-point numbers.
+    /// Holds what one unit of the stored number is of the column's; 1 but for fixed-point numbers.
     pub scale: f64,
 }
 
@@ -68,7 +68,7 @@ impl Strays {
         self.bytes += bytes;
     }
 
-    /// What is to be said of them.
+    /// Returns what is to be said of them.
     pub fn finding(&self) -> Option<Finding> {
         (self.bytes > 0).then_some(Finding::SkippedBytes { bytes: self.bytes, first: self.first })
     }

@@ -11,13 +11,13 @@ use super::decimal;
 use super::format::{self, Cell};
 use super::reader::Choice;
 
-/// What is known of the rows beforehand.
+/// Holds what is known of the rows beforehand.
 #[derive(Debug, Clone)]
 pub struct Layout {
     separator: u8,
     /// Cells of a row.
     width: usize,
-    /// What becomes of each cell up to the last one that is wanted.
+    /// Holds what becomes of each cell up to the last one that is wanted.
     wanted: Vec<Wanted>,
     columns: usize,
 }
@@ -32,14 +32,14 @@ enum Wanted {
 /// Rows of a piece.
 #[derive(Debug, Clone, Default)]
 pub struct Regular {
-    /// Where each line lies, without its end.
+    /// States where each line lies, without its end.
     pub lines: Vec<Range<u32>>,
     /// Its time stamp, where a clock is chosen.
     pub stamps: Vec<Stamp>,
-    /// Where that lies in the line.
+    /// States where that lies in the line.
     pub times: Vec<Range<u32>>,
-    /// Whether it repeats the line before in every cell but its time stamp; not told of the first
-    /// one, nor without a clock.
+    /// States whether it repeats the line before in every cell but its time stamp; not told of the
+    /// first one, nor without a clock.
     pub alike: Vec<bool>,
     /// Per column chosen, its numbers.
     pub columns: Vec<Vec<f64>>,
@@ -58,7 +58,7 @@ impl Regular {
         self.rounded.clear();
     }
 
-    /// Whether a row repeats the one before in every cell but its time stamp.
+    /// Returns whether a row repeats the one before in every cell but its time stamp.
     #[inline]
     fn is_alike(&self, bytes: &[u8], row: usize) -> bool {
         let part = |row: usize| {
@@ -177,13 +177,13 @@ impl Layout {
         Some((value, end))
     }
 
-    /// Whether a cell ends here.
+    /// Returns whether a cell ends here.
     #[inline]
     fn ends(&self, bytes: &[u8], at: usize) -> bool {
         bytes.get(at) == Some(&self.separator) || is_end_of_line(bytes, at)
     }
 
-    /// Where the cell ends that this place belongs to.
+    /// Returns where the cell ends that this place belongs to.
     #[inline]
     fn end(&self, bytes: &[u8], from: usize) -> usize {
         match memchr::memchr2(self.separator, b'\n', &bytes[from..]) {
@@ -209,7 +209,7 @@ fn end_of_line(bytes: &[u8], from: usize, feed: Option<usize>) -> usize {
     if bytes[from..end].ends_with(b"\r") { end - 1 } else { end }
 }
 
-/// Whether the line that bytes begin with is.
+/// Returns whether the line that bytes begin with is.
 fn is_blank(bytes: &[u8]) -> bool {
     bytes[..end_of_line(bytes, 0, memchr::memchr(b'\n', bytes))].trim_ascii().is_empty()
 }

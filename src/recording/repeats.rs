@@ -11,7 +11,7 @@ const FEWEST: usize = 100;
 /// Rows that are looked at together.
 const WINDOW: usize = 5;
 
-/// What repeating rows stand for.
+/// Holds what repeating rows stand for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Meaning {
     /// The sample before once more.
@@ -20,10 +20,10 @@ pub enum Meaning {
     Lost,
 }
 
-/// What was found of them.
+/// Holds what was found of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Repeated {
-    /// What they stand for.
+    /// Holds what they stand for.
     pub meaning: Meaning,
     /// Number of repeated rows.
     pub rows: usize,
@@ -43,7 +43,7 @@ pub(super) struct Repeats {
     first: usize,
     /// The row before repeats the one before it.
     pending: bool,
-    /// How badly the rows around fit either meaning.
+    /// States how badly the rows around fit either meaning.
     twice: f64,
     lost: f64,
 }
@@ -91,8 +91,8 @@ impl Repeats {
         }
     }
 
-    /// What the repeating rows stand for; `None` where there are none, or too many for them to say
-    /// anything.
+    /// Returns what the repeating rows stand for; `None` where there are none, or too many for them
+    /// to say anything.
     pub(super) fn judge(&self) -> Option<Repeated> {
         let seldom = self.repeats.iter().all(|count| *count as f64 <= SELDOM * self.rows as f64);
         (self.repeats.len() >= 2 && self.rows >= FEWEST && seldom && self.count > 0).then_some(Repeated {

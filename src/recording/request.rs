@@ -1,11 +1,11 @@
-//! What is asked of a file: columns, clock, and which stretch of it.
+//! States what is asked of a file: columns, clock, and which stretch of it.
 
 use std::ops::Range;
 
 use super::memory::Memory;
 use crate::control::Control;
 
-/// What to read of a file, and what its clock is.
+/// Holds what to read of a file, and what its clock is.
 #[derive(Debug, Clone, Default)]
 pub struct Request {
     /// Topic, message or array, where the file has several; absent: the only one that holds an

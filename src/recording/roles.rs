@@ -135,7 +135,7 @@ pub fn unit_words(name: &str, stated: Option<&str>) -> Option<String> {
     })
 }
 
-/// What a column measures and along which axis.
+/// Returns what a column measures and along which axis.
 fn role(name: &str) -> Option<(Quantity, usize)> {
     let Heading { stem, .. } = taken_apart(name);
     let plain = stem.replace('[', ".").replace(']', "");
@@ -198,8 +198,8 @@ pub(crate) fn is_environment(name: &str, stated: Option<&str>) -> bool {
         || words().any(|w| SURROUNDINGS.iter().any(|s| w.starts_with(s)))
 }
 
-/// The surroundings among the columns of an inertial sensor; none where no column is one's, or where
-/// headings repeat and cannot be named apart.
+/// The surroundings among the columns of an inertial sensor; none where no column is one's, or
+/// where headings repeat and cannot be named apart.
 pub fn surroundings(names: &[String], stated: &[Option<String>]) -> Vec<String> {
     let is_environment = |(name, text): &(&String, &Option<String>)| is_environment(name, text.as_deref());
     let twice = (1..names.len()).any(|i| names[..i].contains(&names[i]));

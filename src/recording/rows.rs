@@ -147,7 +147,7 @@ impl Rows {
         }
     }
 
-    /// How far it has been read.
+    /// Returns how far it has been read.
     pub fn bytes_read(&self) -> u64 {
         match &self.body {
             Body::Text(text) => text.bytes_read(),
@@ -211,7 +211,7 @@ impl Rows {
         }
     }
 
-    /// Whether the row at hand repeats the one before in every cell but its time stamp.
+    /// Returns whether the row at hand repeats the one before in every cell but its time stamp.
     #[inline]
     pub fn is_alike(&self) -> bool {
         match &self.body {

@@ -10,14 +10,14 @@ use super::clock::stamp::Stamp;
 pub struct Run<'a> {
     /// Number of the first row, counted from zero after the header.
     pub first: usize,
-    /// Where they lie in the piece; never its first row, as [`Run::is_alike`] looks at the row
-    /// before.
+    /// States where they lie in the piece; never its first row, as [`Run::is_alike`] looks at the
+    /// row before.
     pub rows: Range<usize>,
     /// Time stamps of the piece's rows; empty where no clock was chosen.
     pub stamps: &'a [Stamp],
     /// Per column chosen, the numbers of the piece's rows; a missing one is NaN.
     pub columns: &'a [Vec<f64>],
-    /// Whether rows of the piece repeat the one before, where the text tells.
+    /// States whether rows of the piece repeat the one before, where the text tells.
     pub alike: Option<&'a [bool]>,
 }
 
@@ -28,7 +28,7 @@ impl Run<'_> {
         self.stamps.get(row).copied().unwrap_or(Stamp::MISSING)
     }
 
-    /// Whether a row of the piece repeats the one before in every cell but its time stamp.
+    /// Returns whether a row of the piece repeats the one before in every cell but its time stamp.
     #[inline]
     pub fn is_alike(&self, row: usize) -> bool {
         match self.alike {

@@ -1,9 +1,9 @@
-//! What is known of a file once it has been read to its end.
+//! States what is known of a file once it has been read to its end.
 
 use super::dropped::Dropped;
 use super::finding::Finding;
 
-/// What is known of a file once it has been read to its end.
+/// Holds what is known of a file once it has been read to its end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FileSummary {
     /// SHA-256 of all its bytes, hexadecimal.
@@ -14,6 +14,6 @@ pub struct FileSummary {
     pub rows: usize,
     /// Rows that were not given.
     pub dropped: Vec<Dropped>,
-    /// What was found and survived.
+    /// Holds what was found and survived.
     pub findings: Vec<Finding>,
 }

@@ -36,7 +36,7 @@ pub struct Block {
     pub broken_off: bool,
 }
 
-/// What is known of a file once it has been streamed.
+/// Holds what is known of a file once it has been streamed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Streamed {
     /// SHA-256 of the file, hexadecimal.
@@ -49,7 +49,7 @@ pub struct Streamed {
     pub rate_hz: f64,
     /// Samples handed on so far.
     pub samples: usize,
-    /// What was found and survived.
+    /// Holds what was found and survived.
     pub findings: Vec<Finding>,
 }
 

@@ -15,11 +15,11 @@ use crate::error::{Error, Result};
 pub struct Table {
     input: Input,
     reader: Box<dyn Reader>,
-    /// Whether a checksum is wanted, and the one that is being made since the first row.
+    /// States whether a checksum is wanted, and the one that is being made since the first row.
     digested: bool,
     checksum: Option<Checksum>,
     block: Block,
-    /// Whether its numbers are readings as they are, once that was looked at.
+    /// States whether its numbers are readings as they are, once that was looked at.
     ordinary: Option<bool>,
     /// Row of the block that is at hand, and whether there is one.
     at: usize,
@@ -67,7 +67,7 @@ impl Table {
         self.input.stored_length()
     }
 
-    /// How far it has been read.
+    /// Returns how far it has been read.
     pub fn bytes_read(&self) -> u64 {
         self.reader.bytes_read()
     }
@@ -145,7 +145,7 @@ impl Table {
         self.block.stamps.get(self.at).copied().unwrap_or(Stamp::MISSING)
     }
 
-    /// Whether the readings of the row at hand repeat the row before.
+    /// Returns whether the readings of the row at hand repeat the row before.
     pub fn is_alike(&self) -> bool {
         if self.row() == 0 || self.block.columns.is_empty() {
             return false;
@@ -214,8 +214,8 @@ impl Table {
     }
 }
 
-/// Whether no number of a block is infinite, larger or smaller than any reading, or the zero that
-/// has a sign.
+/// Returns whether no number of a block is infinite, larger or smaller than any reading, or the
+/// zero that has a sign.
 fn is_ordinary(block: &Block) -> bool {
     block.columns.iter().all(|column| column.iter().all(|value| format::is_reading(*value)))
 }

@@ -33,7 +33,7 @@ pub struct Text {
     lines: Lines,
     separator: u8,
     cells: Cells,
-    /// Where the time stamp of the row before lies in its line.
+    /// States where the time stamp of the row before lies in its line.
     time_before: std::ops::Range<usize>,
     /// Other cells are not parsed beforehand.
     stamps_only: bool,
@@ -50,7 +50,7 @@ pub struct Text {
     /// Per column, the first row with a whole number that was rounded.
     rounded: Vec<Option<usize>>,
     skipped: (u64, u64),
-    /// What was found in its first lines.
+    /// Holds what was found in its first lines.
     findings: Vec<Finding>,
 }
 
@@ -122,7 +122,7 @@ impl Text {
         self.lines.length_bytes()
     }
 
-    /// How far it has been read.
+    /// Returns how far it has been read.
     pub fn bytes_read(&self) -> u64 {
         self.lines.bytes_read()
     }
@@ -193,7 +193,7 @@ impl Text {
         Some(Run { first: before, rows, stamps, columns, alike })
     }
 
-    /// Where the time stamp lies in the line at hand.
+    /// Returns where the time stamp lies in the line at hand.
     #[inline]
     fn time_place(&self) -> std::ops::Range<usize> {
         match (self.choice.time, self.lines.regular()) {
@@ -264,7 +264,7 @@ impl Text {
         Stamp::parse(self.cells.of(self.lines.line(), place)).ok_or_else(|| self.no_number(place))
     }
 
-    /// Whether the row at hand repeats the one before in every cell but its time stamp.
+    /// Returns whether the row at hand repeats the one before in every cell but its time stamp.
     pub fn is_alike(&self) -> bool {
         let (line, here) = (self.lines.line(), self.time_place());
         let (before, there) = (self.lines.kept(), &self.time_before);
@@ -353,5 +353,5 @@ impl Text {
     }
 }
 
-/// What to do about decimal commas.
+/// States what to do about decimal commas.
 const POINT: &str = "write numbers with a decimal point, or separate the cells by semicolons or tabs";

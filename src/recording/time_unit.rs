@@ -13,7 +13,7 @@ pub enum TimeUnit {
     Nanosecond,
 }
 
-/// How the unit is known.
+/// States how the unit is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Basis {
     /// The heading names it.
@@ -33,7 +33,7 @@ pub(crate) const UNITS: [TimeUnit; 4] =
     [TimeUnit::Second, TimeUnit::Millisecond, TimeUnit::Microsecond, TimeUnit::Nanosecond];
 
 impl TimeUnit {
-    /// As people write it.
+    /// Returns it as people write it.
     pub fn name(self) -> &'static str {
         ["s", "ms", "µs", "ns"][self as usize]
     }

@@ -1,5 +1,5 @@
-//! What one unit of a column is, and the datasheet's unit of each noise coefficient that follows
-//! from it.
+//! States what one unit of a column is, and the datasheet's unit of each noise coefficient that
+//! follows from it.
 
 use crate::error::{Error, Result};
 use crate::numerics::allan::law::Term;
@@ -37,7 +37,7 @@ pub struct Unit {
     pub quantity: Quantity,
     /// m/s² or rad/s per unit of the file; 1 where unknown.
     pub si: f64,
-    /// As the user wrote it, or "unit".
+    /// The unit as the user wrote it, or "unit".
     pub name: String,
 }
 
@@ -66,15 +66,15 @@ const OTHERS: [&str; 49] = [
     "uv", "a", "ma", "ua", "pf", "ff", "hz", "khz", "n", "mn", "un", "kn", "%", "1", "-",
 ];
 
-/// What stands in brackets, if anything does.
+/// Returns what stands in brackets, if anything does.
 pub(super) fn without_brackets(text: &str) -> &str {
     let text = text.trim();
     let within = |open, close| text.strip_prefix(open)?.strip_suffix(close);
     within('[', ']').or_else(|| within('(', ')')).unwrap_or(text).trim()
 }
 
-/// Whether these cells are a row of units: none is a number, and one at least is a unit or stands
-/// in brackets.
+/// Returns whether these cells are a row of units: none is a number, and one at least is a unit or
+/// stands in brackets.
 pub(super) fn are_units(cells: &[String]) -> bool {
     let is_unit = |cell: &String| {
         let word = normal(without_brackets(cell));

@@ -7,7 +7,7 @@ use ruzstd::decoding::{BlockDecodingStrategy, FrameDecoder};
 
 /// A frame that is decoded as it is read.
 pub(crate) struct Frame<R> {
-    /// Where its bytes come from; behind the frame when all of it was read.
+    /// States where its bytes come from; behind the frame when all of it was read.
     pub source: R,
     decoder: FrameDecoder,
 }
@@ -38,7 +38,7 @@ impl<R: Read> Frame<R> {
         }
     }
 
-    /// Whether what was read is what was packed.
+    /// Returns whether what was read is what was packed.
     fn check(&self) -> io::Result<()> {
         let [stated, found] = [self.decoder.get_checksum_from_data(), self.decoder.get_calculated_checksum()];
         if stated.is_some() && stated != found {

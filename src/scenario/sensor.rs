@@ -29,7 +29,7 @@ pub struct ProofMass {
     pub natural_frequency_rad_s: f64,
     /// Damping ratio ζ.
     pub damping_ratio: f64,
-    /// Coefficients of the laws that it follows beside the linear one.
+    /// Coefficients of the laws that it follows next to the linear one.
     pub laws: Coefficients,
     /// Random-walk coefficient of Brownian force noise per unit mass, m/s²·√s (two-sided).
     pub force_noise_m_s_rts: f64,

@@ -11,20 +11,20 @@ use crate::statistics::Statistics;
 
 mod backends;
 mod check;
+mod checkpoint;
 pub mod divided;
+mod encode;
 mod integrate;
-mod keeper;
 mod kept;
 mod options;
-mod packed;
 mod samples;
-mod sound;
 mod state;
 mod state_file;
+mod verify;
 
 pub use backends::Backends;
+pub use checkpoint::Keeper;
 pub use integrate::{run_kept, run_on, run_or_fall_back, times_s};
-pub use keeper::Keeper;
 pub use kept::Kept;
 pub use options::{Choice, Options};
 pub use samples::samples;

@@ -1,7 +1,7 @@
 //! Six axes along a trajectory: how far a strapdown navigator drifts, in which direction, and which
 //! error is to blame.
 //!
-//! Study in motion × backend → sums → envelopes, with the linear covariance beside each. Not for
+//! Study in motion × backend → sums → envelopes, with the linear covariance next to each. Not for
 //! one axis at rest on a flat Earth: that is `drift`.
 
 pub mod aiding;

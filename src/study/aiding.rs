@@ -8,7 +8,7 @@ use super::check::whole;
 use super::file::{self, AidingMethod, Gnss};
 use super::refusal::refuse;
 use crate::error::Result;
-use crate::kernel::fix::{Fix, SEEN};
+use crate::kernel::aiding::{Fix, SEEN};
 use crate::kernel::flight::Vertical;
 use crate::kernel::job::Clock;
 use crate::motion::Truth;

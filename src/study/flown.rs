@@ -1,5 +1,5 @@
-//! `[trajectory.compare]` checked: the recorded flight that a study in motion is laid beside, and
-//! the sensors beside its own.
+//! `[trajectory.compare]` checked: the recorded flight that a study in motion is laid next to, and
+//! the sensors next to its own.
 
 use std::path::{Path, PathBuf};
 
@@ -22,7 +22,7 @@ const MOST_WINDOWS: usize = 16;
 pub struct Flown {
     /// Path of the recorded IMU's log.
     pub imu: PathBuf,
-    /// The poses beside it.
+    /// The poses next to it.
     pub reference: Section,
     /// Vector from the body's origin to the sensor, m.
     pub lever_arm_m: Vector3<f64>,
@@ -36,7 +36,7 @@ pub struct Flown {
     pub others: Vec<[PathBuf; 2]>,
     /// Other flights that the inflation is fitted on: IMU and reference.
     pub fit: Vec<[PathBuf; 2]>,
-    /// Sensors beside the study's own, by the name of their file: the numbers of each axis.
+    /// Sensors next to the study's own, by the name of their file: the numbers of each axis.
     pub sensors: Vec<(String, [Tolerances; 3])>,
 }
 
@@ -53,7 +53,7 @@ pub(super) fn read(name: &str, file: &File, lever_arm_m: Vector3<f64>) -> Result
         return Err(refuse(
             name,
             "`trajectory.compare` needs a recorded reference",
-            "give [trajectory] kind = \"file\", with the poses that were recorded beside the IMU",
+            "give [trajectory] kind = \"file\", with the poses that were recorded next to the IMU",
         ));
     }
     windows(name, asked)?;

@@ -18,10 +18,10 @@ use crate::error::Result;
 use crate::excitation::Waveform;
 use crate::excitation::plan::Variation;
 use crate::excitation::random::{RandomVibration, Spectrum};
+use crate::kernel::environment::Follow;
 use crate::kernel::flight::{Coupling, Flight, Misalignment, Vertical, axis_seed};
-use crate::kernel::follow::Follow;
 use crate::kernel::job::{Clock, Job};
-use crate::kernel::passage::{Along, Course};
+use crate::kernel::truth_step::{Along, TimeFactor};
 use crate::motion::{Earth, Integrator as Mechanisation, Sampling, sources};
 use crate::sensor::{ProofMass, coupling};
 use crate::units::DEGREE;
@@ -51,8 +51,8 @@ pub struct InMotion {
     pub tolerances: [Tolerances; 3],
     /// The same with it.
     pub between: [Tolerances; 3],
-    /// Course of the sensor over the Earth.
-    pub course: Arc<Course>,
+    /// TimeFactor of the sensor over the Earth.
+    pub course: Arc<TimeFactor>,
     /// Says whether the vertical channel runs free or is held by an aid.
     pub vertical: Vertical,
     /// Attitude errors at the start.
@@ -61,7 +61,7 @@ pub struct InMotion {
     pub mechanisation: Mechanisation,
     /// Measurements that aid the navigator.
     pub aiding: Option<Aiding>,
-    /// The recorded flight to lay beside it.
+    /// The recorded flight to lay next to it.
     pub flown: Option<Flown>,
     /// Vibration of each axis besides the motion.
     vibration: [Option<Arc<dyn Waveform>>; 3],
@@ -70,7 +70,7 @@ pub struct InMotion {
 /// Reads what a file says about motion, checked; `None` for a study of one axis.
 ///
 /// # Errors
-/// Sections or lists that need a trajectory, sections that have no place beside one, values that
+/// Sections or lists that need a trajectory, sections that have no place next to one, values that
 /// make no sense.
 pub(super) fn read(name: &str, file: &File, clock: &Clock, seed: u64) -> Result<Option<InMotion>> {
     let Some(trajectory) = &file.trajectory else { return one_axis(name, file).map(|()| None) };
@@ -115,7 +115,7 @@ pub(super) fn read(name: &str, file: &File, clock: &Clock, seed: u64) -> Result<
     let aiding = aiding::read(name, file.aiding.as_ref(), clock, &truth, vertical)?;
     one_clock(name, &between)?;
     let temperature = temperature::read(name, file.temperature.as_ref(), &between)?;
-    let course = Arc::new(Course::new(truth, earth, rotation).with_temperature(temperature));
+    let course = Arc::new(TimeFactor::new(truth, earth, rotation).with_temperature(temperature));
     let vibration = vibration(name, file, clock.duration_s(), seed)?;
     let mechanisation = file.navigator.as_ref().and_then(|n| n.integrator).unwrap_or_default();
     let flown = flown::read(name, file, lever_arm_m)?;
@@ -236,7 +236,7 @@ fn vibration(name: &str, file: &File, duration_s: f64, seed: u64) -> Result<[Opt
 
 impl InMotion {
     /// The same study along another course.
-    pub fn along(&self, course: Arc<Course>) -> Self {
+    pub fn along(&self, course: Arc<TimeFactor>) -> Self {
         Self { course, ..self.clone() }
     }
 

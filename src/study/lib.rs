@@ -103,7 +103,7 @@ pub struct Study {
 ///
 /// # Errors
 /// A file that cannot be read, an unknown key (the nearest is named), a value that makes no sense
-/// alone or beside the others, a replay that cannot be read, Ctrl-C.
+/// alone or next to the others, a replay that cannot be read, Ctrl-C.
 pub fn read(path: &Path, overrides: &Overrides, control: &Control) -> Result<Study> {
     let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
     parse_watched(&path.display().to_string(), &read_text(path)?, overrides, &Surroundings::new(folder, control))

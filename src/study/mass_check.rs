@@ -26,7 +26,7 @@ pub(super) fn one_delay(name: &str, all: &Tolerances) -> Result<()> {
     }
 }
 
-/// Refuses a delay beside a sine that is drawn per member.
+/// Refuses a delay next to a sine that is drawn per member.
 pub(super) fn delayed_force(name: &str, all: &Tolerances, variation: Variation) -> Result<()> {
     let key = &SensorTerm::ReadoutDelay.row().keys[0];
     if variation != Variation::Sine || all[key].is_none_or(|n| n.is_zero()) {
@@ -95,8 +95,8 @@ pub(super) struct Moved<'a> {
 
 /// Refuses steps in which a mass moves so far that its spring with memory is no longer followed:
 /// β + |γ| times the way of a substep must stay where Runge–Kutta is stable. The way is that of a
-/// well damped mass at its resonance, for the largest force that is seen. Members that go farther all
-/// the same leave their range and are reported as failed.
+/// well damped mass at its resonance, for the largest force that is seen. Members that go farther
+/// all the same leave their range and are reported as failed.
 pub(super) fn followed_memory(name: &str, moved: &Moved<'_>) -> Result<()> {
     /// Below 2.78, where the decay of e^(−x) turns into growth.
     const MOST: f64 = 2.5;
@@ -129,8 +129,8 @@ pub(super) fn followed_memory(name: &str, moved: &Moved<'_>) -> Result<()> {
     ))
 }
 
-/// Refuses a spring of which nothing is left at some time of a run of so long, its still start included,
-/// of which the temperature's times are not counted.
+/// Refuses a spring of which nothing is left at some time of a run of so long, its still start
+/// included, of which the temperature's times are not counted.
 pub(super) fn lasting_spring(name: &str, all: &Tolerances, run: &Lasting<'_>) -> Result<()> {
     let Lasting { still_s, duration_s, temperature } = *run;
     let [drift, warm] = [stiffness_drift::GIVEN, warm_stiffness::GIVEN].map(|given| &given[0].key);

@@ -39,7 +39,7 @@ impl<'de> Visitor<'de> for Form {
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(
-            "a number, { mean = …, sd = … }, { min = …, max = … } or, beside a [trajectory], a list of three of them",
+            "a number, { mean = …, sd = … }, { min = …, max = … } or, with a [trajectory], a list of three of them",
         )
     }
 

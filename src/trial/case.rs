@@ -12,7 +12,7 @@ use super::turning::{GRAVITY_M_S2, Turned};
 use proofmass_base::error::{Error, Result};
 use proofmass_diagnosis::candidate::Kind;
 
-/// How an effect is concealed, or what else a case is for. Each is a row of the report.
+/// States how an effect is concealed, or what else a case is for. Each is a row of the report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Family {
@@ -90,8 +90,8 @@ impl Family {
         Self::Unsearched,
     ];
 
-    /// Whether its cases come behind those of all other families, which keep their numbers, and so
-    /// their draws, as they were before it was added.
+    /// Returns whether its cases come behind those of all other families, which keep their numbers,
+    /// and so their draws, as they were before it was added.
     pub fn is_drawn_last(self) -> bool {
         self == Self::Unsearched
     }
@@ -190,12 +190,12 @@ impl Case {
         }
     }
 
-    /// Whether the library has a candidate for everything planted.
+    /// Returns whether the library has a candidate for everything planted.
     pub fn in_library(&self) -> bool {
         self.foreign_words().is_empty()
     }
 
-    /// What is planted that no candidate describes, in words.
+    /// Returns what is planted that no candidate describes, in words.
     pub fn foreign_words(&self) -> Vec<&'static str> {
         let mut words: Vec<&str> = match &self.body {
             Body::Driven(d) => d.planted.iter().map(|p| p.term.physics.foreign_words()).collect(),
@@ -249,7 +249,7 @@ impl Case {
         }
     }
 
-    /// What the diagnosis may see, and nothing else: the recording and the base model.
+    /// Returns what the diagnosis may see, and nothing else: the recording and the base model.
     pub fn texts(&self) -> [String; 2] {
         let (recording, model) = match &self.body {
             Body::Driven(d) => driven_files(d),

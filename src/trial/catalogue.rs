@@ -25,12 +25,12 @@ macro_rules! catalogue {
         }
 
         impl $name {
-            /// What the library has a candidate for, in its public order.
+            /// States what the library has a candidate for, in its public order.
             pub const LIBRARY: &[$name] = &[$($name::$known,)*];
             /// Physics that no candidate describes, unlike each other.
             pub const FOREIGN: &[$name] = &[$($name::$strange,)*];
-            /// What the library holds and does not search for, as it resembles a candidate that it
-            /// does.
+            /// States what the library holds and does not search for, as it resembles a candidate
+            /// that it does.
             pub const ALIKE: &[$name] = &[$($($name::$twin,)*)?];
 
             /// The public id, or a name of the same form for foreign physics.
@@ -41,8 +41,8 @@ macro_rules! catalogue {
                 }
             }
 
-            /// The ids that are right for it: its own, and that of a candidate that is searched for in
-            /// its place.
+            /// The ids that are right for it: its own, and that of a candidate that is searched for
+            /// in its place.
             pub fn names(self) -> Vec<String> {
                 match self {
                     $($($name::$twin => vec![self.id(), $name::$searched.id()],)*)?
@@ -50,7 +50,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// What a foreign effect is, in words; empty for the library's own.
+            /// Returns what a foreign effect is, in words; empty for the library's own.
             pub fn foreign_words(self) -> &'static str {
                 match self {
                     $($name::$strange => $words,)*

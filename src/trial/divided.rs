@@ -42,7 +42,7 @@ pub fn header(plan: Plan, shard: Shard) -> Result<Header> {
     Ok(Header { run, input: None, document, shard, pieces: pieces.map(begun).collect() })
 }
 
-/// What a shard's file holds, from the two files that the trial leaves.
+/// Returns what a shard's file holds, from the two files that the trial leaves.
 ///
 /// # Errors
 /// One of them cannot be read.

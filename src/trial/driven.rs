@@ -117,7 +117,7 @@ impl Driven {
         case
     }
 
-    /// Whether an effect follows the environment column.
+    /// Returns whether an effect follows the environment column.
     pub fn has_environment(&self) -> bool {
         self.planted.iter().any(|p| p.term.physics == Physics::StiffnessDrift && p.term.shape[1] != 0.0)
     }
@@ -166,8 +166,8 @@ impl Driven {
 }
 
 impl Driven {
-    /// Whether the nth effect does anything beside the others: a stop that they keep the mass from
-    /// reaching does not. By the most that anyone could see of it, who knew all else: the
+    /// Returns whether the nth effect does anything next to the others: a stop that they keep the
+    /// mass from reaching does not. By the most that anyone could see of it, who knew all else: the
     /// log-likelihood that its change of the reading gives.
     pub fn acts(&self, nth: usize) -> bool {
         let scene = Scene::coarse(self);

@@ -93,8 +93,8 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// The state from which the mass is let go; a second mass hangs where the first is and moves with
-    /// it.
+    /// The state from which the mass is let go; a second mass hangs where the first is and moves
+    /// with it.
     pub(super) fn beginning(&self) -> State {
         let mut state = [0.0; STATES];
         state[..2].copy_from_slice(&self.oscillator.start);
@@ -158,8 +158,8 @@ impl<'a> Machine<'a> {
         total + self.oscillator.gain * input
     }
 
-    /// What a second mass pulls the first with, over the second's own mass: by a spring and a damper
-    /// between them.
+    /// Returns what a second mass pulls the first with, over the second's own mass: by a spring and
+    /// a damper between them.
     fn pull(&self, term: &Term, s: &State, velocity: f64) -> f64 {
         let [ratio, damping] = term.shape;
         let omega = ratio * self.oscillator.omega_rad_s;

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use proofmass_numerics::rng::{Philox, Stream};
 
-/// What drives the proof mass, in the input's unit. Time zero is the first recorded sample.
+/// Holds what drives the proof mass, in the input's unit. Time zero is the first recorded sample.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Excitation {

@@ -52,12 +52,12 @@ impl Mark {
         }
     }
 
-    /// Whether the planted effects were named, alone or in a tie of two.
+    /// Returns whether the planted effects were named, alone or in a tie of two.
     pub fn is_named(self) -> bool {
         matches!(self, Self::Named | Self::Tied)
     }
 
-    /// Whether a false name was given with confidence.
+    /// Returns whether a false name was given with confidence.
     pub fn is_confidently_wrong(self) -> bool {
         matches!(self, Self::Wrong | Self::Extra)
     }
@@ -90,13 +90,13 @@ pub fn judge(case: &Case, said: &Said) -> Mark {
     }
 }
 
-/// Whether a verdict on a null raised an alarm: a name, a mismatch claimed, or one that may be
-/// there.
+/// Returns whether a verdict on a null raised an alarm: a name, a mismatch claimed, or one that may
+/// be there.
 pub(crate) fn is_alarm(said: &Said) -> bool {
     is_detected(said)
 }
 
-/// Whether the mismatch was noticed at all, whatever it was called.
+/// Returns whether the mismatch was noticed at all, whatever it was called.
 pub(crate) fn is_detected(said: &Said) -> bool {
     !matches!(said.outcome, Ending::Adequate | Ending::Error)
 }
@@ -131,6 +131,6 @@ pub struct Covered {
     pub truth: f64,
     /// Estimated value.
     pub value: f64,
-    /// Whether the interval holds the truth.
+    /// States whether the interval holds the truth.
     pub covers: bool,
 }

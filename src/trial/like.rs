@@ -30,7 +30,7 @@ const DRIVEN: [f64; 4] = [0.1, 0.3, 1.0, 4.0];
 const STILL: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0];
 const QUICK: [f64; 2] = [0.3, 3.0];
 
-/// What was tried with one effect.
+/// Holds what was tried with one effect.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Tried {
     /// Visible rms over noise rms.
@@ -38,9 +38,9 @@ pub struct Tried {
     /// Planted value of the effect's first parameter by the library's symbol, where the law has
     /// one.
     pub strength: Option<(&'static str, f64)>,
-    /// Whether a mismatch was noticed.
+    /// States whether a mismatch was noticed.
     pub noticed: bool,
-    /// Whether the effect was named, alone or with one other.
+    /// States whether the effect was named, alone or with one other.
     pub named: bool,
     /// Planted physics, in words.
     pub said: String,
@@ -64,7 +64,7 @@ pub struct Revealed {
     pub tried: Vec<Tried>,
 }
 
-/// What a recording could reveal.
+/// Holds what a recording could reveal.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Power {
     /// Name and version of the document.
@@ -81,7 +81,7 @@ pub struct Power {
     pub noise: f64,
     /// Fitted base in words.
     pub base: String,
-    /// Whether the copies with nothing planted were left alone.
+    /// States whether the copies with nothing planted were left alone.
     pub alarms: usize,
     /// Number of copies with nothing planted.
     pub nulls: usize,
@@ -224,7 +224,8 @@ fn revealed(rest: &[(&Case, &Said)], background: &[String]) -> Vec<Revealed> {
     effects
 }
 
-/// Two effects of which one was taken for the other, or tied with it, at the largest size tried.
+/// Two effects of which one was taken for the other, or indistinguishable from it, at the largest
+/// size tried.
 fn inseparable(effects: &[Revealed]) -> Vec<[String; 2]> {
     let mut pairs: Vec<[String; 2]> = effects
         .iter()

@@ -1,5 +1,5 @@
-//! What a trial found: rates, families, confusion, detection limits, coverage; the public document
-//! of `trial --json`.
+//! States what a trial found: rates, families, confusion, detection limits, coverage; the public
+//! document of `trial --json`.
 
 use std::collections::BTreeMap;
 
@@ -12,8 +12,8 @@ use super::judge::{self, Covered, Mark};
 use super::said::Said;
 use proofmass_diagnosis::candidate::Kind;
 
-/// Where the limit of an effect was never found, cases of at least this size over the noise count
-/// as above it.
+/// If the limit of an effect was never found, cases of at least this size over the noise
+/// count as above it.
 pub(crate) const FALLBACK_LIMIT: f64 = 3.0;
 
 /// Rates of one family.
@@ -52,13 +52,13 @@ pub struct Confusion {
 pub struct Planted {
     /// Visible rms over noise rms.
     pub size: f64,
-    /// Whether a mismatch was noticed.
+    /// States whether a mismatch was noticed.
     pub noticed: bool,
-    /// Whether it was named, alone or with one other.
+    /// States whether it was named, alone or with one other.
     pub named: bool,
 }
 
-/// What became of one kind of physics that the library does not know.
+/// Holds what became of one kind of physics that the library does not know.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Unknown {
     /// Description of the planted physics.

@@ -1,5 +1,5 @@
-//! What can be planted in a driven recording: the library's effects and physics that no candidate
-//! describes.
+//! States what can be planted in a driven recording: the library's effects and physics that no
+//! candidate describes.
 //!
 //! A term has one dimensionless amplitude, calibrated to a visible size, and a shape drawn
 //! beforehand. The amplitude is made physical by the scales of the undisturbed motion (rms

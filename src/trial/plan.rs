@@ -41,7 +41,7 @@ const LOOK_ALIKES: [&[Physics]; 3] = [
     &[Physics::CoulombFriction, Physics::QuadraticDamping, Physics::SqueezeFilmDamping],
 ];
 
-/// What base parameters absorb when there is one amplitude and a narrow band.
+/// States what base parameters absorb when there is one amplitude and a narrow band.
 const ABSORBABLE: [Physics; 7] = [
     Physics::CubicStiffness,
     Physics::QuadraticDamping,
@@ -52,7 +52,7 @@ const ABSORBABLE: [Physics; 7] = [
     Physics::ReadoutLowpass,
 ];
 
-/// What shows only at amplitudes that were not recorded.
+/// States what shows only at amplitudes that were not recorded.
 const AMPLITUDE_DEPENDENT: [Physics; 5] = [
     Physics::CubicStiffness,
     Physics::QuadraticStiffness,
@@ -61,7 +61,7 @@ const AMPLITUDE_DEPENDENT: [Physics; 5] = [
     Physics::EndStop,
 ];
 
-/// What a free ring-down can show.
+/// States what a free ring-down can show.
 const RING_DOWN: [Physics; 5] = [
     Physics::CubicStiffness,
     Physics::QuadraticDamping,

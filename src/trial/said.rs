@@ -1,4 +1,4 @@
-//! What a verdict said, as far as a trial judges it.
+//! States what a verdict said, as far as a trial judges it.
 
 use serde::{Deserialize, Serialize};
 
@@ -29,7 +29,7 @@ pub enum Ending {
     Explained,
     /// The mismatch is real, and nothing in the library accounts for it.
     Unexplained,
-    /// Candidates are tied, or the recording is too weak.
+    /// Candidates are indistinguishable, or the recording is too weak.
     Undecidable,
     /// No verdict: it stopped with an error.
     Error,
@@ -128,7 +128,7 @@ impl Said {
 /// Names in groups: a tie is one group, as the words have it, also where something else remains
 /// unexplained. What is explained has no ties.
 fn grouped(outcome: Outcome, effects: &[Effect]) -> Vec<Vec<String>> {
-    /// Effects of the same columns that are tied with each other.
+    /// Effects of the same columns that are indistinguishable from each other.
     struct Tie<'e> {
         channels: &'e [String],
         effects: Vec<&'e Effect>,

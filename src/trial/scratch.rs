@@ -8,7 +8,7 @@ use tempfile::TempDir;
 
 use proofmass_base::error::{Error, Result};
 
-/// How the names of such folders begin.
+/// States how the names of such folders begin.
 const PREFIX: &str = ".proofmass-cases-";
 /// A file in each, locked as long as its process lives.
 const LOCK: &str = "lock";

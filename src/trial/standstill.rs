@@ -14,8 +14,8 @@ use super::plant::{log_uniform, sign, uniform};
 use proofmass_numerics::rng::{Philox, Stream};
 
 catalogue! {
-    /// What can be planted at rest: white level off the datasheet's, rounding, 1/f, a running sum
-    /// of white noise, a straight line, first-order coloured noise, a pickup, an exponential
+    /// Holds what can be planted at rest: white level off the datasheet's, rounding, 1/f, a running
+    /// sum of white noise, a straight line, first-order coloured noise, a pickup, an exponential
     /// settling, all channels following a temperature.
     Slow
     library {
@@ -70,10 +70,10 @@ pub struct Still {
     pub bias: [f64; 3],
     /// Planted processes.
     pub planted: Vec<Process>,
-    /// Whether the model states the datasheet's density (then the smallest channel's is stated, all
-    /// being equal).
+    /// States whether the model states the datasheet's density (then the smallest channel's is
+    /// stated, all being equal).
     pub promised: bool,
-    /// Whether the temperature is given as a column.
+    /// States whether the temperature is given as a column.
     pub temperature_given: bool,
 }
 

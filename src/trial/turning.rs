@@ -1,4 +1,4 @@
-//! An IMU turned by hand through still poses: gravity and rate in closed form, what the sensors
+//! An IMU hand-rotated through still poses: gravity and rate in closed form, what the sensors
 //! make of them planted.
 //!
 //! Turns are about one body axis each with a minimum-jerk profile, so that attitude and rate are
@@ -18,7 +18,7 @@ pub(super) const GRAVITY_M_S2: f64 = 9.81;
 const EARTH_RAD_S: f64 = 7.292e-5;
 
 catalogue! {
-    /// What can be planted in an IMU that is turned: axes that differ in scale or are not
+    /// Holds what can be planted in an IMU that is turned: axes that differ in scale or are not
     /// orthogonal (or not the accelerometer's), a gyro that follows specific force, an
     /// accelerometer scale that bends, offsets that follow a temperature given as a column, the
     /// earth's turning.
@@ -45,7 +45,7 @@ catalogue! {
 pub struct Planted {
     /// Kind of fault.
     pub fault: Fault,
-    /// Whether the fault is in the gyro.
+    /// States whether the fault is in the gyro.
     pub in_gyro: bool,
     /// Its matrix, vector (first row) or scalar, in SI units of the sensor's reading.
     pub values: [[f64; 3]; 3],
@@ -82,7 +82,7 @@ pub struct Counts {
     pub temperature: Vec<f64>,
 }
 
-/// What acts on the IMU at one sample.
+/// Holds what acts on the IMU at one sample.
 struct Instant {
     force: Vector3<f64>,
     rate: Vector3<f64>,
@@ -210,7 +210,7 @@ impl Turned {
         instants
     }
 
-    /// What a fault adds to the readings of the two sensors, SI.
+    /// Returns what a fault adds to the readings of the two sensors, SI.
     fn added(planted: &Planted, at: &Instant) -> [Vector3<f64>; 2] {
         let matrix = Matrix3::from_fn(|i, j| planted.values[i][j]);
         let row = Vector3::from(planted.values[0]);
@@ -285,7 +285,7 @@ impl Turned {
         Some(planted.values[i][j].to_degrees() * GRAVITY_M_S2)
     }
 
-    /// Whether the temperature goes into the file.
+    /// Returns whether the temperature goes into the file.
     pub fn has_temperature(&self) -> bool {
         self.planted.iter().any(|p| p.fault == Fault::TemperatureSensitivity)
     }

@@ -1,4 +1,4 @@
-//! Files written whole or not at all: beside their place, to the disk, then renamed.
+//! Files written whole or not at all: next to their place, to the disk, then renamed.
 
 use std::fs::File;
 use std::io::Write;
@@ -25,7 +25,7 @@ fn folder_of(path: &Path) -> &Path {
 }
 
 impl Staged {
-    /// Writes the bytes beside `path`, down to the disk.
+    /// Writes the bytes next to `path`, down to the disk.
     ///
     /// # Errors
     /// The folder cannot be made or written.
@@ -70,7 +70,7 @@ fn sync_folder(folder: &Path) {
     let _ = File::open(folder).and_then(|f| f.sync_all());
 }
 
-/// Writes a file beside its place and renames it, so that a reader never sees half of it.
+/// Writes a file next to its place and renames it, so that a reader never sees half of it.
 ///
 /// # Errors
 /// When the folder cannot be made or written.

@@ -1,7 +1,7 @@
 //! A number of study.toml: its key, the datasheet unit that the key ends with, the values that make
 //! sense, and its slot in the random numbers of tolerances.
 //!
-//! A key is declared once, beside the physics it belongs to (`sensor`, `excitation`); `study`
+//! A key is declared once, next to the physics it belongs to (`sensor`, `excitation`); `study`
 //! reads, checks, draws and prints every key from that declaration. Not for keys that hold no
 //! drawable number, such as `members` or `kind`.
 

@@ -27,7 +27,7 @@ pub(super) struct Run<'a> {
     pub cases: &'a [Case],
     /// The verdict on each case.
     pub verdicts: &'a Verdicts,
-    /// Real recordings beside it.
+    /// Real recordings next to it.
     pub real: &'a [Found],
 }
 

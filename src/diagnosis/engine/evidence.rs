@@ -11,12 +11,13 @@ pub(crate) struct Gain {
     pub removed: f64,
     /// The same over its standard error.
     pub errors: f64,
-    /// The same over the standard error that white noise gives it: two models whose predictions differ by Δ
-    /// differ in their sums of squares by 2 σ √ΣΔ² from chance alone (Vuong, Econometrica 57, 1989).
+    /// The same over the standard error that white noise gives it: two models whose predictions
+    /// differ by Δ differ in their sums of squares by 2 σ √ΣΔ² from chance alone (Vuong,
+    /// Econometrica 57, 1989).
     pub apart: f64,
     /// Part of the excess error of the model without, that over the noise.
     pub share: f64,
-    /// Whether enough blocks differ for their scatter to say anything.
+    /// States whether enough blocks differ for their scatter to say anything.
     pub is_known: bool,
 }
 
@@ -26,8 +27,8 @@ impl Gain {
         self.errors >= NAME && self.share >= LEAST_SHARE
     }
 
-    /// Returns whether chance accounts for the difference: the smaller model is as good. White noise tells even
-    /// where too few blocks differ for their scatter to.
+    /// Returns whether chance accounts for the difference: the smaller model is as good. White
+    /// noise tells even where too few blocks differ for their scatter to.
     pub(crate) fn is_chance(&self) -> bool {
         self.removed <= 0.0 || self.apart < TIE || (self.is_known && self.errors < TIE)
     }
@@ -41,10 +42,10 @@ impl Gain {
 
 /// Gain of `with` over `without`, where noise of this variance leaves the rest.
 ///
-/// Where both models err by noise alone and by the difference Δ of their predictions, a block's gain
-/// is ΣΔ² in the mean: the ratio of the two is one number for all blocks, and its scatter between
-/// them is the uncertainty, whatever the colour of the noise and wherever in the recording the models
-/// differ.
+/// Where both models err by noise alone and by the difference Δ of their predictions, a block's
+/// gain is ΣΔ² in the mean: the ratio of the two is one number for all blocks, and its scatter
+/// between them is the uncertainty, whatever the colour of the noise and wherever in the recording
+/// the models differ.
 pub(crate) fn gain(layout: &Layout, without: &Fitted, with: &Fitted, noise: f64) -> Gain {
     let blocks: Vec<[f64; 2]> = layout
         .blocks

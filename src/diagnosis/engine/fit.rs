@@ -17,7 +17,7 @@ pub(crate) const MOST_STEPS: usize = 25;
 /// A fitted set of laws.
 #[derive(Debug, Clone)]
 pub(crate) struct Fitted {
-    /// Laws beside the base model.
+    /// Laws next to the base model.
     pub set: Set,
     /// Coordinates at the lowest sum of squares.
     pub point: Point,

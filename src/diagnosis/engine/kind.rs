@@ -1,9 +1,9 @@
-//! What a kind of recording gives to the engine.
+//! States what a kind of recording gives to the engine.
 
 use std::ops::Range;
 
-/// Parts of the rows: segments, each simulated from its own start, and blocks within them, each left
-/// out in turn.
+/// Parts of the rows: segments, each simulated from its own start, and blocks within them, each
+/// left out in turn.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Layout {
     /// Rows of each segment.
@@ -12,7 +12,7 @@ pub(crate) struct Layout {
     pub blocks: Vec<Range<usize>>,
     /// Segment of each block.
     pub owner: Vec<usize>,
-    /// Whether a row counts: one that was not recorded, or is known to be wrong, does not.
+    /// States whether a row counts: one that was not recorded, or is known to be wrong, does not.
     pub counts: Vec<bool>,
 }
 
@@ -62,7 +62,7 @@ pub(crate) enum Argument {
     Environment,
     /// The reading itself.
     Readout,
-    /// Frequency: linear dynamics beside the base model's, or a line.
+    /// Frequency: linear dynamics next to the base model's, or a line.
     Frequency,
 }
 
@@ -86,10 +86,10 @@ impl Argument {
 /// Use of a law in the search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Form {
-    /// As its name states it.
+    /// The form that its name states.
     Stated,
-    /// With an exponent that is fitted: named only in the place of a stated law of its argument that
-    /// it betters.
+    /// With an exponent that is fitted: named only in the place of a stated law of its argument
+    /// that it betters.
     Exponent,
     /// With its shape free: it shows on what the residual depends and is never named.
     Free,
@@ -128,8 +128,8 @@ pub(crate) trait Kind: Sync {
     fn argument(&self, law: usize) -> Argument;
     /// Use of a law in the search.
     fn form(&self, law: usize) -> Form;
-    /// Laws of the same public name, or of which one is a special case of the other: not together in
-    /// one set.
+    /// Laws of the same public name, or of which one is a special case of the other: not together
+    /// in one set.
     fn excludes(&self, law: usize, other: usize) -> bool;
     /// Points at which a law joins a fitted set; empty where it cannot.
     fn joined(&self, set: &[usize], point: &Point, law: usize) -> Vec<Point>;

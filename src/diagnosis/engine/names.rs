@@ -31,7 +31,7 @@ pub(crate) struct Dependence {
     pub gain: Gain,
 }
 
-/// What a search allows to be said.
+/// Holds what a search allows to be said.
 #[derive(Debug, Clone)]
 pub(crate) struct Found {
     /// The base model alone.
@@ -44,13 +44,14 @@ pub(crate) struct Found {
     pub together: Option<Gain>,
     /// Laws that hold one by one and remove too little together to be named.
     pub imitations: Vec<usize>,
-    /// What the rest depends on, the largest share first.
+    /// Holds what the rest depends on, the largest share first.
     pub rest: Vec<Dependence>,
     /// Each law alone over the base model, best first.
     pub alone: Vec<(usize, Gain)>,
 }
 
-/// Searches, and says what holds; `base` is the fitted base model, `known` a set that was found already.
+/// Searches, and says what holds; `base` is the fitted base model, `known` a set that was found
+/// already.
 pub(crate) fn names<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, known: Option<Arc<Fitted>>) -> Found {
     let found = search.run(&base, known);
     let (best, mut named) = held(search, &base, &found);
@@ -78,7 +79,8 @@ pub(crate) fn names<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, known: O
     Found { base, model, named, together, imitations, rest, alone }
 }
 
-/// The laws of a set that hold, and the set without those that do not: each is weighed without them.
+/// The laws of a set that hold, and the set without those that do not: each is weighed without
+/// them.
 fn held<K: Kind>(search: &Search<'_, K>, base: &Fitted, found: &Arc<Fitted>) -> (Arc<Fitted>, Vec<Named>) {
     let mut best = found.clone();
     loop {
@@ -97,7 +99,8 @@ pub(crate) fn excess<K: Kind>(search: &Search<'_, K>, model: &Fitted) -> f64 {
     model.variance / search.noise.max(1e-300) - 1.0
 }
 
-/// The law at a place of the best set, where it holds, on no bound, with its interval clear of zero.
+/// The law at a place of the best set, where it holds, on no bound, with its interval clear of
+/// zero.
 fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, place: usize) -> Option<Named> {
     let without = search.weighed_without(best, place)?;
     let gain = search.gain(&without, best);
@@ -106,9 +109,9 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
     let strengths = search.kind.strengths(&best.set, place);
     let is_clear = |i: &usize| best.point.shared[*i].abs() > CLEAR * best.deviations[*i];
     let may_be_zero = !strengths.is_empty() && !strengths.iter().any(is_clear);
-    // A law that is linear or goes with time alone can imitate anything slow or broad; one that removes no
-    // more than the others may be inexact by, or that leaves more than the noise, can be an imitation too.
-    // Two of the three are enough to doubt it.
+    // A law that is linear or goes with time alone can imitate anything slow or broad; one that
+    // removes no more than the others may be inexact by, or that leaves more than the noise, can be
+    // an imitation too. Two of the three are enough to doubt it.
     let doubts = [
         matches!(search.kind.argument(best.set[place]), Argument::Frequency | Argument::Time),
         gain.removed < EXACT * (base.error - best.error),

@@ -15,9 +15,9 @@ use super::linear::Products;
 
 /// Sets that are followed in parallel.
 const BEAM: usize = 2;
-/// Laws that are fitted beside each set.
+/// Laws that are fitted next to each set.
 const WIDTH: usize = 5;
-/// Pairs of laws that are fitted beside each set.
+/// Pairs of laws that are fitted next to each set.
 const PAIRS: usize = 2;
 /// A pair helps together that promises this many times what its laws promise one by one.
 const TOGETHER: f64 = 1.5;
@@ -25,12 +25,14 @@ const TOGETHER: f64 = 1.5;
 const MOST_LAWS: usize = 4;
 /// Beginnings from which a law is fitted.
 const BEGINNINGS: usize = 2;
-/// Log-likelihood ratio (twice) that a linear step must promise for a fit: of less no name can come.
+/// Log-likelihood ratio (twice) that a linear step must promise for a fit: of less no name can
+/// come.
 const PROMISE: f64 = NAME * NAME;
-/// Part of the most that is promised by any law, or by any beginning of one, that is still followed.
+/// Part of the most that is promised by any law, or by any beginning of one, that is still
+/// followed.
 const FOLLOWED: [f64; 2] = [0.1, 0.6];
 
-/// A beginning of one law beside a set, and what a linear step from there promises.
+/// A beginning of one law next to a set, and what a linear step from there promises.
 #[derive(Debug, Clone)]
 struct Prospect {
     law: usize,
@@ -63,44 +65,45 @@ impl<'a, K: Kind> Search<'a, K> {
         gain(self.kind.layout(), without, with, self.noise)
     }
 
-    /// Whether what one set has more than the other earns a name.
+    /// Returns whether what one set has more than the other earns a name.
     pub(crate) fn holds(&self, without: &Fitted, with: &Fitted) -> bool {
         self.gain(without, with).holds()
     }
 
-    /// Whether a set is as good as the best one but for chance.
+    /// Returns whether a set is as good as the best one but for chance.
     fn is_no_worse(&self, one: &Fitted, best: &Fitted) -> bool {
         self.gain(one, best).is_chance()
     }
 
-    /// Whether a model leaves no more than the noise.
+    /// Returns whether a model leaves no more than the noise.
     fn is_at_noise(&self, model: &Fitted) -> bool {
         model.variance < (1.0 + AT_NOISE) * self.noise
     }
 
-    /// Whether two sets are equally good.
+    /// Returns whether two sets are equally good.
     pub(crate) fn as_good(&self, one: &Fitted, best: &Fitted) -> bool {
         let gain = self.gain(one, best);
         let left = (best.error - self.noise * self.kind.layout().rows() as f64).max(0.0);
         self.is_no_worse(one, best) || gain.removed < INEXACT * left
     }
 
-    /// The best set that the search finds; the base where none holds. It begins at the base model and at
-    /// what is `known` already.
+    /// The best set that the search finds; the base where none holds. It begins at the base model
+    /// and at what is `known` already.
     pub(crate) fn run(&self, base: &Arc<Fitted>, known: Option<Arc<Fitted>>) -> Arc<Fitted> {
         let mut frontier: Vec<Arc<Fitted>> = std::iter::once(base.clone()).chain(known).collect();
         let mut held = frontier.clone();
         frontier.retain(|f| f.set.len() < MOST_LAWS);
         while !frontier.is_empty() {
-            // One parent after the other: a set that two of them lead to is fitted from the better one.
+            // One parent after the other: a set that two of them lead to is fitted from the better
+            // one.
             let held_children = |parent: &Arc<Fitted>| -> Vec<Arc<Fitted>> {
                 let all = self.children(parent, true);
                 all.into_iter().filter(|child| self.holds(parent, child)).collect()
             };
             let mut next: Vec<Arc<Fitted>> = frontier.iter().flat_map(held_children).collect();
             order::sort_by_key(&mut next, |f| f.error);
-            // What freedom of its exponent takes up is no further name: the best set of each argument
-            // is tried with it.
+            // What freedom of its exponent absorbs is no further name: the best set of each
+            // argument is tried with it.
             let argument = |f: &Fitted| f.set.last().map(|law| self.kind.argument(*law));
             let first = |i: &usize| next[..*i].iter().all(|f| argument(f) != argument(&next[*i]));
             let bent: Vec<usize> = (0..next.len()).filter(first).filter(|i| !self.is_at_noise(&next[*i])).collect();
@@ -140,14 +143,15 @@ impl<'a, K: Kind> Search<'a, K> {
     }
 
     /// The best of these sets; of equally good ones that with the fewest laws, and the fewest
-    /// coordinates. A set is equally good, too, where only the exact form of one of its laws is missing.
+    /// coordinates. A set is equally good, too, where only the exact form of one of its laws is
+    /// missing.
     fn simplest(&self, base: &Fitted, held: &[Arc<Fitted>]) -> Arc<Fitted> {
         let lowest = held.iter().min_by(|a, b| a.error.total_cmp(&b.error)).cloned();
         let best = lowest.unwrap_or_else(|| held[0].clone());
         let lacks = |f: &Fitted| held.iter().any(|g| f.set.iter().all(|l| g.set.contains(l)) && self.holds(f, g));
         let size = |f: &Fitted| (f.set.len(), f.point.shared.len());
-        // It lacks no more than laws are inexact by, leaves no more than the noise, or is as good with one of
-        // its forms free: two of the three show that no law is missing.
+        // It lacks no more than laws are inexact by, leaves no more than the noise, or is as good
+        // with one of its forms free: two of the three show that no law is missing.
         let is_near = |f: &Fitted| {
             let is_exact = f.error - best.error <= EXACT * (base.error - best.error);
             let is_a_form = || {
@@ -174,8 +178,8 @@ impl<'a, K: Kind> Search<'a, K> {
         fits.min_by(|a, b| a.error.total_cmp(&b.error))
     }
 
-    /// The set without the law at a place, and where no fit of that comes to rest, the best set of fewer
-    /// of its laws that does.
+    /// The set without the law at a place, and where no fit of that comes to rest, the best set of
+    /// fewer of its laws that does.
     pub(crate) fn weighed_without(&self, from: &Fitted, place: usize) -> Option<Arc<Fitted>> {
         let law = from.set[place];
         let is_part = |f: &Arc<Fitted>| !f.set.contains(&law) && f.set.iter().all(|l| from.set.contains(l));
@@ -183,7 +187,7 @@ impl<'a, K: Kind> Search<'a, K> {
         self.without(from, place).or_else(fewer)
     }
 
-    /// Without the laws that do not hold beside the others.
+    /// Without the laws that do not hold next to the others.
     fn pruned(&self, mut best: Arc<Fitted>) -> Arc<Fitted> {
         loop {
             let reduced = (0..best.set.len()).filter_map(|place| self.without(&best, place));
@@ -217,8 +221,8 @@ impl<'a, K: Kind> Search<'a, K> {
         Products::of(self.kind.layout(), &of.model, &of.at_bound)
     }
 
-    /// Sets of one law more that a linear step promises most of; with `paired`, of a pair that helps
-    /// together as well.
+    /// Sets of one law more that a linear step promises most of; with `paired`, of a pair that
+    /// helps together as well.
     pub(crate) fn children(&self, parent: &Fitted, paired: bool) -> Vec<Arc<Fitted>> {
         let kind = self.kind;
         let joins = |law: &usize| {
@@ -267,8 +271,8 @@ impl<'a, K: Kind> Search<'a, K> {
         pairs.into_iter().map(|p| p.1).collect()
     }
 
-    /// Beginnings of a law beside a set, the most promising first. A fit begins where the linear step
-    /// ends.
+    /// Beginnings of a law next to a set, the most promising first. A fit begins where the linear
+    /// step ends.
     fn prospects(&self, parent: &Fitted, products: &Products, law: usize) -> Vec<Prospect> {
         let (kind, layout) = (self.kind, self.kind.layout());
         let mut set = parent.set.clone();

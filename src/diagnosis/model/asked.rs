@@ -1,4 +1,4 @@
-//! What a model asks of its recording: columns, clock, and which stretch of it.
+//! States what a model asks of its recording: columns, clock, and which stretch of it.
 
 use std::collections::HashSet;
 use std::path::Path;
@@ -34,7 +34,7 @@ pub fn read_part(path: &Path, model: &Model, seconds: Seconds, control: &Control
     recording::read(path, &Request { control: control.clone(), ..requested(path, model, seconds)? })
 }
 
-/// What a model asks of a recording; `path` stands for it in messages.
+/// Returns what a model asks of a recording; `path` stands for it in messages.
 ///
 /// # Errors
 /// A column that is given two roles, rows that are none.

@@ -24,13 +24,13 @@ pub struct Static {
     /// Unit of the channels, for words and plots.
     #[serde(default)]
     pub unit: String,
-    /// Geodetic latitude of the place: gravity and the Earth's rate there stand beside the means.
+    /// Geodetic latitude of the place: gravity and the Earth's rate there stand next to the means.
     pub latitude_deg: Option<f64>,
     /// Height above the ellipsoid.
     pub height_m: Option<f64>,
     /// Headings of channels and environment columns.
     pub columns: StaticColumns,
-    /// What the datasheet promises; absent, white noise whose level is estimated.
+    /// Holds what the datasheet promises; absent, white noise whose level is estimated.
     pub noise: Option<Noise>,
     /// Samples for fitting and for validation.
     #[serde(default)]

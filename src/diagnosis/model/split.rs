@@ -30,7 +30,7 @@ impl Split {
         (hull.start < hull.end).then_some(hull)
     }
 
-    /// Whether the ranges lie within `samples` samples and none is both fitted and held out.
+    /// Checks whether the ranges lie within `samples` samples and none is both fitted and held out.
     ///
     /// # Errors
     /// What is wrong with them, and what to write.

@@ -1,4 +1,4 @@
-//! model.toml with kind = "trajectory": an IMU in motion, beside a reference of that motion.
+//! model.toml with kind = "trajectory": an IMU in motion, next to a reference of that motion.
 
 use std::path::{Path, PathBuf};
 
@@ -68,7 +68,7 @@ pub struct Reference {
     pub file: PathBuf,
     /// Layout of the file, where it is not to be recognised.
     pub format: Option<Format>,
-    /// The file of times beside one of poses (KITTI).
+    /// The file of times next to one of poses (KITTI).
     pub times: Option<PathBuf>,
     /// The axis of the reference that points up.
     pub up: Option<Up>,
@@ -84,9 +84,9 @@ pub struct Reference {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Half {
-    /// How the body is turned.
+    /// States how the body is turned.
     Attitude,
-    /// Where the body is.
+    /// States where the body is.
     Position,
 }
 

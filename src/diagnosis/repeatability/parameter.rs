@@ -29,7 +29,7 @@ pub struct Parameter {
     pub role: Role,
     /// The axis that reads, 0 to 2.
     pub axis: usize,
-    /// The axis that is read beside it, of parameters between two.
+    /// The axis that is read next to it, of parameters between two.
     pub of: Option<usize>,
     /// Holds where it is stated in SI units; else biases and scales are in those of the reading.
     pub is_si: bool,

@@ -30,7 +30,7 @@ const LAGS: usize = 3;
 /// Frequencies at which branches are drawn.
 const DRAWN: usize = 400;
 
-/// What a conclusion is drawn about.
+/// Holds what a conclusion is drawn about.
 pub(super) struct Case<'a> {
     pub recording: &'a Recording,
     pub model: &'a Response,
@@ -38,7 +38,7 @@ pub(super) struct Case<'a> {
     pub found: &'a Found,
     /// Standard deviation of X and of Y.
     pub deviation: f64,
-    /// Whether it was measured apart from the fit.
+    /// States whether it was measured apart from the fit.
     pub is_measured: bool,
 }
 
@@ -119,8 +119,8 @@ impl Case<'_> {
         }
     }
 
-    /// What the final model leaves over the noise: real where it depends on an argument, or where
-    /// neighbouring steps leave alike.
+    /// Returns what the final model leaves over the noise: real where it depends on an argument, or
+    /// where neighbouring steps leave alike.
     fn remainder(&self) -> Remainder {
         let (found, noise) = (self.found, self.deviation.powi(2));
         let excess = found.model.variance / noise - 1.0;
@@ -129,8 +129,8 @@ impl Case<'_> {
         Remainder::of([Test { p_value, size: Size::of(excess, AT_NOISE, FAINT) }])
     }
 
-    /// Probability that neighbouring steps of white noise are as much alike (Ljung & Box, Biometrika
-    /// 65, 1978).
+    /// Probability that neighbouring steps of white noise are as much alike (Ljung & Box,
+    /// Biometrika 65, 1978).
     fn alike_by_chance(&self, model: &Fitted) -> f64 {
         let e: Vec<Complex<f64>> = model.model.residual.chunks(2).map(|e| Complex::new(e[0], e[1])).collect();
         let power: f64 = e.iter().map(|e| e.norm_sqr()).sum::<f64>().max(1e-300);
@@ -179,7 +179,7 @@ impl Case<'_> {
         }
     }
 
-    /// What was found besides physics.
+    /// Returns what was found besides physics.
     fn sentences(&self, jumps: &[Jump]) -> Vec<String> {
         let sweeps = self.system.sweeps;
         let up = sweeps.sweeps.iter().filter(|s| sweeps.rises(s)).count();

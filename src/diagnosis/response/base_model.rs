@@ -1,4 +1,4 @@
-//! The linear resonator alone, fitted to all sweeps, and the sizes by which laws beside it are
+//! The linear resonator alone, fitted to all sweeps, and the sizes by which laws next to it are
 //! measured.
 
 use std::f64::consts::{SQRT_2, TAU};

@@ -5,7 +5,7 @@ pub use super::jumps::Jump;
 /// One sweep as it was read and as both models have it.
 #[derive(Debug, Clone, Default)]
 pub struct Sweep {
-    /// Whether it goes up.
+    /// States whether it goes up.
     pub rises: bool,
     /// Its drive.
     pub drive: f64,
@@ -21,7 +21,8 @@ pub struct Sweep {
     pub errors: Vec<[f64; 2]>,
 }
 
-/// Frequency of largest amplitude for one drive, and the folds between which two motions are stable.
+/// Frequency of largest amplitude for one drive, and the folds between which two motions are
+/// stable.
 #[derive(Debug, Clone, Default)]
 pub struct Backbone {
     /// Frequency, Hz, and amplitude of the motion of phase quadrature over a range of drives.
@@ -54,6 +55,6 @@ pub struct Detail {
     pub noise: f64,
     /// Mean square of the final residual over that of the noise, less one.
     pub excess: f64,
-    /// Whether a quadratic spring would do as well as the softening one that is named.
+    /// States whether a quadratic spring would do as well as the softening one that is named.
     pub may_be_quadratic: bool,
 }

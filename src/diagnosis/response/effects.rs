@@ -1,4 +1,5 @@
-//! What was found in sweeps in public numbers: effects, base model, every candidate's standing.
+//! States what was found in sweeps in public numbers: effects, base model, every candidate's
+//! standing.
 
 use std::f64::consts::TAU;
 
@@ -67,7 +68,7 @@ impl Public<'_> {
         all
     }
 
-    /// Whether a law is a softening cubic spring.
+    /// Returns whether a law is a softening cubic spring.
     pub(super) fn may_be_quadratic(&self, model: &Fitted, place: usize) -> bool {
         let beta = self.system.values(&model.set, &model.point).laws[place].values[0];
         matches!(self.system.members[model.set[place]].term, Term::CubicStiffness(_)) && beta < 0.0

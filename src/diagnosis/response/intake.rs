@@ -30,13 +30,13 @@ pub(super) struct Sweeps {
     pub reading: Vec<Complex<f64>>,
     /// Seconds after the first step, where they are recorded.
     pub time_s: Option<Vec<f64>>,
-    /// Whether a step is fitted.
+    /// States whether a step is fitted.
     pub counts: Vec<bool>,
     /// Steps of each sweep: one direction, one drive.
     pub sweeps: Vec<Range<usize>>,
     /// Steps after which the reading jumps.
     pub jumps: Vec<usize>,
-    /// Whether neighbours in a sweep are neighbours in frequency.
+    /// States whether neighbours in a sweep are neighbours in frequency.
     pub is_ordered: bool,
     /// Derivatives by time from displacement to the reading.
     pub derivatives: i32,
@@ -54,7 +54,7 @@ impl Sweeps {
         [fold(f64::min, f64::INFINITY), fold(f64::max, 0.0)]
     }
 
-    /// Whether a sweep goes up.
+    /// Returns whether a sweep goes up.
     pub(super) fn rises(&self, sweep: &Range<usize>) -> bool {
         self.frequency_hz[sweep.end - 1] >= self.frequency_hz[sweep.start]
     }

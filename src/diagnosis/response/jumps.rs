@@ -1,5 +1,5 @@
-//! Jumps from one stable motion to another: where they were read, and where the model, following the
-//! history of the sweep, has them.
+//! Jumps from one stable motion to another: where they were read, and where the model, following
+//! the history of the sweep, has them.
 
 use super::intake::Sweeps;
 use super::predicted::Predicted;
@@ -14,7 +14,7 @@ const LEAST: f64 = 0.1;
 pub struct Jump {
     /// Number of the sweep, from zero.
     pub sweep: usize,
-    /// Whether the sweep goes up.
+    /// States whether the sweep goes up.
     pub rises: bool,
     /// Drive of the sweep.
     pub drive: f64,

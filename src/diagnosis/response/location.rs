@@ -1,4 +1,4 @@
-//! Where a model errs: over frequency and over amplitude.
+//! States where a model errs: over frequency and over amplitude.
 
 use crate::numerics::order;
 use crate::numerics::special::{chi_squared_survival, discoveries};
@@ -9,8 +9,8 @@ const STRETCHES: usize = 12;
 /// Rate of false discoveries.
 const RATE: f64 = 0.01;
 
-/// Stretches of a key in which the error exceeds the noise; `squares` are squared errors of a step, of
-/// two numbers, over the variance of one.
+/// Stretches of a key in which the error exceeds the noise; `squares` are squared errors of a step,
+/// of two numbers, over the variance of one.
 pub(super) fn stretches(keys: &[f64], squares: &[f64]) -> Vec<Stretch> {
     let ranked = order::ranked(keys);
     let parts = STRETCHES.min(ranked.len() / 4).max(1);

@@ -1,4 +1,4 @@
-//! What a model predicts for every step, with its derivatives.
+//! States what a model predicts for every step, with its derivatives.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +10,8 @@ use super::intake::Sweeps;
 use super::steady_state::{Impedance, Table};
 use super::values::{Sizes, Values};
 
-/// Step in coordinates for the derivatives of laws: small beside any feature, large beside rounding.
+/// Step in coordinates for the derivatives of laws: small next to any feature, large next to
+/// rounding.
 pub(super) const NUDGE: f64 = 1e-4;
 /// Amplitudes are tabulated up to so many times the largest that was read.
 const REACH: f64 = 1.6;
@@ -20,7 +21,7 @@ const LEAST_SLOPE: f64 = 0.3;
 
 type Phasor = Complex<f64>;
 
-/// Where the amplitude of a motion comes from.
+/// States where the amplitude of a motion comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Amplitude {
     /// From the reading: the force of the laws is that of the motion that was read.
@@ -158,8 +159,8 @@ fn moved(along: &Impedance<'_>, push: f64, wanted: f64, amplitude: Amplitude) ->
 }
 
 impl Predicted {
-    /// Change of the displacement of a step, over that displacement, where Z changes by `by_z` and the
-    /// push by a part `by_push` of itself.
+    /// Change of the displacement of a step, over that displacement, where Z changes by `by_z` and
+    /// the push by a part `by_push` of itself.
     fn moved(&self, k: usize, by_z: Phasor, by_push: f64) -> Phasor {
         let (z, slope) = self.impedance[k];
         let change = z * by_push - by_z;

@@ -1,10 +1,10 @@
-//! The laws that a resonator may follow beside the base model: the library's, with exponents and free
-//! forms of their arguments.
+//! The laws that a resonator may follow next to the base model: the library's, with exponents and
+//! free forms of their arguments.
 //!
-//! A quadratic spring is none of them: to a lock-in, which reads the fundamental alone, αx² is a cubic
-//! spring of β = −10α²/(9ω₀²) (Nayfeh & Mook, Nonlinear Oscillations, § 4.2), and it is reported with
-//! a softening one as what it cannot be told from. Nor is a spring with memory: the fundamental of its
-//! loop is that of a spring and a friction, whatever its form.
+//! A quadratic spring is none of them: to a lock-in, which reads the fundamental alone, αx² is a
+//! cubic spring of β = −10α²/(9ω₀²) (Nayfeh & Mook, Nonlinear Oscillations, § 4.2), and it is
+//! reported with a softening one as what it cannot be told from. Nor is a spring with memory: the
+//! fundamental of its loop is that of a spring and a friction, whatever its form.
 
 use std::sync::LazyLock;
 
@@ -89,7 +89,7 @@ pub(super) fn argument(term: &Term) -> Argument {
     }
 }
 
-/// Whether two laws are forms of one another, of which a set holds at most one.
+/// Returns whether two laws are forms of one another, of which a set holds at most one.
 pub(super) fn excludes(one: &Term, other: &Term) -> bool {
     let group = |t: &Term| match t {
         Term::CubicStiffness(_) | Term::PowerLawStiffness(_) => 1,
@@ -110,7 +110,7 @@ pub(super) fn excludes(one: &Term, other: &Term) -> bool {
     one.id() == other.id() || (group(one) != 0 && group(one) == group(other))
 }
 
-/// What can be named in sweeps.
+/// States what can be named in sweeps.
 pub static CANDIDATES: LazyLock<Vec<Candidate>> = LazyLock::new(|| {
     let all: Vec<Term> = stated(true).into_iter().chain(powers()).collect();
     let ids: Vec<&str> = all.iter().map(|term| term.id()).collect();

@@ -43,7 +43,7 @@ pub(super) struct Law {
     pub values: Vec<f64>,
 }
 
-/// What a law adds to the acceleration of N masses, and the rates of its states.
+/// Holds what a law adds to the acceleration of N masses, and the rates of its states.
 struct Answer<const N: usize> {
     force: [f64; N],
     rates: [[f64; N]; MOST_STAGED],
@@ -63,18 +63,18 @@ impl Law {
         Answer { force, rates }
     }
 
-    /// Whether its force is tabulated over amplitude.
+    /// Returns whether its force is tabulated over amplitude.
     pub(super) fn is_tabulated(&self) -> bool {
         self.term.role().acts_on_mass() && !self.is_linear()
     }
 
-    /// Whether its force depends on velocity, at this motion.
+    /// Returns whether its force depends on velocity, at this motion.
     fn has_velocity(&self, mass: &Oscillator, a: f64) -> bool {
         let [still, moving] = [0.0, a * mass.omega_rad_s].map(|v| self.at::<1>(mass, [[a], [v]], 0.0, [0.0; 2]).force);
         still != moving
     }
 
-    /// Whether its force is in proportion to the motion, whatever the amplitude.
+    /// Returns whether its force is in proportion to the motion, whatever the amplitude.
     pub(super) fn is_linear(&self) -> bool {
         matches!(self.term, Term::CoupledMode(_) | Term::StiffnessDrift(_))
     }

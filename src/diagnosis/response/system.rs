@@ -17,7 +17,8 @@ use super::space::{self, Member};
 use super::steady_state::{Law, Oscillator};
 use super::values::{Sizes, Values};
 
-/// Shared coordinates of the resonator and its lock-in: ω₀, Γ, size and angle of the gain, settling.
+/// Shared coordinates of the resonator and its lock-in: ω₀, Γ, size and angle of the gain,
+/// settling.
 pub(super) const OWN: usize = 5;
 /// Steps of a block.
 const BLOCK: usize = 3;
@@ -39,14 +40,14 @@ pub(super) struct System<'a> {
     pub sizes: Sizes,
     /// The space of laws.
     pub members: Vec<Member>,
-    /// Where the amplitude of a motion comes from.
+    /// States where the amplitude of a motion comes from.
     pub amplitude: Amplitude,
     /// Complex numbers of the background.
     pub backgrounds: usize,
 }
 
 impl<'a> System<'a> {
-    /// Sweeps with no law beside the base model yet.
+    /// Sweeps with no law next to the base model yet.
     pub(super) fn new(sweeps: &'a Sweeps, sizes: Sizes) -> Self {
         let twice = |r: &Range<usize>| 2 * r.start..2 * r.end;
         let counts = sweeps.counts.iter().flat_map(|c| [*c; 2]).collect();
@@ -98,7 +99,7 @@ impl<'a> System<'a> {
         }
     }
 
-    /// What a set predicts at a point.
+    /// Returns what a set predicts at a point.
     pub(super) fn predicted(&self, set: &[usize], point: &Point, amplitude: Amplitude) -> Predicted {
         predicted(self.sweeps, &self.sizes, &self.values(set, point), amplitude)
     }
@@ -108,7 +109,8 @@ impl<'a> System<'a> {
         pairs.flat_map(|(y, p)| [y.re - p.re, y.im - p.im]).collect()
     }
 
-    /// Where a law may begin: as its starts say, and where it has no strength there, with a little.
+    /// Returns where a law may begin: as its starts say, and where it has no strength there, with a
+    /// little.
     fn beginnings(&self, term: &Term) -> Vec<Vec<f64>> {
         let s = &self.sizes.laws;
         let starts = match term {
@@ -173,8 +175,8 @@ impl Kind for System<'_> {
         space::excludes(&self.members[law].term, &self.members[other].term)
     }
 
-    /// Where the law fits best with the amplitudes that were read: a fit without branches, from which
-    /// the motion itself is followed.
+    /// Returns where the law fits best with the amplitudes that were read: a fit without branches,
+    /// from which the motion itself is followed.
     fn joined(&self, set: &[usize], point: &Point, law: usize) -> Vec<Point> {
         let mut larger = set.to_vec();
         larger.push(law);
@@ -190,7 +192,7 @@ impl Kind for System<'_> {
         fits.into_iter().map(|f| f.point).collect()
     }
 
-    /// As it is: a beginning is fitted already.
+    /// Returns none: a beginning is fitted already.
     fn strengthened(&self, _: &[usize], point: &Point, _: f64) -> Option<Point> {
         Some(point.clone())
     }

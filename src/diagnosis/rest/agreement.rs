@@ -8,10 +8,10 @@
 
 use crate::control::{Control, Stopped};
 
+use super::candidates_round::{Tried, try_all};
 use super::cause::Cause;
 use super::channel::{Channel, Environment};
 use super::residual::{TOLERANCE, residual};
-use super::round::{Tried, try_all};
 use super::selection::{self, Selection};
 use super::standing::{self, CLOSE, Standing, others, prune};
 use crate::parallel;
@@ -57,7 +57,7 @@ fn bearers(selected: &[Selection], described: &[bool], judged: usize, cause: Cau
     (0..selected.len()).filter(|i| stands(*i)).count()
 }
 
-/// Whether a cause stands without a rival in a channel that it leaves with noise.
+/// Returns whether a cause stands without a rival in a channel that it leaves with noise.
 fn is_sure(selected: &[Selection], described: &[bool], cause: Cause) -> bool {
     let sure =
         |s: &Selection| s.chosen.terms.iter().zip(&s.named).any(|(t, n)| t.cause == cause && n.rivals.is_empty());

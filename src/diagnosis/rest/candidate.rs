@@ -1,5 +1,5 @@
-//! What the model of a sensor at rest may leave out; one file per candidate, with all that is
-//! particular to it.
+//! States what the model of a sensor at rest may leave out; one file per candidate, with all that
+//! is particular to it.
 //!
 //! A new candidate is a file here, a variant of `Cause` and its lines in `CANDIDATES`, `OFFERED`
 //! and `row`.
@@ -25,8 +25,8 @@ use super::cause::Cause;
 use crate::candidate::Candidate;
 use row::JUMP;
 
-/// What one pose cannot tell from biases and scale factors: in the library to be said, never to be
-/// fitted (`earth`).
+/// States what one pose cannot tell from biases and scale factors: in the library to be said, never
+/// to be fitted (`earth`).
 pub(super) const LOCAL_GRAVITY: Candidate = local_gravity::CANDIDATE;
 pub(super) const EARTH_RATE: Candidate = earth_rate::CANDIDATE;
 
@@ -45,8 +45,8 @@ pub const CANDIDATES: &[Candidate] = &[
     EARTH_RATE,
 ];
 
-/// What each channel's selection offers, in this order. White noise is in every model; its level is
-/// judged apart (`effects::of_level`).
+/// States what each channel's selection offers, in this order. White noise is in every model; its
+/// level is judged apart (`effects::of_level`).
 pub(super) const OFFERED: [Cause; 9] = [
     Cause::QuantisationNoise,
     Cause::FlickerNoise,
@@ -59,7 +59,7 @@ pub(super) const OFFERED: [Cause; 9] = [
     Cause::TemperatureSensitivity,
 ];
 
-/// What there is to know of a cause.
+/// Returns what there is to know of a cause.
 pub(super) fn row(cause: Cause) -> &'static Row {
     match cause {
         Cause::WhiteNoise => &white_noise::ROW,

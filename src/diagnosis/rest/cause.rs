@@ -1,4 +1,4 @@
-//! What may move the reading of a sensor at rest, by name.
+//! States what may move the reading of a sensor at rest, by name.
 
 /// A term of a channel's model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -16,8 +16,8 @@ pub(super) struct Chain {
     pub(super) leave: [f64; 2],
 }
 
-/// What a chain says of values: log-likelihood up to a constant, and the chance of the higher level
-/// at each.
+/// Holds what a chain says of values: log-likelihood up to a constant, and the chance of the higher
+/// level at each.
 pub(super) struct Expected {
     /// Up to a constant.
     pub(super) log_likelihood: f64,

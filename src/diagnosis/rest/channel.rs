@@ -23,7 +23,7 @@ pub(super) struct Channel {
     pub(super) name: String,
     /// Uniform samples, mean removed, over `scale`.
     pub(super) values: Vec<f64>,
-    /// What was removed, in file units.
+    /// Holds what was removed, in file units.
     pub(super) mean: f64,
     /// File units per unit here.
     pub(super) scale: f64,
@@ -33,7 +33,7 @@ pub(super) struct Channel {
     pub(super) step: Option<f64>,
     /// Readings averaged into one value.
     pub(super) together: usize,
-    /// What was taken out of it before; places among the readings, before any averaging.
+    /// Holds what was taken out of it before; places among the readings, before any averaging.
     pub(super) disturbances: Disturbances,
     /// Variance that the datasheet promises to every bin, beyond white noise; empty for none.
     pub(super) promised: Vec<f64>,
@@ -77,7 +77,7 @@ pub(super) struct Term {
 }
 
 impl Term {
-    /// Whether it follows this environment column.
+    /// Returns whether it follows this environment column.
     pub(super) fn follows(&self, column: &str) -> bool {
         self.column.as_ref().is_some_and(|f| f.column == column)
     }
@@ -111,9 +111,9 @@ impl Fitted {
         self.strengths.log_likelihood
     }
 
-    /// Twice the log-likelihood that a model gains by one of its terms. A slow law counts only where
-    /// the model without it has more than leakage: where a filter stops nearly all, what is there
-    /// comes from the two ends of the log, and a law that takes it up has not been seen.
+    /// Twice the log-likelihood that a model gains by one of its terms. A slow law counts only
+    /// where the model without it has more than leakage: where a filter stops nearly all, what is
+    /// there comes from the two ends of the log, and a law that takes it up has not been seen.
     pub(super) fn gain_over(&self, without: &Fitted, term: usize) -> f64 {
         let slow = matches!(self.terms[term].addition, Addition::Law(law) if law.is_low_frequency());
         if !slow || !without.has(Cause::BandLimit) {
@@ -137,7 +137,7 @@ impl Fitted {
         self.terms.iter().any(|t| t.cause == cause)
     }
 
-    /// Where the amplitudes of a term's curves stand.
+    /// Returns where the amplitudes of a term's curves stand.
     pub(super) fn amplitudes_of(&self, term: usize) -> &[(f64, f64)] {
         let curves = |t: &Term| if let Addition::Curves(c) = &t.addition { c.len() } else { 0 };
         let start = self.terms[..term].iter().map(curves).sum();

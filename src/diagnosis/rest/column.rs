@@ -1,10 +1,10 @@
-//! An environment column, averaged and scaled by its own standard deviation, as the search for shapes
-//! uses it.
+//! An environment column, averaged and scaled by its own standard deviation, as the search for
+//! shapes uses it.
 
 use super::blocks;
 use super::cause::Cause;
 use super::channel::{Addition, Curve, Term};
-use super::coarse;
+use super::decimated;
 use super::followed::{Delay, Followed};
 use crate::numerics::moments::mean_sd;
 
@@ -33,7 +33,7 @@ pub(super) struct Column<'a> {
 impl<'a> Column<'a> {
     /// `None` for one that is constant.
     pub(super) fn of(name: &'a str, full: &'a Curve) -> Option<Self> {
-        let together = coarse::together(full.values.len());
+        let together = decimated::together(full.values.len());
         let means = blocks::means(&full.values, together);
         let (_, unit) = mean_sd(&means);
         (unit > 0.0).then_some(Self { name, full, means, together, unit })

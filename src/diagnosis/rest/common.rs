@@ -40,8 +40,8 @@ pub(super) struct Common {
     pub(super) rivals: Vec<Cause>,
 }
 
-/// Whether a channel drifts in a way that neither a single curve of the library nor a power of time
-/// describes: two channels that follow the same power of time need no cause in common.
+/// Returns whether a channel drifts in a way that neither a single curve of the library nor a power
+/// of time describes: two channels that follow the same power of time need no cause in common.
 fn drifts(selected: &Selection, channel: &Channel) -> bool {
     let slow = selected.chosen.terms.iter().filter(|t| is_slow(t, channel));
     let (laws, curves): (Vec<&Term>, Vec<&Term>) = slow.partition(|t| matches!(t.addition, Addition::Law(_)));

@@ -30,7 +30,7 @@ use crate::remainder::{REAL, Remainder, Size, Test};
 use crate::ruling::{Evidence, rule};
 use crate::verdict::{Effect, Estimate, RecordingInfo};
 
-/// What a conclusion is drawn from.
+/// Holds what a conclusion is drawn from.
 pub(super) struct Material<'a> {
     pub(super) recording: &'a Recording,
     pub(super) model: &'a model::Static,
@@ -63,9 +63,10 @@ struct Draft<'a> {
     /// The final models: those selected, or with what channels share.
     finals: Vec<Fitted>,
     residuals: Vec<Residual>,
-    /// Whether a jump, or hops between two levels, describe a channel better than its drift does.
+    /// States whether a jump, or hops between two levels, describe a channel better than its drift
+    /// does.
     leaps: Vec<bool>,
-    /// What free exponents say of a channel's drift.
+    /// Holds what free exponents say of a channel's drift.
     departures: Vec<Option<Departure>>,
     effects: Vec<Found>,
 }
@@ -89,13 +90,13 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Whether a channel takes part in the common drift.
+    /// Returns whether a channel takes part in the common drift.
     fn is_common(&self, i: usize) -> bool {
         self.common.as_ref().is_some_and(|c| c.leader == i || c.followers.iter().any(|f| f.channel == i))
     }
 
-    /// What was selected, as effects: the drift that channels share, each channel's own terms, its
-    /// white level.
+    /// States what was selected, as effects: the drift that channels share, each channel's own
+    /// terms, its white level.
     fn find_effects(&mut self) {
         if let Some(common) = &self.common {
             self.effects.push(effects::of_common(common, self.channels, &mut self.finals));
@@ -109,7 +110,7 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// What the final models leave, and what leaps rather than drifts.
+    /// States what the final models leave, and what leaps rather than drifts.
     fn test_residuals(&mut self) {
         let count = self.channels.len() as f64;
         self.residuals = self.channels.iter().zip(&self.finals).map(|(c, f)| residual(c, f, TOLERANCE)).collect();
@@ -143,7 +144,7 @@ impl<'a> Draft<'a> {
         self.share_exponent(&steady);
     }
 
-    /// What one exponent for all channels that drift by noise says of each.
+    /// States what one exponent for all channels that drift by noise says of each.
     fn share_exponent(&mut self, steady: &[usize]) {
         let member = |i: &usize| Member {
             channel: &self.channels[*i],
@@ -159,8 +160,8 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Where one power law f^−α fits a channel's drift as well as its slow laws together, one effect
-    /// with the fitted exponent replaces theirs.
+    /// If one power law f^−α fits a channel's drift as well as its slow laws together,
+    /// one effect with the fitted exponent replaces theirs.
     fn name_near_laws(&mut self) {
         let count = self.channels.len();
         for place in 0..count {
@@ -178,17 +179,17 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Whether what acts on a channel is in no library: a jump, a knock, spikes.
+    /// Returns whether what acts on a channel is in no library: a jump, a knock, spikes.
     fn is_disturbed(&self, i: usize) -> bool {
         self.finals[i].has(Cause::Jump) || self.channels[i].disturbances.are_foreign()
     }
 
-    /// Whether a free exponent has ruled so of this cause in a channel.
+    /// Returns whether a free exponent has ruled so of this cause in a channel.
     fn is(&self, ruling: Ruling, cause: Cause, i: usize) -> bool {
         self.departures[i].is_some_and(|d| d.ruling == ruling && d.concerns(cause))
     }
 
-    /// Whether a channel drifts by a law that is not the library's.
+    /// Returns whether a channel drifts by a law that is not the library's.
     fn departs(&self, i: usize) -> bool {
         self.departures[i].is_some_and(|d| d.ruling == Ruling::Refuted)
     }
@@ -203,7 +204,7 @@ impl<'a> Draft<'a> {
         Remainder::of((0..self.channels.len()).map(|i| self.test(i)))
     }
 
-    /// Whether a channel's own model describes it.
+    /// Returns whether a channel's own model describes it.
     fn fits(&self, i: usize) -> bool {
         !self.leaps[i] && !self.departs(i) && self.test(i).found() == Size::Negligible
     }
@@ -239,9 +240,9 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// What explains a drift by half while something foreign remains is a stand-in, in the channels
-    /// where it remains. What has a witness of its own stays, and so does a law that holds wherever
-    /// it rules.
+    /// Drops stand-ins: laws that explain a drift by half while something unmodelled remains, in the
+    /// channels where it remains. What has a witness of its own stays, and so does a law that holds
+    /// wherever it rules.
     fn drop_stand_ins(&mut self) {
         let stands = |found: &Found| {
             let mut at = found.channels.iter();
@@ -257,7 +258,7 @@ impl<'a> Draft<'a> {
         order::sort_by_key(&mut self.effects, |e| -e.evidence.held_out_gain);
     }
 
-    /// What a reader should know beside the verdict.
+    /// States what a reader should know next to the verdict.
     fn mention(&mut self) {
         let count = self.channels.len() as f64;
         let strict = || {
@@ -277,7 +278,7 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Whether the recording cannot tell if an effect has the library's exponent.
+    /// Returns whether the recording cannot tell if an effect has the library's exponent.
     fn is_open(&self, found: &Found) -> bool {
         found.channels.iter().any(|i| self.is(Ruling::Open, found.cause, *i))
     }
@@ -376,7 +377,8 @@ impl<'a> Draft<'a> {
     }
 }
 
-/// What the base model says of every bin: the promised noise, else white noise at its best level.
+/// Returns what the base model says of every bin: the promised noise, else white noise at its best
+/// level.
 fn base_variances(channel: &Channel, selection: &Selection, model: &model::Static) -> Vec<f64> {
     match &model.noise {
         None => selection.base.variances.clone(),

@@ -6,7 +6,7 @@ use super::channel::Curve;
 use crate::numerics::legendre::legendre;
 use crate::numerics::log_time::log_time;
 
-/// Whether it is a course that the library names.
+/// Returns whether it is a course that the library names.
 pub(super) fn is_course(cause: Cause) -> bool {
     matches!(cause, Cause::RateRamp | Cause::WarmUp)
 }

@@ -1,5 +1,5 @@
-//! Whether a drift follows the law it was named for: the law's exponent is set free and has its
-//! say.
+//! Decides whether a drift follows the law it was named for: the law's exponent is set free and has
+//! its say.
 //!
 //! Laws of noise and drift have whole exponents: 1/f, 1/f², a bias along t. A drift of another
 //! exponent, or one along a smooth course that is no noise at all, is described by a library law or
@@ -18,8 +18,8 @@ use super::spectrum::{self, Bin, Law, Part};
 use super::standing::{ALPHA, CLOSE, probability};
 
 /// An exponent nearer to a law's than this part of it makes no difference that matters: over the
-/// three decades of one log f^−0.1 changes the power by a factor of two in all, so that a law fitted
-/// in the middle errs by a fifth in size at either end.
+/// three decades of one log f^−0.1 changes the power by a factor of two in all, so that a law
+/// fitted in the middle errs by a fifth in size at either end.
 const NEAR: f64 = 0.1;
 /// Twice the log-likelihood by which a free exponent leaves the 95 % interval of a whole one, so
 /// that this one is in doubt.
@@ -29,22 +29,22 @@ const DOUBTED: f64 = 3.84;
 const REFUTED: f64 = 10.8;
 /// Exponents of a spectrum that are tried. A smooth course has a spectrum steeper than any noise's.
 pub(super) const SPECTRAL: [f64; 2] = [0.2, 4.4];
-/// How many, before the best is refined.
+/// States how many, before the best is refined.
 pub(super) const POINTS: usize = 22;
 /// Values that a drift in time is judged on, at most.
 const MOST: usize = 2048;
 
-/// What a free exponent says.
+/// Holds what a free exponent says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Departure {
     pub(super) ruling: Ruling,
     pub(super) of: Of,
     /// The free exponent; `None` where a smooth course of no such form does best.
     pub(super) exponent: Option<Profiled>,
-    /// By how much it is better than what was chosen, or where channels share it, than one memory or
-    /// one whole law for all: twice the log-likelihood less what the numbers cost.
+    /// By how much it is better than what was chosen, or where channels share it, than one memory
+    /// or one whole law for all: twice the log-likelihood less what the numbers cost.
     pub(super) better_by: f64,
-    /// Whether a spectrum of that exponent takes up the straight or settling courses too.
+    /// States whether a spectrum of that exponent absorbs the straight or settling courses too.
     pub(super) takes_courses: bool,
 }
 
@@ -65,7 +65,7 @@ pub(super) enum Of {
 }
 
 impl Departure {
-    /// Whether it speaks of this cause.
+    /// Returns whether it speaks of this cause.
     pub(super) fn concerns(&self, cause: Cause) -> bool {
         let is_slow = SLOW.contains(&cause);
         match (self.of, self.ruling) {
@@ -76,7 +76,7 @@ impl Departure {
     }
 }
 
-/// What free exponents say of a channel's drift; `None` where its laws hold or it has none.
+/// Returns what free exponents say of a channel's drift; `None` where its laws hold or it has none.
 /// `correction` as in `standing`.
 pub(super) fn judge(channel: &Channel, chosen: &Fitted, correction: f64) -> Option<Departure> {
     let both = [in_time(channel, chosen), in_spectrum(channel, chosen, correction)];
@@ -84,13 +84,14 @@ pub(super) fn judge(channel: &Channel, chosen: &Fitted, correction: f64) -> Opti
     refuted.or_else(|| both.into_iter().flatten().next())
 }
 
-/// Whether a channel's drift follows a power of time better than the laws that it was named for.
+/// Returns whether a channel's drift follows a power of time better than the laws that it was named
+/// for.
 pub(super) fn is_power_of_time(channel: &Channel, chosen: &Fitted) -> bool {
     in_time(channel, chosen).is_some_and(|d| d.ruling == Ruling::Refuted && d.exponent.is_some())
 }
 
-/// What is said of one whole exponent: an interval that is merely wide speaks against no law. Which
-/// of the whole ones fits is settled before (`laws`).
+/// Returns what is said of one whole exponent: an interval that is merely wide speaks against no
+/// law. Which of the whole ones fits is settled before (`laws`).
 pub(super) fn whole(law: f64, free: Profiled, gain: f64) -> Option<Ruling> {
     let is_material = (free.value - law).abs() > NEAR * law;
     if is_material && gain > REFUTED {
@@ -102,7 +103,7 @@ pub(super) fn whole(law: f64, free: Profiled, gain: f64) -> Option<Ruling> {
     }
 }
 
-/// What is said of another description, by how much better it is.
+/// Returns what is said of another description, by how much better it is.
 pub(super) fn rival(better_by: f64) -> Option<Ruling> {
     if better_by > CLOSE {
         Some(Ruling::Refuted)
@@ -148,7 +149,7 @@ fn in_spectrum(channel: &Channel, chosen: &Fitted, correction: f64) -> Option<De
                 let gain = 2.0 * (best - chosen.log_likelihood());
                 (gain + spared + 2.0 * numbers(&is_course), free, true)
             });
-            // A course that gains no more than chance beside a law of free exponent is not there.
+            // A course that gains no more than chance next to a law of free exponent is not there.
             let course = chosen.terms.iter().find(|t| is_course(t.cause));
             let needed = |t: &(f64, Profiled, bool)| {
                 let gain = kept.0 - t.0 + 2.0 * numbers(&is_course);
@@ -197,7 +198,7 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
     let coarse = |terms: Vec<&Term>| terms.into_iter().filter_map(|t| blocks::term(t, together)).collect::<Vec<Term>>();
     let rest = coarse(chosen.terms.iter().filter(|t| !drifts(t)).collect());
     let before = own.fit(coarse(chosen.terms.iter().collect()));
-    // What a number costs where it is fitted to this many values (Schwarz 1978): a curve takes up
+    // What a number costs where it is fitted to this many values (Schwarz 1978): a curve absorbs
     // what it can of any noise.
     let penalty = (count as f64).ln();
     let with = |curves: Vec<Curve>| -> f64 {
@@ -265,10 +266,10 @@ mod tests {
         assert!(covered >= 17, "{covered} of 20 intervals hold the exponent");
     }
 
-    // Between f^−1 and f^−2 two laws side by side follow any power; where both rule over a decade and
-    // more of their own, no power follows them: by Whittle's likelihood of the mean spectrum the sum
-    // leads by 59, with a standard deviation of 2√59 = 15, so that one in a thousand leads by less
-    // than 10.8.
+    // Between f^−1 and f^−2 two laws side by side follow any power; where both rule over a decade
+    // and more of their own, no power follows them: by Whittle's likelihood of the mean spectrum
+    // the sum leads by 59, with a standard deviation of 2√59 = 15, so that one in a thousand leads
+    // by less than 10.8.
     #[test]
     fn two_laws_stand_where_they_bend_the_spectrum_and_not_in_the_place_of_one_power() {
         let ruled = |bent: bool, member: u64| {

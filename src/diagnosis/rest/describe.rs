@@ -44,7 +44,7 @@ fn allan_variance(bins: &[Bin], variances: &[f64], count: usize, factor: usize) 
     2.0 / count as f64 * bins.iter().zip(variances).map(each).sum::<f64>()
 }
 
-/// What figures show of a channel.
+/// Returns what figures show of a channel.
 pub(super) fn detail(channel: &Channel, base: &[f64], fitted: &Fitted) -> ChannelDetail {
     let count = channel.values.len();
     let curve = fitted.mean_curve(count);

@@ -1,5 +1,5 @@
-//! What a diagnosis of a sensor at rest keeps: plain numbers behind its figures, reasons behind its
-//! words.
+//! States what a diagnosis of a sensor at rest keeps: plain numbers behind its figures, reasons
+//! behind its words.
 
 use super::statement::Statement;
 use crate::verdict::Stretch;
@@ -9,26 +9,27 @@ use crate::verdict::Stretch;
 pub struct Detail {
     /// Unit of the channels.
     pub unit: String,
-    /// What the figures show of each channel.
+    /// Holds what the figures show of each channel.
     pub channels: Vec<ChannelDetail>,
-    /// Whether something that a temperature column would show is named, and none was recorded.
+    /// States whether something that a temperature column would show is named, and none was
+    /// recorded.
     pub temperature_unlogged: bool,
     /// Location of the mismatch.
     pub location: Location,
     /// Drifts whose exponent is not, or may not be, that of a library law.
     pub departures: Vec<Departure>,
-    /// What is found of the readings and their noise besides.
+    /// Holds what is found of the readings and their noise besides.
     pub statements: Vec<Statement>,
 }
 
-/// What the figures show of a channel; all in file units.
+/// Holds what the figures show of a channel; all in file units.
 #[derive(Debug, Clone, Default)]
 pub struct ChannelDetail {
     /// Heading of the column.
     pub name: String,
     /// Ids named in it.
     pub named: Vec<String>,
-    /// Whether its own model leaves noise.
+    /// States whether its own model leaves noise.
     pub fits: bool,
     /// τ in s, recorded Allan deviation, base model's, repaired model's.
     pub allan: Vec<[f64; 4]>,
@@ -47,9 +48,9 @@ pub struct Departure {
     pub ids: Vec<String>,
     /// The law named for it, whose exponent is nearest.
     pub near: Option<String>,
-    /// Whether they are refuted; else the recording cannot tell.
+    /// States whether they are refuted; else the recording cannot tell.
     pub refuted: bool,
-    /// Whether the exponent is that of the course in time, t^p; else of the spectrum, f^−α.
+    /// States whether the exponent is that of the course in time, t^p; else of the spectrum, f^−α.
     pub in_time: bool,
     /// The exponent; absent where a smooth course without one does best.
     pub exponent: Option<f64>,
@@ -57,11 +58,11 @@ pub struct Departure {
     pub ci95: Option<[f64; 2]>,
 }
 
-/// Where the mismatch lives: the one that repair removed where every channel is described, else
-/// what is left.
+/// States where the mismatch lives: the one that repair removed where every channel is described,
+/// else what is left.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Location {
-    /// Whether the models found describe every channel.
+    /// States whether the models found describe every channel.
     pub described: bool,
     /// Jumps of the bias, each once for all channels that take part.
     pub jumps: Vec<Jump>,
@@ -130,7 +131,7 @@ pub struct Mismatch {
     pub band_hz: Option<Stretch>,
     /// Frequency below which it has less power than modelled, Hz, and the share of it that it has.
     pub fading: Option<[f64; 2]>,
-    /// Whether nothing is amiss in time.
+    /// States whether nothing is amiss in time.
     pub steady: bool,
     /// Least and most power over that modelled among stretches of time.
     pub power: [f64; 2],
@@ -138,6 +139,6 @@ pub struct Mismatch {
     pub time_s: Vec<Stretch>,
     /// Change of the power from end to end over its mean, where it creeps.
     pub creep: Option<f64>,
-    /// Whether nothing is amiss outside those stretches.
+    /// States whether nothing is amiss outside those stretches.
     pub only_there: bool,
 }

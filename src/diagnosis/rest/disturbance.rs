@@ -34,7 +34,7 @@ pub(super) struct BadReading {
     /// Place among the values.
     pub(super) at: usize,
     pub(super) value: f64,
-    /// How far off, in robust standard deviations of the noise.
+    /// States how far off, in robust standard deviations of the noise.
     pub(super) deviations: f64,
 }
 
@@ -49,7 +49,7 @@ pub(super) struct Knock {
     pub(super) deviations: f64,
 }
 
-/// What disturbs a channel.
+/// Holds what disturbs a channel.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Disturbances {
     pub(super) bad: Vec<BadReading>,
@@ -61,7 +61,7 @@ pub(super) struct Disturbances {
 }
 
 impl Disturbances {
-    /// Whether there is anything that no library law and no noise makes.
+    /// Returns whether there is anything that no library law and no noise makes.
     pub(super) fn are_foreign(&self) -> bool {
         !self.knocks.is_empty() || self.spikes > 0
     }

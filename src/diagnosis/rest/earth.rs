@@ -1,4 +1,4 @@
-//! What the Earth adds to a sensor at rest at a known place: gravity, and its own turning. A
+//! States what the Earth adds to a sensor at rest at a known place: gravity, and its own turning. A
 //! reference for the means of three channels.
 //!
 //! One pose shows one number, the length of the vector, against three biases, three scale factors
@@ -17,8 +17,8 @@ use crate::standing::{Gain, Note, Ranked};
 use crate::units::DEGREE;
 use crate::verdict::Estimate;
 
-/// How far gravity commonly is from that of the ellipsoid, m/s²: three times the rms of free-air
-/// anomalies, 34 mGal (EGM2008; Pavlis et al., Journal of Geophysical Research 117, 2012).
+/// States how far gravity commonly is from that of the ellipsoid, m/s²: three times the rms of
+/// free-air anomalies, 34 mGal (EGM2008; Pavlis et al., Journal of Geophysical Research 117, 2012).
 const ANOMALY_M_S2: f64 = 1e-3;
 
 /// Length over its largest standard deviation from which the direction of a vector is known.
@@ -33,7 +33,7 @@ fn gravity_m_s2(latitude_rad: f64, height_m: f64) -> f64 {
     earth.gravity_m_s2(Place { latitude_rad, height_m })
 }
 
-/// Whether the model states a place on the Earth, or none.
+/// Checks whether the model states a place on the Earth, or none.
 ///
 /// # Errors
 /// A latitude beyond the poles, a height that is not on or near the Earth, or one without latitude.
@@ -51,8 +51,8 @@ pub(super) fn check(model: &Static) -> Result<()> {
     }
 }
 
-/// Gravity or the Earth's rate beside the length of three means; `None` where the place or the unit
-/// is not known.
+/// Gravity or the Earth's rate next to the length of three means; `None` where the place or the
+/// unit is not known.
 pub(super) fn reference(model: &Static, means: &[Estimate]) -> Option<Statement> {
     let latitude_deg = model.latitude_deg?;
     let [x, y, z] = means else { return None };
@@ -90,7 +90,7 @@ pub(super) fn ranked(statement: &Statement, channels: Vec<String>) -> Option<Ran
     Some(Ranked { id: entry.id, channels, gain, p_value: 1.0, named: false, note: Note::OnePose })
 }
 
-/// What may lie behind a length that is not gravity's; all in m/s².
+/// Returns what may lie behind a length that is not gravity's; all in m/s².
 fn of_gravity(length: f64, [low, high]: [f64; 2], expected: f64, height_m: f64) -> Difference {
     let off = |value: f64| (value - expected).abs();
     let holds = low <= expected && expected <= high;
@@ -105,7 +105,8 @@ fn of_gravity(length: f64, [low, high]: [f64; 2], expected: f64, height_m: f64) 
     }
 }
 
-/// Where gravity is nearest to this, degrees from the equator: it grows from there to the poles.
+/// Returns where gravity is nearest to this, degrees from the equator: it grows from there to the
+/// poles.
 fn latitude_deg(gravity: f64, height_m: f64) -> f64 {
     let [mut from, mut to] = [0.0, 90.0];
     for _ in 0..40 {

@@ -5,8 +5,8 @@ use super::candidate::{Placed, row};
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Fitted};
 use super::common::Common;
+use super::quantisation::Counts;
 use super::residual::Residual;
-use super::rounding::Counts;
 use super::selection::Selection;
 use super::slow::is_slow;
 use super::spectrum::Law;
@@ -22,7 +22,7 @@ const COARSE: f64 = 0.1;
 /// A datasheet's level is a typical one: nearer than this is as promised.
 const LEVEL: f64 = 0.05;
 
-/// What an effect rests on.
+/// Holds what an effect rests on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Basis {
     /// The shape of a spectrum or of a course in time.
@@ -47,7 +47,7 @@ pub(super) struct Found {
 }
 
 impl Found {
-    /// As the verdict states it; `None` for what is no physics left out.
+    /// Returns it as the verdict states it; `None` for what is no physics left out.
     pub(super) fn public(&self, channels: &[Channel]) -> Option<Effect> {
         let entry = row(self.cause).entry?;
         Some(Effect {
@@ -63,19 +63,19 @@ impl Found {
         })
     }
 
-    /// Ties it with these before what it is tied with already.
+    /// Ties it with these before what it is indistinguishable from already.
     pub(super) fn tie(&mut self, others: &[Cause]) {
         let known = self.rivals.iter().filter(|r| !others.contains(r));
         self.rivals = others.iter().chain(known).copied().collect();
     }
 
-    /// Whether it is this cause in this channel.
+    /// Returns whether it is this cause in this channel.
     pub(super) fn is(&self, cause: Cause, channel: usize) -> bool {
         self.cause == cause && self.channels.contains(&channel)
     }
 
-    /// Whether it stands in a channel though more is left there: it has a witness of its own, or it
-    /// holds wherever it rules.
+    /// Returns whether it stands in a channel though more is left there: it has a witness of its
+    /// own, or it holds wherever it rules.
     pub(super) fn stands(&self, channel: &Channel, fitted: &Fitted, residual: &Residual) -> bool {
         match self.cause {
             Cause::Sinusoid => self.is_a_line(channel, residual),
@@ -83,8 +83,8 @@ impl Found {
         }
     }
 
-    /// Whether nothing is amiss around a sine: a hump wider than a line takes several of them and
-    /// is still not described.
+    /// Returns whether nothing is amiss around a sine: a hump wider than a line takes several of
+    /// them and is still not described.
     fn is_a_line(&self, channel: &Channel, residual: &Residual) -> bool {
         let frequency_hz = self.parameters.iter().find(|p| p.name == "frequency").map_or(0.0, |p| p.value);
         let theta = std::f64::consts::PI * frequency_hz / channel.rate_hz;
@@ -94,7 +94,8 @@ impl Found {
     }
 }
 
-/// What a channel's own terms amount to; slow ones are left to the common cause where it has one.
+/// Returns what a channel's own terms amount to; slow ones are left to the common cause where it
+/// has one.
 pub(super) fn of_terms(place: usize, channel: &Channel, selection: &Selection, shared: bool, unit: &str) -> Vec<Found> {
     let fitted = &selection.chosen;
     let terms = fitted.terms.iter().zip(&selection.named).enumerate();
@@ -111,7 +112,8 @@ pub(super) fn of_terms(place: usize, channel: &Channel, selection: &Selection, s
         .collect()
 }
 
-/// Whether nothing is amiss in time, and in no band where this law is the larger part of the model.
+/// Returns whether nothing is amiss in time, and in no band where this law is the larger part of
+/// the model.
 fn holds_where_it_rules(cause: Cause, fitted: &Fitted, residual: &Residual) -> bool {
     let Some(index) = fitted.terms.iter().position(|t| t.cause == cause) else { return false };
     // Laws of finite reach (a memory, differences) fit any hump; only those that rise to the lowest
@@ -157,7 +159,7 @@ pub(super) fn of_common(common: &Common, channels: &[Channel], finals: &mut [Fit
     }
 }
 
-/// Variance by which the white level beside flicker depends on what the sensor does above half the
+/// Variance by which the white level next to flicker depends on what the sensor does above half the
 /// sampling rate: 1/f goes on there, and whether it folds back or is averaged away is no part of
 /// the law. Its variance at that frequency.
 fn folded(fitted: &Fitted) -> f64 {

@@ -1,11 +1,11 @@
-//! What is found besides the physics, in sentences.
+//! States what is found besides the physics, in sentences.
 
 use super::channel::Channel;
 use super::residual::TOLERANCE;
 use super::selection::Selection;
 use super::telegraph::REPLICAS;
 
-/// Where what is left is no noise as modelled, yet near enough to it.
+/// Names channels whose residual is no noise as modelled, yet near enough to it.
 pub(super) fn within_tolerance() -> String {
     format!(
         "the residual differs significantly from the noise model, but by less than the {:.0} % of its power that \
@@ -27,8 +27,8 @@ pub(super) fn no_witness(columns: &[String], channels: &[Channel], selected: &[S
     columns.iter().filter_map(of).collect()
 }
 
-/// Whether a process named from its spectrum could be hops between two levels, which have the same
-/// one.
+/// Returns whether a process named from its spectrum could be hops between two levels, which have
+/// the same one.
 pub(super) fn popcorn(channel: &Channel, detected: Option<usize>) -> Option<String> {
     let detected = detected?;
     Some(format!(

@@ -1,4 +1,5 @@
-//! How a channel follows an environment column: which one, with what delay, by which powers of it.
+//! States how a channel follows an environment column: which one, with what delay, by which powers
+//! of it.
 
 use super::profile::Profiled;
 
@@ -6,15 +7,15 @@ use super::profile::Profiled;
 #[derive(Debug, Clone)]
 pub(super) struct Followed {
     pub(super) column: String,
-    /// How it is delayed.
+    /// States how it is delayed.
     pub(super) delay: Delay,
-    /// What one unit of the curves is in units of the column.
+    /// Holds what one unit of the curves is in units of the column.
     pub(super) unit: f64,
     /// Which power of the column each curve is.
     pub(super) powers: &'static [i32],
 }
 
-/// How a reading comes after the column.
+/// States how a reading comes after the column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Delay {
     None,

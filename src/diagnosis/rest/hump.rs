@@ -18,7 +18,7 @@ const SLOWEST: usize = 16;
 /// Windows named at most.
 const MOST: usize = 8;
 
-/// What stands out.
+/// Holds what stands out.
 #[derive(Debug, Clone)]
 pub(super) struct Humps {
     /// Smallest probability of a window by chance, corrected for the number of windows.

@@ -1,21 +1,21 @@
-//! Whether an environment column tells more of a channel than a smooth course in time does.
+//! Decides whether an environment column tells more of a channel than a smooth course in time does.
 //!
 //! A column that is itself smooth can be bent to any smooth drift: it is a witness only where it
 //! tells more.
 
 use super::channel::Curve;
-use super::coarse::{Coarse, PENALTY};
 use super::course::{EXPONENTS, course, smooth};
+use super::decimated::{Coarse, PENALTY};
 use super::profile::peak;
 
 /// Time constants of a settling that are tried, as parts of the recording.
 const SETTLING: [f64; 2] = [0.01, 2.0];
 
-/// What curves tell of a channel, and what they cost.
+/// Holds what curves tell of a channel, and what they cost.
 #[derive(Debug, Clone)]
 pub(super) struct Told {
     pub(super) curves: Vec<Curve>,
-    /// Log-likelihood beside them.
+    /// Log-likelihood next to them.
     pub(super) log_likelihood: f64,
     /// Free numbers, searched ones included; a part of one where channels share it.
     pub(super) numbers: f64,
@@ -32,8 +32,8 @@ impl Told {
     }
 }
 
-/// Whether what a column tells is more than a smooth course in time does, or is so beside that
-/// course: both may act.
+/// Returns whether what a column tells is more than a smooth course in time does, or is so next to
+/// that course: both may act.
 pub(super) fn beats_time(coarse: &Coarse, by_column: &Told) -> bool {
     let Some(in_time) = best(coarse) else { return true };
     if by_column.merit() >= in_time.merit() {
@@ -44,8 +44,8 @@ pub(super) fn beats_time(coarse: &Coarse, by_column: &Told) -> bool {
     both.merit() >= in_time.merit() + PENALTY
 }
 
-/// The smooth course in time of most merit: a power of time, a settling, a kinked line, a polynomial
-/// of time or of its logarithm.
+/// The smooth course in time of most merit: a power of time, a settling, a kinked line, a
+/// polynomial of time or of its logarithm.
 fn best(coarse: &Coarse) -> Option<Told> {
     let count = coarse.count();
     let power = |p: f64| vec![course(count, |u| u.powf(p.exp()))];
@@ -74,7 +74,8 @@ mod tests {
         2.0 * (-4.0 * part(n)).exp() + (15.0 * part(n)).sin()
     }
 
-    /// Whether a column that a channel may follow beats time, where the channel is this and noise.
+    /// Returns whether a column that a channel may follow beats time, where the channel is this and
+    /// noise.
     fn beats(at: &dyn Fn(usize) -> f64, column: &dyn Fn(usize) -> f64, member: u64) -> bool {
         let mut rng = Philox::new(36, member, Stream::Host);
         let values: Vec<f64> = (0..COUNT).map(|n| at(n) + rng.normal()).collect();

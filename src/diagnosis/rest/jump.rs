@@ -88,8 +88,8 @@ pub(super) fn strongest(channel: &Channel, fitted: &Fitted, tolerance: f64) -> J
     Jump { at: at + margin, p_value: (2.0 * single.min(many(&sizes, apart))).min(1.0) }
 }
 
-/// How far apart two steps' sizes hardly depend on one another; `None` where the recording holds
-/// too few such lengths.
+/// Returns how far apart two steps' sizes hardly depend on one another; `None` where the recording
+/// holds too few such lengths.
 fn independence(sizes: &[f64]) -> Option<usize> {
     let power = |lag: usize| sizes.iter().zip(&sizes[lag..]).map(|(a, b)| a * b).sum::<f64>();
     let total = power(0).max(f64::MIN_POSITIVE);

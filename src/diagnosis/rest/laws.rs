@@ -1,10 +1,10 @@
 //! Which slow laws together: every sum of flicker, walk and memory against every other.
 //!
 //! Selection goes forward one law at a time, and what it took first may since be better told by
-//! others: a walk beside a short memory resembles flicker over the decades of one log. So the sums
+//! others: a walk next to a short memory resembles flicker over the decades of one log. So the sums
 //! are compared as wholes: of those that do as well the simplest is taken, and those as simple are
-//! tied with it. A walk looks like a line with a memory about it too: each law alone is also held
-//! against the sum without its straight or settling courses.
+//! indistinguishable from it. A walk looks like a line with a memory about it too: each law alone
+//! is also held against the sum without its straight or settling courses.
 
 use crate::control::{Control, Stopped};
 
@@ -75,7 +75,7 @@ pub(super) fn settle(
         }
     };
     let fit = |causes: &Vec<Cause>| fit_beside(&rest, causes);
-    // A memory was searched for when it was taken, beside fewer terms than there are now.
+    // A memory was searched for when it was taken, next to fewer terms than there are now.
     let again = fit(&chosen)?;
     let selected = if again.log_likelihood() > selected.log_likelihood() { again } else { selected };
     // No sum may hold more laws than one spectrum can tell apart, or a law that it does not need.
@@ -92,7 +92,7 @@ pub(super) fn settle(
     all.retain(|f| !is_filter(f) && merit(f) > merit(&selected) - CLOSE && needs_all(channel, f, correction));
     all.push(selected);
     let most = all.iter().map(merit).fold(f64::NEG_INFINITY, f64::max);
-    // Of those as good as the best the simplest; all of its size are tied with it.
+    // Of those as good as the best the simplest; all of its size are indistinguishable from it.
     all.retain(|f| merit(f) > most - CLOSE);
     let with_courses = all.iter().filter(|f| f.terms.iter().any(|t| is_course(t.cause)));
     let best_with_courses = with_courses.map(merit).fold(f64::NEG_INFINITY, f64::max);

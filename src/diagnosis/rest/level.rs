@@ -1,6 +1,6 @@
-//! Whether a white level other than the promised one holds throughout: at every frequency where
-//! white noise dominates, and from the first sample to the last. Otherwise a disturbance, spikes or
-//! noise that grows raised it, and the datasheet is not to blame.
+//! Decides whether a white level other than the promised one holds throughout: at every frequency
+//! where white noise dominates, and from the first sample to the last. Otherwise a disturbance,
+//! spikes or noise that grows raised it, and the datasheet is not to blame.
 
 use super::cause::Cause;
 use super::channel::{Channel, Fitted};
@@ -25,7 +25,8 @@ pub(super) struct Levels {
 }
 
 impl Levels {
-    /// Whether a level is nearer, by its logarithm, to the fitted one than to the promised one.
+    /// Returns whether a level is nearer, by its logarithm, to the fitted one than to the promised
+    /// one.
     fn supports(self, level: f64) -> bool {
         let middle = (self.fitted * self.promised).sqrt();
         if self.fitted > self.promised { level > middle } else { level < middle }
@@ -38,7 +39,7 @@ impl Levels {
     }
 }
 
-/// Whether a level holds throughout in a channel.
+/// Returns whether a level holds throughout in a channel.
 pub(super) fn holds(levels: Levels, channel: &Channel, fitted: &Fitted, residual: &Residual) -> bool {
     // Behind a filter the level is that of the lowest frequencies, continued: as much a shape as a
     // level.
@@ -47,7 +48,7 @@ pub(super) fn holds(levels: Levels, channel: &Channel, fitted: &Fitted, residual
     is_clean && is_read && holds_in_time(levels, residual) && holds_in_frequency(levels, fitted)
 }
 
-/// Whether the stretch of time that is nearest to the promise still departs from it.
+/// Returns whether the stretch of time that is nearest to the promise still departs from it.
 pub(super) fn holds_in_time(levels: Levels, residual: &Residual) -> bool {
     let [least, most] = residual.power;
     let nearest = if levels.fitted > levels.promised { least } else { most };

@@ -1,5 +1,5 @@
-//! Where the mismatch of a still sensor lives: in frequency, averaging time and time, channel by
-//! channel.
+//! States where the mismatch of a still sensor lives: in frequency, averaging time and time,
+//! channel by channel.
 
 use super::channel::Channel;
 use super::detail::{Hops, Jump, Knocked, Location, Mismatch, Spiky};

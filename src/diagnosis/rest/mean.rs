@@ -35,8 +35,8 @@ pub(super) struct Mean {
 }
 
 impl Mean {
-    /// Of a channel, under the laws that were fitted, or tied with them, and those that are promised:
-    /// the largest variance counts.
+    /// Of a channel, under the laws that were fitted, or indistinguishable from them, and those
+    /// that are promised: the largest variance counts.
     pub(super) fn of(channel: &Channel, fitted: &Fitted, noise: Option<&Noise>) -> Self {
         let own = Self::under(channel, fitted, noise);
         let tied = tied(channel, fitted).into_iter().map(|f| Self::under(channel, &f, noise).of_bias);
@@ -65,7 +65,7 @@ impl Mean {
         }
     }
 
-    /// As a base model's number.
+    /// Returns it as a base model's number.
     pub(super) fn estimate(&self, unit: &str) -> Estimate {
         let half = half_width(self.of_bias);
         Estimate {
@@ -76,7 +76,7 @@ impl Mean {
         }
     }
 
-    /// Where drift makes the bias less certain than the mean of the recording.
+    /// Names channels whose drift makes the bias less certain than the mean of the recording.
     pub(super) fn statement(&self) -> Option<Statement> {
         (self.of_bias > APART * self.of_recording).then(|| Statement::Mean {
             channel: self.channel.clone(),
@@ -87,8 +87,8 @@ impl Mean {
     }
 }
 
-/// Models with laws that last in place of a channel's slow laws and courses, as far as they describe
-/// it as well: a walk looks like a long memory or like a course that settles.
+/// Models with laws that last in place of a channel's slow laws and courses, as far as they
+/// describe it as well: a walk looks like a long memory or like a course that settles.
 fn tied(channel: &Channel, fitted: &Fitted) -> Vec<Fitted> {
     let is_slow = |t: &&Term| SLOW.contains(&t.cause) || is_course(t.cause);
     if !fitted.terms.iter().any(|t| is_slow(&t)) {
@@ -115,7 +115,7 @@ fn half_width(variance: f64) -> f64 {
     normal_quantile(0.975) * variance.max(0.0).sqrt()
 }
 
-/// Whether a longer recording does not average it out.
+/// Returns whether a longer recording does not average it out.
 fn lasts(law: Law) -> bool {
     match law {
         Law::Flicker | Law::Walk => true,

@@ -1,7 +1,7 @@
 //! A drift whose spectrum is a power law f^−α gets one name, that of the law with the nearest whole
 //! exponent.
 //!
-//! A sum of flicker, a walk and a memory takes up what one law near 1/f or 1/f² leaves: the second
+//! A sum of flicker, a walk and a memory absorbs what one law near 1/f or 1/f² leaves: the second
 //! and third names would be given for the freedom of the first. Where one law of free exponent does
 //! as well as the sum with fewer numbers, it stands for all of it, if it leaves noise; its name
 //! carries the exponent. Whether the exponent is the library's is for `departure`.
@@ -15,11 +15,11 @@ use super::laws::slow_laws;
 use super::residual::{TOLERANCE, residual};
 use super::selection::Selection;
 use super::spectrum::Law;
-use super::standing::{correction, worth};
+use super::standing::{correction, removal_p_value};
 use crate::remainder::REAL;
 use crate::verdict::{Estimate, Evidence};
 
-/// How far from a whole exponent a law may be and still have its name: half way to the next.
+/// States how far from a whole exponent a law may be and still have its name: half way to the next.
 const HALF_WAY: f64 = 0.5;
 
 /// The law whose whole exponent is nearest.
@@ -34,7 +34,7 @@ fn nearest(exponent: f64) -> Option<(Cause, Law)> {
     }
 }
 
-/// Whether an end of the exponent's interval is nearer to another law's.
+/// Returns whether an end of the exponent's interval is nearer to another law's.
 fn may_be_another(cause: Cause, ci95: [f64; 2]) -> bool {
     ci95.iter().any(|end| nearest(*end).is_some_and(|(other, _)| other != cause))
 }
@@ -107,7 +107,7 @@ pub(super) fn one_for_all(of: &Judged<'_>) -> Option<Found> {
         parameters,
         evidence: Evidence {
             held_out_gain: (own / possible.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0),
-            p_value: worth(channel, &free, &without, index, correction(count)).min(1.0),
+            p_value: removal_p_value(channel, &free, &without, index, correction(count)).min(1.0),
         },
         rivals: if open { rivals.take(1).collect() } else { Vec::new() },
         basis: Basis::Exponent,

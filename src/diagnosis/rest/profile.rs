@@ -11,7 +11,7 @@ pub(super) struct Profiled {
 }
 
 impl Profiled {
-    /// As another number, which grows with this one.
+    /// Returns it as another number, which grows with this one.
     pub(super) fn map(self, to: impl Fn(f64) -> f64) -> Self {
         Self { value: to(self.value), ci95: self.ci95.map(to) }
     }

@@ -1,5 +1,5 @@
-//! Whether a model leaves noise: in frequency by bands, in time by the whitened residual; and where
-//! it does not.
+//! Decides whether a model leaves noise: in frequency by bands, in time by the whitened residual;
+//! and where it does not.
 
 use std::f64::consts::PI;
 
@@ -17,7 +17,7 @@ use crate::verdict::Stretch;
 /// False discoveries among the stretches named.
 const RATE: f64 = 0.01;
 
-/// What is left of a channel when its model is taken off.
+/// Holds what is left of a channel when its model is taken off.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Residual {
     /// Smallest corrected probability that bands, stretches of time and single samples are noise as
@@ -33,10 +33,11 @@ pub(super) struct Residual {
     pub(super) frequency_hz: Vec<Stretch>,
     /// Least and most power over that modelled among the stretches of time.
     pub(super) power: [f64; 2],
-    /// Whether its power changes from one stretch of time to another, beyond chance and the
+    /// States whether its power changes from one stretch of time to another, beyond chance and the
     /// tolerance.
     pub(super) uneven: bool,
-    /// Whether it changes at once and by so much that something disturbs the sensor for a while.
+    /// States whether it changes at once and by so much that something disturbs the sensor for a
+    /// while.
     pub(super) disturbed: bool,
     /// Fourth moment over the squared second one; 3 for normal noise.
     pub(super) kurtosis: f64,
@@ -49,8 +50,8 @@ pub(super) struct Residual {
     pub(super) fading: Option<[f64; 2]>,
     /// Change of the noise's power from end to end over its mean, where it creeps.
     pub(super) creep: Option<f64>,
-    /// Whether outside the stretches named, which are the smaller part of the log, nothing is
-    /// amiss.
+    /// States whether outside the stretches named, which are the smaller part of the log, nothing
+    /// is amiss.
     pub(super) only_there: bool,
 }
 
@@ -265,13 +266,13 @@ fn bands(channel: &Channel, fitted: &Fitted, tolerance: f64) -> (Vec<f64>, Vec<f
     (p_values, centres, named)
 }
 
-/// What the power of stretches of time says.
+/// Holds what the power of stretches of time says.
 struct Stretches {
     p_values: Vec<f64>,
     /// Of the stretches shown, over that modelled.
     powers: Vec<f64>,
     shown: Vec<Stretch>,
-    /// Whether it changes by [`ABRUPT`] at once.
+    /// States whether it changes by [`ABRUPT`] at once.
     abrupt: bool,
 }
 

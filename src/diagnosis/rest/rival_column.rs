@@ -1,9 +1,9 @@
-//! A course in time, or a slow wandering, that an environment column describes as well is tied with
-//! that column.
+//! A course in time, or a slow wandering, that an environment column describes as well is
+//! indistinguishable from that column.
 //!
-//! Whether a column acts is asked beside a walk whose strength is free (`shape`), where neither a
+//! Whether a column acts is asked next to a walk whose strength is free (`shape`), where neither a
 //! column that looks like a straight line nor the line itself would gain much. A straight or
-//! settling course is named beside the noise that the channel was found to have. Beside that same
+//! settling course is named next to the noise that the channel was found to have. Next to that same
 //! noise a column, at once or delayed, may do as well: then the recording cannot tell which it is,
 //! and other channels of it cannot either.
 
@@ -11,9 +11,9 @@ use super::blocks;
 use super::candidate::row;
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Environment, Fitted, Term};
-use super::coarse;
 use super::column::{Column, STRAIGHT};
 use super::course::is_course;
+use super::decimated;
 use super::followed::{lagged, played};
 use super::profile::peak;
 use super::selection::Selection;
@@ -21,7 +21,7 @@ use super::standing::{CLOSE, others};
 use crate::control::{Control, Stopped};
 use crate::parallel;
 
-/// Whether a column could be what it is.
+/// Returns whether a column could be what it is.
 fn may_be_a_column(cause: Cause) -> bool {
     is_course(cause) || matches!(cause, Cause::RandomWalk | Cause::GaussMarkov)
 }
@@ -53,10 +53,10 @@ pub(super) fn tie(
 fn tied(channel: &Channel, chosen: &Fitted, columns: &[Column<'_>], control: &Control) -> Result<Vec<usize>, Stopped> {
     let mut found = Vec::new();
     for (index, term) in chosen.terms.iter().enumerate().filter(|(_, t)| may_be_a_column(t.cause)) {
-        let Some(own) = blocks::term(term, coarse::together(channel.values.len())) else { continue };
+        let Some(own) = blocks::term(term, decimated::together(channel.values.len())) else { continue };
         let beside = Beside::of(channel, chosen, index);
         let least = beside.merit(own, row(term.cause).numbers) - CLOSE;
-        // A column that is followed already is no rival of what is named beside it.
+        // A column that is followed already is no rival of what is named next to it.
         let other = |column: &&Column<'_>| !chosen.terms.iter().any(|t| t.follows(column.name()));
         for column in columns.iter().filter(other) {
             control.go_on()?;
@@ -77,7 +77,7 @@ struct Beside {
 
 impl Beside {
     fn of(channel: &Channel, chosen: &Fitted, but: usize) -> Self {
-        let together = coarse::together(channel.values.len());
+        let together = decimated::together(channel.values.len());
         Self {
             channel: blocks::channel(channel, &channel.values, together),
             others: others(chosen, but).iter().filter_map(|t| blocks::term(t, together)).collect(),
@@ -127,7 +127,8 @@ mod tests {
         Term { cause: Cause::RandomWalk, addition: Addition::Law(Law::Walk), searched: 0.0, column: None }
     }
 
-    /// Whether this term, named in a channel of a course and white noise, is tied with a column.
+    /// Returns whether this term, named in a channel of a course and white noise, is
+    /// indistinguishable from a column.
     fn is_tied(named: Term, at: &dyn Fn(usize) -> f64, column: &dyn Fn(usize) -> f64, member: u64) -> bool {
         let mut rng = Philox::new(37, member, Stream::Host);
         let values: Vec<f64> = (0..COUNT).map(|n| at(n) + rng.normal()).collect();

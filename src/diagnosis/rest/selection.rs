@@ -2,13 +2,13 @@
 //! pruned backwards.
 
 use super::candidate::row;
+use super::candidates_round::{Tried, try_all};
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Curve, Environment, Fitted, Term};
 use super::jump;
 use super::laws::{self, Rivals};
-use super::round::{Tried, try_all};
 use super::shape::Following;
-use super::standing::{self, CLOSE, SUPERFLUOUS, Standing, contains, others, prune, worth};
+use super::standing::{self, CLOSE, SUPERFLUOUS, Standing, contains, others, prune, removal_p_value};
 use crate::control::{Control, Stopped};
 use crate::numerics::order;
 
@@ -17,7 +17,7 @@ const MOST: usize = 6;
 /// At most this many steps of the bias are fitted.
 const MOST_STEPS: usize = 2;
 
-/// What a channel needs, and how every candidate did alone.
+/// Holds what a channel needs, and how every candidate did alone.
 pub(super) struct Selection {
     pub(super) base: Fitted,
     pub(super) chosen: Fitted,
@@ -36,13 +36,14 @@ impl Selection {
         self.set_aside.iter().map(String::as_str).filter(move |name| !used(name))
     }
 
-    /// What the chosen model gains over the base in log-likelihood on held-out coefficients.
+    /// Returns what the chosen model gains over the base in log-likelihood on held-out
+    /// coefficients.
     pub(super) fn possible(&self, channel: &Channel) -> f64 {
         self.chosen.held_out(&channel.promised) - self.base.held_out(&channel.promised)
     }
 }
 
-/// What a term of the chosen model rests on.
+/// Holds what a term of the chosen model rests on.
 #[derive(Debug, Clone)]
 pub(super) struct Named {
     /// Corrected probability that it gains so much by chance.
@@ -53,11 +54,11 @@ pub(super) struct Named {
     pub(super) rivals: Vec<Cause>,
 }
 
-/// What stands beside a channel in the recording.
+/// Holds what stands next to a channel in the recording.
 pub(super) struct Surroundings<'a> {
     /// Environment columns.
     pub(super) columns: &'a Environment,
-    /// How the channel follows each.
+    /// States how the channel follows each.
     pub(super) following: &'a [Following],
 }
 
@@ -95,7 +96,7 @@ struct Columns {
     set_aside: Vec<String>,
 }
 
-/// The shapes in which a channel follows environment columns, beside other terms: before any noise
+/// The shapes in which a channel follows environment columns, next to other terms: before any noise
 /// is offered. And which columns may still be offered.
 fn followed(
     channel: &Channel,
@@ -131,14 +132,15 @@ fn without_the_weakest(channel: &Channel, fitted: &Fitted, first: usize, correct
     let mut all: Vec<(usize, Fitted)> = (first..fitted.terms.len()).map(without).collect();
     // The less is lost without it.
     order::sort_by_key(&mut all, |(_, without)| -without.log_likelihood());
-    let is_superfluous =
-        |(index, without): &(usize, Fitted)| worth(channel, fitted, without, *index, correction) > SUPERFLUOUS;
+    let is_superfluous = |(index, without): &(usize, Fitted)| {
+        removal_p_value(channel, fitted, without, *index, correction) > SUPERFLUOUS
+    };
     let serves_not = |(index, _): &(usize, Fitted)| channel.held_out_share(fitted, *index) <= 0.0;
     let weakest = all.iter().position(is_superfluous).or_else(|| all.iter().position(serves_not))?;
     Some(all.swap_remove(weakest).1)
 }
 
-/// Selects beside steps of the bias.
+/// Selects next to steps of the bias.
 fn beside(
     channel: &Channel,
     surroundings: &Surroundings<'_>,
@@ -181,7 +183,7 @@ fn beside(
     Ok(Selection { base, chosen, alone, named, set_aside })
 }
 
-/// What every term of a model rests on.
+/// Returns what every term of a model rests on.
 pub(super) fn named(channel: &Channel, base: &Fitted, chosen: &Fitted, correction: f64, rivals: &Rivals) -> Vec<Named> {
     let full = chosen.held_out(&channel.promised);
     let possible = (full - base.held_out(&channel.promised)).max(f64::MIN_POSITIVE);
@@ -193,7 +195,7 @@ pub(super) fn named(channel: &Channel, base: &Fitted, chosen: &Fitted, correctio
             Addition::Curves(_) => channel.held_out_share(chosen, index),
         };
         Named {
-            p_value: worth(channel, chosen, &without, index, correction).min(1.0),
+            p_value: removal_p_value(channel, chosen, &without, index, correction).min(1.0),
             held_out_gain,
             rivals: rivals.iter().rev().find(|r| r.0 == term.cause).map(|r| r.1.clone()).unwrap_or_default(),
         }

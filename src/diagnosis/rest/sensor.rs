@@ -8,7 +8,7 @@ use super::cause::Cause;
 use super::channel::{Channel, Fitted};
 use super::describe;
 use super::effects::{Basis, Found};
-use super::warmth::{self, Unfit};
+use super::temperature_profile::{self, Unfit};
 use crate::model;
 use crate::motion::temperature::Temperature;
 use crate::number::short;
@@ -18,7 +18,8 @@ use crate::repair::{Cost, Repair, Row, Vibration};
 use crate::sensor::{Sensor, SensorTerm};
 use crate::units::DENSITY_TO_RANDOM_WALK;
 
-/// What a study can run of the first channel, where its unit is one of acceleration or rate.
+/// Returns what a study can run of the first channel, where its unit is one of acceleration or
+/// rate.
 pub(super) fn repair(
     recording: &Recording,
     channels: &[Channel],
@@ -87,7 +88,7 @@ pub(super) fn repair(
         after = with_slow(after, effect, unit.quantity, unit.si);
     }
     let is_warm = effects.iter().any(|e| e.is(Cause::TemperatureSensitivity, worst));
-    let warmth = if is_warm { warmth::of(channel, fitted, recording) } else { Err(Unfit::Elsewhere) };
+    let warmth = if is_warm { temperature_profile::of(channel, fitted, recording) } else { Err(Unfit::Elsewhere) };
     let mut relation = format!("one {} of {} is {} in SI", unit.name, channel.name, unit.si);
     if let Ok(warmth) = &warmth {
         for (term, change) in over_temperature(unit.quantity).into_iter().zip(warmth.by_power) {
@@ -128,7 +129,7 @@ pub(super) fn repair(
     })
 }
 
-/// What a bias follows of the temperature, its square and its cube.
+/// Returns what a bias follows of the temperature, its square and its cube.
 fn over_temperature(quantity: Quantity) -> [SensorTerm; 3] {
     use SensorTerm::*;
     match quantity {
@@ -156,13 +157,13 @@ fn near_law(effects: &[Found], channel: usize) -> Option<NearLaw<'_>> {
     Some(NearLaw { effect, coefficient, exponent, whole })
 }
 
-/// Whether it has a law of time that a study has a term for.
+/// Returns whether it has a law of time that a study has a term for.
 fn is_slow(cause: Cause) -> bool {
     matches!(cause, Cause::GaussMarkov | Cause::WarmUp | Cause::Sinusoid)
 }
 
-/// Whether it is the strongest of its cause in the channel that stands for the sensor: a study has
-/// one term of each law.
+/// Returns whether it is the strongest of its cause in the channel that stands for the sensor: a
+/// study has one term of each law.
 fn is_first(effect: &Found, effects: &[Found], worst: usize) -> bool {
     let first = effects.iter().find(|e| e.is(effect.cause, worst));
     first.is_some_and(|first| std::ptr::eq(first, effect))
@@ -184,7 +185,7 @@ fn with_slow(sensor: Sensor, effect: &Found, quantity: Quantity, si: f64) -> Sen
     term.shapes().next().map_or(sensor, |place| sensor.with_error(place, shape * per_shape))
 }
 
-/// What a study takes in its place: a sentence behind another one, empty for nothing.
+/// Returns what a study takes in its place: a sentence behind another one, empty for nothing.
 fn instead(cause: Cause, unfit: Option<Unfit>) -> String {
     match (cause, unfit) {
         (_, Some(unfit)) => format!(" {}", unfit.words()),
@@ -236,7 +237,8 @@ mod tests {
         assert_eq!(sensor.accelerometer, Sensor::default().accelerometer);
     }
 
-    /// What a study takes of a channel fitted with these laws, in which this alone was found.
+    /// Returns what a study takes of a channel fitted with these laws, in which this alone was
+    /// found.
     fn repaired(laws: &[(Cause, Law)], effect: Found) -> Repair {
         let mut rng = Philox::new(61, 0, Stream::Host);
         let mut sum = 0.0;

@@ -1,14 +1,14 @@
 //! The shapes in which a reading may follow an environment column: at once, with a lag, with play;
 //! straight or bent.
 //!
-//! They are offered before any noise is, and beside a walk and flicker whose strengths are free: a
+//! They are offered before any noise is, and next to a walk and flicker whose strengths are free: a
 //! column that only looks like the drift gains nothing there. What a column explains in some shape
 //! is then left to no law of noise, where it tells more than a smooth course in time does
 //! (`in_time`). Searched on means of neighbours, fitted on all values.
 
 use super::channel::Term;
-use super::coarse::Coarse;
 use super::column::{Column, POWERS, STRAIGHT};
+use super::decimated::Coarse;
 use super::followed::{Delay, lagged, played};
 use super::in_time::{Told, beats_time};
 use super::profile::profile;
@@ -19,7 +19,7 @@ use crate::numerics::special::chi_squared_survival;
 /// Shapes that differ by more than chance, for the correction of a probability.
 const SHAPES: f64 = 10.0;
 
-/// How a channel follows a column.
+/// States how a channel follows a column.
 #[derive(Debug, Clone)]
 pub(super) enum Following {
     /// By this term.
@@ -30,8 +30,8 @@ pub(super) enum Following {
     NoBetterThanTime,
 }
 
-/// Whether the best of all shapes gains so much by chance; `correction` is for all else that is
-/// tried.
+/// Returns whether the best of all shapes gains so much by chance; `correction` is for all else
+/// that is tried.
 pub(super) fn is_chance(gain: f64, numbers: f64, correction: f64) -> bool {
     SHAPES * chi_squared_survival(gain, numbers) * correction >= ALPHA
 }

@@ -44,8 +44,8 @@ impl Member<'_> {
         matches!(slow_laws(self.chosen)[..], [Cause::FlickerNoise | Cause::RandomWalk]) && self.departure.is_none()
     }
 
-    /// What is said of it by an exponent that all share: where the recording cannot tell, what was
-    /// not in doubt stays so.
+    /// Returns what is said of it by an exponent that all share: where the recording cannot tell,
+    /// what was not in doubt stays so.
     pub(super) fn told(&self, shared: Departure) -> Option<Departure> {
         match shared.ruling == Ruling::Open && self.is_whole() {
             true => self.departure,
@@ -54,13 +54,13 @@ impl Member<'_> {
     }
 }
 
-/// Whether a channel drifts by noise alone, so that it may share an exponent.
+/// Returns whether a channel drifts by noise alone, so that it may share an exponent.
 pub(super) fn may_share(member: &Member<'_>) -> bool {
     !slow_laws(member.chosen).is_empty() && member.departure.is_none_or(|d| d.of == Of::Spectrum && !d.takes_courses)
 }
 
-/// What one exponent for all says; `None` where they speak alike, where their exponents differ, or
-/// where another law does better.
+/// Returns what one exponent for all says; `None` where they speak alike, where their exponents
+/// differ, or where another law does better.
 pub(super) fn of(members: &[Member<'_>]) -> Option<Departure> {
     let first = members.first()?;
     let alike = |m: &Member<'_>| m.is_whole() && slow_laws(m.chosen) == slow_laws(first.chosen);
@@ -97,8 +97,8 @@ pub(super) fn of(members: &[Member<'_>]) -> Option<Departure> {
     })
 }
 
-/// Whether a power law serves in each channel, and with one exponent in all; `together` is their
-/// log-likelihood with it.
+/// Returns whether a power law serves in each channel, and with one exponent in all; `together` is
+/// their log-likelihood with it.
 fn share(members: &[Member<'_>], together: f64) -> bool {
     let each: Vec<(Profiled, f64)> =
         members.iter().map(|m| profile(SPECTRAL, POINTS, |exponent: f64| m.with(Law::Power(exponent)))).collect();

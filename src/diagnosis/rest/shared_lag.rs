@@ -1,29 +1,29 @@
-//! How channels follow environment columns: each by itself, then those that follow nothing by
-//! themselves with one lag for all.
+//! States how channels follow environment columns: each by itself, then those that follow nothing
+//! by themselves with one lag for all.
 //!
 //! What a housing delays, it delays for every sensor in it. A lag too faint to be seen above the
 //! noise of one channel is fitted to all silent channels together: one time constant, and one gain
 //! per channel. A channel that follows a column by itself is left out, because its evidence would
 //! count for channels that follow nothing. The lag must beat the other shapes by the penalty of a
-//! parameter, and shifted copies of the same column; in each channel it must beat that channel's own
-//! courses in time; and separate lags must not fit significantly better. A channel is named only if
-//! its own gain is significant.
+//! parameter, and shifted copies of the same column; in each channel it must beat that channel's
+//! own courses in time; and separate lags must not fit significantly better. A channel is named
+//! only if its own gain is significant.
 
 use super::cause::Cause;
 use super::channel::{Channel, Curve, Environment, Term};
-use super::coarse::{Coarse, PENALTY};
 use super::column::{Column, POWERS, STRAIGHT};
+use super::decimated::{Coarse, PENALTY};
 use super::followed::{Delay, lagged, played};
 use super::in_time::{Told, beats_time};
-use super::otherwise::Otherwise;
 use super::profile::{peak, profile};
 use super::shape::{self, Following, is_chance};
+use super::shift_null::Otherwise;
 use super::standing::{self, SUPERFLUOUS, probability};
 use crate::control::{Control, Stopped};
 use crate::numerics::special::chi_squared_survival;
 use crate::parallel;
 
-/// How every channel follows every column: by channel, then by column.
+/// Returns how every channel follows every column: by channel, then by column.
 ///
 /// # Errors
 /// Stopped.
@@ -67,10 +67,10 @@ struct Member<'a> {
     coarse: &'a Coarse,
 }
 
-/// What silent channels may follow together.
+/// Holds what silent channels may follow together.
 struct Pool<'a> {
     column: &'a Column<'a>,
-    /// How many channels are silent.
+    /// States how many channels are silent.
     asked: usize,
     /// For all that is tried.
     correction: f64,
@@ -106,8 +106,8 @@ impl Pool<'_> {
         Ok(Vec::new())
     }
 
-    /// The terms of those channels that each need the lag, where it is a lag, and one for all, and no
-    /// chance.
+    /// The terms of those channels that each need the lag, where it is a lag, and one for all, and
+    /// no chance.
     fn judged(&self, members: &[Member<'_>], gains: &[f64]) -> Result<Vec<(usize, Term)>, Stopped> {
         let needs = |(m, gain): &(&Member<'_>, &f64)| {
             probability(Cause::TemperatureSensitivity, **gain, &m.coarse.channel) * self.correction <= SUPERFLUOUS
@@ -141,8 +141,9 @@ impl Pool<'_> {
         Ok(needed.into_iter().map(|place| (place, term.clone())).collect())
     }
 
-    /// Whether a lag beats every other shape that a channel is offered: what follows at once by what
-    /// a number costs, and play, which has as many numbers as a lag, as it is (so `shape` does too).
+    /// Returns whether a lag beats every other shape that a channel is offered: what follows at
+    /// once by what a number costs, and play, which has as many numbers as a lag, as it is (so
+    /// `shape` does too).
     fn is_late(&self, members: &[Member<'_>], late: f64) -> bool {
         let Self { column, .. } = self;
         let at_once = |of: &&[i32]| {
@@ -154,7 +155,7 @@ impl Pool<'_> {
         POWERS.iter().map(at_once).all(|other| 2.0 * late > other + PENALTY) && late > loose
     }
 
-    /// Whether channels have one lag: lags of their own gain no more than chance.
+    /// Returns whether channels have one lag: lags of their own gain no more than chance.
     fn is_one(&self, members: &[Member<'_>], late: f64) -> bool {
         let own =
             |m: &Member<'_>| peak(self.column.lags().map(f64::ln), 8, |l: f64| m.coarse.with(self.late(l.exp()))).1;
@@ -163,7 +164,7 @@ impl Pool<'_> {
         chi_squared_survival(gain, members.len() as f64 - 1.0) > SUPERFLUOUS
     }
 
-    /// Log-likelihood of every channel beside curves; nothing is worked out once stopped.
+    /// Log-likelihood of every channel next to curves; nothing is worked out once stopped.
     fn each(&self, members: &[Member<'_>], curves: &[Curve]) -> Vec<f64> {
         let of = |m: &Member<'_>| match self.control.cancelled() {
             true => f64::NEG_INFINITY,
@@ -172,7 +173,7 @@ impl Pool<'_> {
         parallel::map(members, of)
     }
 
-    /// Log-likelihood of all channels beside curves.
+    /// Log-likelihood of all channels next to curves.
     fn sum(&self, members: &[Member<'_>], curves: &[Curve]) -> f64 {
         self.each(members, curves).iter().sum()
     }
@@ -221,7 +222,8 @@ mod tests {
         (0..COUNT).map(step).collect()
     }
 
-    /// How channels of these courses and white noise of one unit follow the column; a lag in samples.
+    /// Returns how channels of these courses and white noise of one unit follow the column; a lag
+    /// in samples.
     fn followed(courses: [Vec<f64>; 3], seed: u64) -> [Option<f64>; 3] {
         let channel = |(i, course): (usize, &Vec<f64>)| {
             let mut rng = Philox::new(seed, i as u64, Stream::Host);
@@ -245,7 +247,7 @@ mod tests {
             let all = followed([0, 1, 2].map(|_| late(LAG, FAINT)), seed);
             assert!(all.iter().flatten().all(|lag| (100.0..900.0).contains(lag)), "{seed}: {all:?}");
             shared += all.iter().flatten().count();
-            // Control: the same in one channel, beside two that follow nothing.
+            // Control: the same in one channel, next to two that follow nothing.
             let one = followed([late(LAG, FAINT), nothing(), nothing()], seed);
             apart += usize::from(one[0].is_some());
             assert_eq!(one[1..], [None, None], "{seed}: they follow nothing");

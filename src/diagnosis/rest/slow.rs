@@ -1,10 +1,10 @@
-//! What is slow: drift as against noise and lines.
+//! States what is slow: drift as against noise and lines.
 
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Term};
 use super::spectrum::Law;
 
-/// Whether a term moves over much of the recording.
+/// Returns whether a term moves over much of the recording.
 pub(super) fn is_slow(term: &Term, channel: &Channel) -> bool {
     let count = channel.values.len() as f64;
     match &term.addition {

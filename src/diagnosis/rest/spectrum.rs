@@ -25,8 +25,8 @@ pub(super) enum Law {
     Filtered(Filter),
 }
 
-/// What a sensor may do to its readings before it hands them out; the power it lets through is one
-/// at low frequencies.
+/// Holds what a sensor may do to its readings before it hands them out; the power it lets through
+/// is one at low frequencies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Filter {
     /// cos²ᵖθ: means of two neighbours, p times over.
@@ -36,7 +36,7 @@ pub enum Filter {
     MovingAverage {
         /// Readings in a mean.
         readings: u16,
-        /// How often in a row.
+        /// States how often in a row.
         times: u8,
     },
     /// One pole with a memory of this many samples.
@@ -77,7 +77,7 @@ impl Filter {
 }
 
 impl Law {
-    /// Whether its power lies at low frequencies.
+    /// Returns whether its power lies at low frequencies.
     pub(super) fn is_low_frequency(self) -> bool {
         matches!(self, Law::Flicker | Law::Walk | Law::Markov(_) | Law::Power(_))
     }

@@ -1,5 +1,5 @@
-//! How well a candidate does against a model without it, and what each term of a model is worth
-//! beside the others.
+//! States how well a candidate does against a model without it, and what each term of a model is
+//! worth next to the others.
 
 use super::candidate::row;
 use super::cause::Cause;
@@ -9,13 +9,13 @@ use super::channel::{Channel, Fitted, Term};
 pub(super) const ALPHA: f64 = 0.004;
 /// Candidates tried per channel.
 const TRIED: f64 = 9.0;
-/// Candidates whose merits differ by less are tied: so much chance does to a difference of
-/// likelihoods.
+/// Candidates whose merits differ by less are indistinguishable: so much chance does to a
+/// difference of likelihoods.
 pub(super) const CLOSE: f64 = 4.0;
-/// Corrected probability above which a term is superfluous beside the others.
+/// Corrected probability above which a term is superfluous next to the others.
 pub(super) const SUPERFLUOUS: f64 = 0.05;
 
-/// How well a candidate did.
+/// States how well a candidate did.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Standing {
     pub(super) cause: Cause,
@@ -24,11 +24,11 @@ pub(super) struct Standing {
     /// Of that gain by chance, the search for its time constant or frequency included; not yet
     /// corrected for the number of candidates.
     pub(super) p_value: f64,
-    /// What it gains on data that were not fitted.
+    /// Holds what it gains on data that were not fitted.
     pub(super) held_out: HeldOut,
 }
 
-/// What a candidate gains on data that were not fitted.
+/// Holds what a candidate gains on data that were not fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum HeldOut {
     /// A law: log-likelihood of each half of the coefficients under laws fitted to the other.
@@ -45,8 +45,8 @@ impl HeldOut {
         }
     }
 
-    /// As a share: of the mean square, or of the `possible` gain in log-likelihood; none of
-    /// nothing.
+    /// Returns it as a share: of the mean square, or of the `possible` gain in log-likelihood; none
+    /// of nothing.
     pub(super) fn share_of(self, possible: f64) -> f64 {
         match self {
             Self::LogLikelihood(gain) if possible > 0.0 => (gain / possible).clamp(-1.0, 1.0),
@@ -67,13 +67,13 @@ impl Standing {
     }
 }
 
-/// What every probability of a channel is multiplied by when `channels` are judged.
+/// Returns what every probability of a channel is multiplied by when `channels` are judged.
 pub(super) fn correction(channels: usize) -> f64 {
     TRIED * channels as f64
 }
 
-/// Whether the richer candidate imitates the simpler one at the edge of its range: then the simpler
-/// one is preferred.
+/// Returns whether the richer candidate imitates the simpler one at the edge of its range: then the
+/// simpler one is preferred.
 pub(super) fn contains(richer: Cause, simpler: Cause) -> bool {
     row(richer).imitates.contains(&simpler)
 }
@@ -89,7 +89,13 @@ pub(super) fn probability(cause: Cause, gain: f64, channel: &Channel) -> f64 {
 }
 
 /// Corrected probability, by chance, of what a model gains by one of its terms.
-pub(super) fn worth(channel: &Channel, fitted: &Fitted, without: &Fitted, index: usize, correction: f64) -> f64 {
+pub(super) fn removal_p_value(
+    channel: &Channel,
+    fitted: &Fitted,
+    without: &Fitted,
+    index: usize,
+    correction: f64,
+) -> f64 {
     probability(fitted.terms[index].cause, fitted.gain_over(without, index), channel) * correction
 }
 
@@ -98,7 +104,7 @@ pub(super) fn prune(channel: &Channel, mut fitted: Fitted, correction: f64) -> F
     loop {
         let superfluous = (0..fitted.terms.len()).find_map(|index| {
             let without = channel.fit(others(&fitted, index));
-            (worth(channel, &fitted, &without, index, correction) > SUPERFLUOUS).then_some(without)
+            (removal_p_value(channel, &fitted, &without, index, correction) > SUPERFLUOUS).then_some(without)
         });
         match superfluous {
             Some(without) => fitted = without,
@@ -107,10 +113,10 @@ pub(super) fn prune(channel: &Channel, mut fitted: Fitted, correction: f64) -> F
     }
 }
 
-/// Whether a model would be worse, by more than chance, without any one of its terms.
+/// Returns whether a model would be worse, by more than chance, without any one of its terms.
 pub(super) fn needs_all(channel: &Channel, fitted: &Fitted, correction: f64) -> bool {
     (0..fitted.terms.len()).all(|index| {
         let without = channel.fit(others(fitted, index));
-        worth(channel, fitted, &without, index, correction) < ALPHA
+        removal_p_value(channel, fitted, &without, index, correction) < ALPHA
     })
 }

@@ -1,5 +1,5 @@
-//! What is found of a channel besides missing physics: statements about its readings and its noise,
-//! as data.
+//! States what is found of a channel besides missing physics: statements about its readings and its
+//! noise, as data.
 //!
 //! None of them is a mismatch. What is one stands in `detail::Location`.
 
@@ -14,7 +14,8 @@ pub enum Earth {
     Rate,
 }
 
-/// What may lie behind the difference between the length of the means and what the Earth shows.
+/// Holds what may lie behind the difference between the length of the means and what the Earth
+/// shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Difference {
     /// Nothing: the interval holds what is expected.
@@ -41,7 +42,7 @@ pub enum Statement {
         time_s: f64,
         /// The reading as recorded, in the channel's unit.
         value: f64,
-        /// How far off, in standard deviations of the noise.
+        /// States how far off, in standard deviations of the noise.
         deviations: f64,
     },
     /// More readings far off than normal noise has.
@@ -73,7 +74,7 @@ pub enum Statement {
         /// Half the 95 % interval of the bias that the drift was added to.
         of_bias: f64,
     },
-    /// What the Earth should show of itself, beside the length of the three means.
+    /// Holds what the Earth should show of itself, next to the length of the three means.
     Reference {
         /// Gravity or its rate.
         earth: Earth,
@@ -81,13 +82,13 @@ pub enum Statement {
         length: f64,
         /// Its 95 % interval.
         ci95: [f64; 2],
-        /// What it should be.
+        /// Holds what it should be.
         expected: f64,
         /// Geodetic latitude, °.
         latitude_deg: f64,
         /// Height above the ellipsoid, m, where the model states it; else gravity is that at 0 m.
         height_m: Option<f64>,
-        /// What may lie behind the difference.
+        /// Holds what may lie behind the difference.
         difference: Difference,
     },
     /// The power of the noise is not the same at all times.

@@ -1,4 +1,4 @@
-//! What is stated of every channel's readings and noise besides missing physics.
+//! States what is stated of every channel's readings and noise besides missing physics.
 
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Fitted};
@@ -40,7 +40,7 @@ pub(super) fn of(
     out
 }
 
-/// What a filter in the sensor takes away.
+/// Returns what a filter in the sensor takes away.
 fn filtered(channel: &Channel, fitted: &Fitted) -> Option<Statement> {
     let term = fitted.terms.iter().find(|t| t.cause == Cause::BandLimit)?;
     let Addition::Law(Law::Filtered(filter)) = term.addition else { return None };

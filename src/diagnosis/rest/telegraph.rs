@@ -36,7 +36,7 @@ pub(super) struct Telegraph {
     pub(super) distance: f64,
     /// Mean time at the lower and at the higher level, in samples.
     pub(super) dwell: [f64; 2],
-    /// How often it hops.
+    /// States how often it hops.
     pub(super) hops: usize,
     /// That a Gaussian drift as fitted looks so much like hops, at most.
     pub(super) p_value: f64,
@@ -82,7 +82,7 @@ fn contest(own: Channel, terms: Vec<Term>) -> Option<Contest> {
     Some(Contest { own, chain, expected, p_value: (-gain).exp().min(1.0) })
 }
 
-/// Whether readings are too coarse for a law of the values between the steps.
+/// Returns whether readings are too coarse for a law of the values between the steps.
 fn coarse(channel: &Channel, fitted: &Fitted) -> bool {
     channel.together == 1 && channel.step.is_some_and(|q| q * q > fitted.white().0)
 }

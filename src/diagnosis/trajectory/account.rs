@@ -1,28 +1,28 @@
-//! What a diagnosis of an IMU in motion has to tell, as data; the words are made in
+//! States what a diagnosis of an IMU in motion has to tell, as data; the words are made in
 //! `report::diagnosis`.
 
 use super::candidate::Term;
 use crate::model::Half;
 use crate::sensor::Sense;
 
-/// What the verdict's sentence and the next experiment rest on.
+/// Holds what the verdict's sentence and the next experiment rest on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Account {
     /// Named effects, strongest first.
     pub named: Vec<NamedEffect>,
-    /// What the motion cannot tell, and what it would take.
+    /// Holds what the motion cannot tell, and what it would take.
     pub hidden: Vec<Hidden>,
-    /// What the reference cannot tell because it lacks one half of a pose.
+    /// Holds what the reference cannot tell because it lacks one half of a pose.
     pub untold: Option<Untold>,
-    /// Whether one of them is a fitted term; noise, limits and exchanged columns of the readings
-    /// are none.
+    /// States whether one of them is a fitted term; noise, limits and exchanged columns of the
+    /// readings are none.
     pub is_fitted: bool,
     /// Noise density in motion over the one stated, of each sensor that vibrates more than stated.
     pub louder: Vec<(Sense, f64)>,
-    /// Whether there is a reference.
+    /// States whether there is a reference.
     pub with_reference: bool,
-    /// Numbers that the fit needed and no IMU or reference has: the fit failed, and no fitted term is
-    /// named.
+    /// Numbers that the fit needed and no IMU or reference has: the fit failed, and no fitted term
+    /// is named.
     pub absurd: Vec<Absurd>,
     /// Root mean square of the base model's whitened residual on held-out blocks, and that with the
     /// named effects.
@@ -40,16 +40,16 @@ pub struct Absurd {
     pub most: f64,
     /// Unit of both.
     pub unit: &'static str,
-    /// Where the largest is taken from.
+    /// States where the largest is taken from.
     pub source: &'static str,
 }
 
-/// What a reference without one half of a pose says nothing about.
+/// Holds what a reference without one half of a pose says nothing about.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Untold {
     /// The half that it lacks.
     pub half: Half,
-    /// What only that half could show.
+    /// Holds what only that half could show.
     pub terms: Vec<&'static Term>,
 }
 
@@ -64,7 +64,8 @@ pub struct NamedEffect {
     pub rivals: Vec<String>,
 }
 
-/// What was not determined: sizes below which it could not have been seen, in the term's unit.
+/// Holds what was not determined: sizes below which it could not have been seen, in the term's
+/// unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hidden {
     /// The candidate that the motion does not show.

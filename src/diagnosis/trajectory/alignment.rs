@@ -1,11 +1,11 @@
-//! Gyro and reference laid on each other although parts of either are wrong: one rotation, one shift of
-//! the clocks, one bias, from whatever mounting.
+//! Gyro and reference laid on each other although parts of either are wrong: one rotation, one
+//! shift of the clocks, one bias, from whatever mounting.
 //!
 //! The shift is the one at which directions of rates go together best: vectors longer than is usual
 //! count by their direction alone, so that a leap weighs no more than any other window, and the
-//! rotation for each shift is that of Wahba's problem by a singular value decomposition (Markley, JAS
-//! 36, 1988). From there the better half of the windows that turn is fitted again and again: least
-//! trimmed squares by concentration steps (Rousseeuw & Van Driessen, 2006), which half of the
+//! rotation for each shift is that of Wahba's problem by a singular value decomposition (Markley,
+//! JAS 36, 1988). From there the better half of the windows that turn is fitted again and again:
+//! least trimmed squares by concentration steps (Rousseeuw & Van Driessen, 2006), which half of the
 //! windows being wrong cannot move.
 
 use nalgebra::{Matrix3, Vector3};
@@ -21,7 +21,7 @@ const TURNS: f64 = 0.5;
 /// Concentration steps for a trial shift, and for the one that is taken.
 const STEPS: [usize; 2] = [3, 10];
 
-/// What makes of the reference's rate the gyro's.
+/// Holds what makes of the reference's rate the gyro's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Alignment {
     /// By how much the IMU stamps late, s.
@@ -88,7 +88,8 @@ pub(super) fn turning(pairs: &[Pair]) -> Vec<&Pair> {
     pairs.iter().filter(|(_, y)| y.norm() > least).collect()
 }
 
-/// How well the directions of both go together in the best rotation, at most 1, and that rotation.
+/// Returns how well the directions of both go together in the best rotation, at most 1, and that
+/// rotation.
 fn directions(pairs: &[Pair]) -> (f64, Matrix3<f64>) {
     let usual = order::median(pairs.iter().map(|(_, y)| y.norm()).collect()).unwrap_or_default();
     let held = |v: &Vector3<f64>| v / v.norm().max(usual).max(f64::MIN_POSITIVE);

@@ -16,10 +16,10 @@ use super::position::{bias, places, twice};
 use super::rows::{Bins, Orders, Row, Spacing, rows};
 use crate::parallel;
 
-/// Where one attitude holds for the whole recording.
+/// Orders where one attitude holds for the whole recording.
 pub(super) const AS_A_WHOLE: Orders = Orders { of: [2; 3], spacing: Spacing::Middles };
-/// Where it turns by block, to the sides once more than up and down: noise of the gyro makes the
-/// attitude wander, and gravity with it, without end.
+/// Orders where it turns by block, to the sides once more than up and down: noise of the gyro makes
+/// the attitude wander, and gravity with it, without end.
 pub(super) const BY_BLOCK: Orders = Orders { of: [3, 3, 2], spacing: Spacing::Middles };
 
 /// Rows of the position, m/s²: changes of velocity from bin to bin, and changes of those where they
@@ -77,7 +77,7 @@ pub(super) fn along_gyro_rows(
     rows(&case.left_out_s(point), bins, orders, &residual, &slopes)
 }
 
-/// What a parameter of the accelerometer takes from the specific force, in the IMU's axes.
+/// Returns what a parameter of the accelerometer takes from the specific force, in the IMU's axes.
 fn taken(case: &Case<'_>, course: &Course, k: usize, p: usize) -> Option<Vector3<f64>> {
     if FORCE_MATRIX.contains(&p) {
         let (row, column) = FORCE_PLACES[p - FORCE_MATRIX.start];

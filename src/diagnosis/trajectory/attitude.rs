@@ -49,7 +49,7 @@ pub(super) fn attitude_rows(case: &Case<'_>, course: &Course, point: &Point, bin
     rows(&case.left_out_s(point), bins, ATTITUDE, &residual, &slopes)
 }
 
-/// What a parameter takes from the rate felt, in the IMU's axes: E grows by its integral.
+/// Returns what a parameter takes from the rate felt, in the IMU's axes: E grows by its integral.
 pub(super) fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize) -> Option<Vector3<f64>> {
     let (w, f) = (course.rate[k], course.force[k]);
     let unit = |axis: usize, value: f64| course.gyro.column(axis) * value;
@@ -78,7 +78,7 @@ pub(super) fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize) ->
     })
 }
 
-/// What a parameter does to E at the poses at once.
+/// Returns what a parameter does to E at the poses at once.
 fn direct(case: &Case<'_>, course: &Course, places: &[(usize, f64)], p: usize) -> Option<Vec<Vector3<f64>>> {
     if p != OFFSET && p != DRIFT && !MOUNTING.contains(&p) && !EARTH_RATE.contains(&p) {
         return None;

@@ -18,7 +18,7 @@ pub(super) struct Sums {
     matrix: DMatrix<f64>,
     vector: DVector<f64>,
     square: f64,
-    /// How many whitened residuals were summed.
+    /// States how many whitened residuals were summed.
     pub count: usize,
 }
 
@@ -62,7 +62,7 @@ pub(super) struct Blocks {
     pub all: Vec<Sums>,
     /// The same by pieces of a block.
     pieces: Vec<Sums>,
-    /// What was eliminated from each block; nothing where nothing turns by block.
+    /// Holds what was eliminated from each block; nothing where nothing turns by block.
     turns: Vec<Turn>,
     ends_s: [f64; 2],
 }
@@ -72,7 +72,7 @@ pub(super) struct Blocks {
 struct Turn {
     /// Turn by the residual alone, rad.
     alone: Vector3<f64>,
-    /// What a step in each parameter adds to it.
+    /// Holds what a step in each parameter adds to it.
     by_step: Matrix3xX<f64>,
 }
 
@@ -131,7 +131,7 @@ impl Blocks {
         Self { all, pieces, turns, ends_s }
     }
 
-    /// Whether an attitude turns by block.
+    /// Returns whether an attitude turns by block.
     pub(super) fn turn(&self) -> bool {
         !self.turns.is_empty()
     }
@@ -153,7 +153,7 @@ impl Blocks {
 /// A linearised model: the point about which it is one, and the sums of each sensor.
 #[derive(Debug, Clone)]
 pub(super) struct Linear {
-    /// Where it was linearised.
+    /// States where it was linearised.
     pub point: Point,
     /// By sensor: attitude, and position where there is one.
     pub sensors: Vec<Blocks>,
@@ -169,7 +169,7 @@ pub(super) struct Solved {
 }
 
 impl Linear {
-    /// Whether an attitude turns by block.
+    /// Returns whether an attitude turns by block.
     pub(super) fn turns_by_block(&self) -> bool {
         self.sensors.iter().any(Blocks::turn)
     }

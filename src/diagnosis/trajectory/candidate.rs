@@ -1,4 +1,4 @@
-//! What a model of an IMU in motion may leave out, each with the parameters it frees.
+//! States what a model of an IMU in motion may leave out, each with the parameters it frees.
 
 use super::log::Halves;
 use crate::candidate::Candidate;
@@ -41,12 +41,12 @@ fn fitted() -> impl Iterator<Item = &'static Term> {
     [clock::TERMS, frame::TERMS, sensor::TERMS, readout::TERMS].into_iter().flatten()
 }
 
-/// What a reference with these halves of a pose can show.
+/// Returns what a reference with these halves of a pose can show.
 pub(super) fn terms(halves: Halves) -> Vec<&'static Term> {
     fitted().filter(|t| t.needs.is_none_or(|half| halves.has(half))).collect()
 }
 
-/// What it cannot show.
+/// Returns what it cannot show.
 pub(super) fn untold(halves: Halves) -> Vec<&'static Term> {
     fitted().filter(|t| t.needs.is_some_and(|half| !halves.has(half))).collect()
 }

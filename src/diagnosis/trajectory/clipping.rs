@@ -1,9 +1,9 @@
 //! Readings that stand at a limit: flat tops, where nothing is known but that the truth lies
 //! beyond.
 //!
-//! A number at the end of its range repeats itself exactly, and that alone is proof. An amplifier at
-//! its rail goes on making noise; so does a turntable at a constant rate: such a rail is a suspicion
-//! until a reference of attitude shows that the body turned quicker (`beyond`).
+//! A number at the end of its range repeats itself exactly, and that alone is proof. An amplifier
+//! at its rail goes on making noise; so does a turntable at a constant rate: such a rail is a
+//! suspicion until a reference of attitude shows that the body turned quicker (`beyond`).
 
 use nalgebra::Vector3;
 
@@ -17,8 +17,8 @@ const AT_LEAST: (usize, usize) = (8, 3);
 /// Share of the range below the limit, in which a reading that is not clipped would stand as often.
 const BELOW: f64 = 0.02;
 
-/// Noise of a rail at most, as part of the range: narrower than half of [`BELOW`], so that the turning
-/// points of a swing of one size make none.
+/// Noise of a rail at most, as part of the range: narrower than half of [`BELOW`], so that the
+/// turning points of a swing of one size make none.
 const NOISY: f64 = 0.004;
 /// A body is quicker than a rail where its reference is by more than a sensor's scale factor may be
 /// off.
@@ -60,8 +60,8 @@ pub(super) struct Flat {
 }
 
 impl Flat {
-    /// The same with every reading of it marked, and those beside it: what lies between them and the
-    /// limit is not known either.
+    /// The same with every reading of it marked, and those next to it: what lies between them and
+    /// the limit is not known either.
     pub(super) fn mark(self, masked: &mut [bool]) -> Limit {
         for (k, _) in &self.held {
             let beside = k.saturating_sub(1)..(k + 2).min(masked.len());
@@ -172,7 +172,8 @@ impl Side {
         (LOOKS * usual.powf(held)).clamp(f64::MIN_POSITIVE, 1.0)
     }
 
-    /// Whether many readings, and some in a row, stand at the extreme one and few just below.
+    /// Returns whether many readings, and some in a row, stand at the extreme one and few just
+    /// below.
     fn is_flat(&self, readings: &[Vector3<f64>], range: f64) -> bool {
         let (mut at, mut near, mut run, mut longest) = (0, 0, 0, 0);
         for reading in readings {

@@ -13,7 +13,7 @@ const RIDGE: f64 = 1e-6;
 /// Which rows can be used together.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Held {
-    /// Whether each row has all that it needs.
+    /// States whether each row has all that it needs.
     pub holds: Vec<bool>,
     /// The part of the recording that each row is of, in order: residuals of two parts do not go on
     /// into each other.
@@ -21,7 +21,7 @@ pub(super) struct Held {
 }
 
 impl Held {
-    /// Whether a row and this many before it can be used together.
+    /// Returns whether a row and this many before it can be used together.
     pub(super) fn back(&self, k: usize, order: usize) -> bool {
         k >= order && self.part[k - order] == self.part[k] && self.holds[k - order..=k].iter().all(|h| *h)
     }

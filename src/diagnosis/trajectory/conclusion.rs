@@ -47,7 +47,7 @@ const TOLERATED: [f64; 2] = [1.5, 3.0];
 /// it.
 const WIDE: f64 = 10.0;
 
-/// What a search found.
+/// Holds what a search found.
 pub(super) struct Found<'a> {
     /// Readings on their axes.
     pub log: &'a Log,
@@ -71,19 +71,19 @@ pub(super) struct Examined<'a> {
     pub recording: &'a Recording,
     /// Columns of gyro and accelerometer.
     pub names: Names,
-    /// What intake found in the files, in sentences.
+    /// Holds what intake found in the files, in sentences.
     pub findings: Vec<String>,
     /// Limits of gyro and accelerometer.
     pub limits: [Vec<Limit>; 2],
     /// Vibration of gyro and accelerometer.
     pub vibration: [Option<Vibration>; 2],
-    /// As the datasheet promises.
+    /// The noise that the datasheet promises.
     pub stated: InertialNoise,
 }
 
 const SENSORS: [Sense; 2] = [Sense::Gyro, Sense::Accelerometer];
 
-/// Vibration of both sensors, beside what the model states.
+/// Vibration of both sensors, next to what the model states.
 pub(super) fn vibration(log: &Log, model: &Trajectory) -> [Option<Vibration>; 2] {
     let stated = [model.noise.gyro, model.noise.accelerometer].map(|noise| noise.map(|n| n.density));
     let rate_hz = 1.0 / log.interval_s;
@@ -113,7 +113,7 @@ impl Examined<'_> {
         self.answer(outcome, effects, fit, Remainder::of([]), Vec::new(), detail)
     }
 
-    /// The verdict beside a reference.
+    /// The verdict next to a reference.
     pub(super) fn conclude(mut self, found: &Found<'_>) -> Answer {
         let (fit, selection, halves) = (found.fit, found.selection, found.case.motion.halves);
         let matrix = if halves.attitude { ACCELEROMETER_HELD } else { ACCELEROMETER_FREE };
@@ -137,7 +137,8 @@ impl Examined<'_> {
         let seated = fitted(&published::seated(&active, halves));
         let own = scatter::random_walks(found.log, self.stated);
         let residuals = |half: Half| {
-            // Without attitudes only what points down is differenced as often as noise is judged by.
+            // Without attitudes only what points down is differenced as often as noise is judged
+            // by.
             let only = |v: Vector3<f64>| if halves.attitude { v } else { Vector3::repeat(v.z) };
             let at = fit.residuals_at(half, &seated.point)?.into_iter().map(|(v, holds)| (only(v), holds));
             Some((at.collect::<Vec<_>>(), fit.of(half)?.0.width_s))
@@ -183,7 +184,7 @@ impl Examined<'_> {
             errs,
         };
         detail.repaired = (!failed).then(|| diagnosed.repaired());
-        // Noise and limits are named beside a model that they do not change.
+        // Noise and limits are named next to a model that they do not change.
         let changed = !effects.is_empty() && active != small && !failed;
         let scores = scores(found, [&before, &chosen.point], &held, changed);
         let base = if failed { Vec::new() } else { published::base(&seated, &wide) };
@@ -339,8 +340,8 @@ fn lies_in_clipped(at: &[(Vector3<f64>, bool)]) -> f64 {
     (1.0 - mean(&|holds| holds) / mean(&|_| true).max(f64::MIN_POSITIVE)).max(0.0)
 }
 
-/// What the chosen model leaves: more than everything together would, or a colour that was not
-/// seen.
+/// Returns what the chosen model leaves: more than everything together would, or a colour that was
+/// not seen.
 fn remainder(fit: &Fit, chosen: &Point, held: &HeldOut) -> Remainder {
     let size = Size::of(held.rms()[1].powi(2), TOLERATED[0], TOLERATED[1]);
     // Of three tests: this one and the colour of each half of the pose.
@@ -410,7 +411,8 @@ fn ranking(effects: &[Effect], selection: &Selection) -> Vec<Ranked> {
         let is_effect = effects.iter().any(|e| e.id == standing.term.id());
         row(standing, is_effect, if is_effect { beside() } else { Note::LagOf(LOWPASS.id) })
     });
-    // A clock that cancels the lag of a low-pass is named although the search had no use for its term.
+    // A clock that cancels the lag of a low-pass is named although the search had no use for its
+    // term.
     let beside_lowpass = |s: &Standing| s.term.id() == TIME_OFFSET.id && effects.iter().any(|e| e.id == TIME_OFFSET.id);
     named.chain(selection.others.iter().map(|s| row(s, beside_lowpass(s), beside()))).collect()
 }

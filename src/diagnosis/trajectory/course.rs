@@ -11,12 +11,12 @@ use super::parameters::{
     GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL, GYRO_SCALE, GYRO_WANDER, MOUNTING, Point, clock_s, lowpass_s,
 };
 
-/// What is fitted: readings, reference, and the rotation that the search starts from.
+/// Holds what is fitted: readings, reference, and the rotation that the search starts from.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Case<'a> {
     /// Readings of the IMU, SI units.
     pub log: &'a Log,
-    /// How its readings change, where a low-pass of them can be seen.
+    /// States how its readings change, where a low-pass of them can be seen.
     pub derivatives: Option<&'a Derivatives>,
     /// The poses of the reference.
     pub motion: &'a Motion,
@@ -26,10 +26,10 @@ pub(super) struct Case<'a> {
     pub gravity_m_s2: f64,
     /// Samples that are no reading (clipped, filled): their time is left out.
     pub masked: &'a [bool],
-    /// IMU's stamps, in order, at which the reckoning goes through the reference anew: in the middle
-    /// of what the gyro does not know, and of what the reference does not, s.
+    /// IMU's stamps, in order, at which the reckoning goes through the reference anew: in the
+    /// middle of what the gyro does not know, and of what the reference does not, s.
     pub cuts_s: &'a [f64],
-    /// What is taken to happen between readings.
+    /// Holds what is taken to happen between readings.
     pub rule: Rule,
     /// The attitude that dead reckoning goes through.
     pub anchor: Anchor,
@@ -46,12 +46,12 @@ pub(super) enum Anchor {
         sample: usize,
         /// From the IMU's axes to north-east-down.
         attitude: UnitQuaternion<f64>,
-        /// What turns it.
+        /// Holds what turns it.
         turns: Turns,
     },
 }
 
-/// What turns an attitude that was found.
+/// Holds what turns an attitude that was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Turns {
     /// Parameters of the whole recording.
@@ -62,7 +62,7 @@ pub(super) enum Turns {
 }
 
 impl Anchor {
-    /// Whether each block of time has its own.
+    /// Returns whether each block of time has its own.
     pub(super) fn is_by_block(self) -> bool {
         matches!(self, Self::Found { turns: Turns::ByBlock, .. })
     }
@@ -137,7 +137,7 @@ pub(super) fn g_sensitivity(point: &Point) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| point[G_SENSITIVITY.start + 3 * i + j])
 }
 
-/// What the sensors felt, and the attitude that their gyro leads to.
+/// Holds what the sensors felt, and the attitude that their gyro leads to.
 #[derive(Debug, Clone)]
 pub(super) struct Course {
     /// Rate in the IMU's axes, rad/s.
@@ -161,9 +161,9 @@ impl Course {
             Vector3::from_fn(|i, _| (0..COSINES).map(|n| point[start + COSINES * i + n] * cosines[n]).sum::<f64>())
         };
         let (log, lowpass_s) = (case.log, lowpass_s(point));
-        // Straight lines cut the peaks of a smooth curve: each integral loses a twelfth of the second
-        // derivative times the square of the interval. What was filtered is smooth; what was not may
-        // vibrate.
+        // Straight lines cut the peaks of a smooth curve: each integral loses a twelfth of the
+        // second derivative times the square of the interval. What was filtered is smooth; what was
+        // not may vibrate.
         let cut = match case.rule {
             Rule::Straight => (lowpass_s / log.interval_s).powi(2).min(1.0),
             Rule::Cubic => 0.0,
@@ -199,8 +199,8 @@ impl Course {
         course
     }
 
-    /// Lays each piece between two cuts through the reference, in its middle, so that errors that grow
-    /// are smallest.
+    /// Lays each piece between two cuts through the reference, in its middle, so that errors that
+    /// grow are smallest.
     fn through_reference(&mut self, case: &Case<'_>, point: &Point) {
         let log = case.log;
         let stamps: Vec<f64> = (0..case.motion.time_s.len()).map(|pose| case.stamp_s(point, pose)).collect();

@@ -1,4 +1,4 @@
-//! How the readings change: what a low-pass that they went through has taken.
+//! States how the readings change: what a low-pass that they went through has taken.
 
 use nalgebra::Vector3;
 
@@ -29,10 +29,10 @@ pub(super) struct Derivatives {
 /// Over which a parabola is fitted to either side, of gyro and of accelerometer, s: noise of the
 /// readings that it lets through stands in the residual too, and makes the low-pass look shorter.
 const HALF_S: [f64; 2] = [0.2, 0.4];
-/// What the widths may be divided by where the motion is too quick for them.
+/// States what the widths may be divided by where the motion is too quick for them.
 const NARROWER: [f64; 3] = [1.0, 2.0, 4.0];
-/// Regression of the narrowest width's derivative on that of a wider one, within which the wider one
-/// serves: beyond that, Gauss–Newton steps along it overshoot.
+/// Regression of the narrowest width's derivative on that of a wider one, within which the wider
+/// one serves: beyond that, Gauss–Newton steps along it overshoot.
 const FAITHFUL: [f64; 2] = [0.7, 1.4];
 /// Fewest samples to either side.
 const FEWEST: usize = 2;
@@ -73,7 +73,7 @@ impl Curves<'_> {
         k > 0 && k + 1 < time_s.len() && is_next(time_s[k] - time_s[k - 1]) && is_next(time_s[k + 1] - time_s[k])
     }
 
-    /// Zero at the ends and beside gaps.
+    /// Zero at the ends and next to gaps.
     fn first(&self, k: usize) -> Vector3<f64> {
         if !self.has_neighbours(k) {
             return Vector3::zeros();
@@ -153,7 +153,7 @@ mod tests {
             assert!((got.first.rate[k] - Vector3::new(6.0 * t - 1.0, 0.0, -1.0)).norm() < 1e-9);
             assert!((got.second.force[k] - Vector3::new(6.0, 0.0, 0.0)).norm() < 1e-6);
         }
-        // Beside a gap there are none.
+        // Next to a gap there are none.
         let mut gap = log;
         gap.time_s.iter_mut().skip(100).for_each(|t| *t += 1.0);
         assert_eq!(Derivatives::of(&gap).second.rate[100], Vector3::zeros());

@@ -21,7 +21,7 @@ use crate::sensor::Sense;
 use crate::units::DEGREE;
 use crate::verdict::{Effect, Estimate, Evidence};
 
-/// What a mounting that needed no fit is known to, °: below, it would cost nothing.
+/// Accuracy to which a mounting that needed no fit is known, °: below, it would cost nothing.
 const SMALL_DEG: f64 = 0.1;
 
 /// Difference between the lag of a real filter and that of one pole, as a fraction of the time
@@ -161,7 +161,7 @@ pub(super) fn vibration(found: &Vibration, sensor: Sense, names: &[String; 3]) -
     effect(&VIBRATION, parameters, names.to_vec(), evidence)
 }
 
-/// What the reference errs by.
+/// Returns what the reference errs by.
 pub(super) fn reference(attitude: Option<Excess>, position_m: Option<Excess>, halves: Halves) -> Option<Effect> {
     let estimate = |name: &str, excess: Excess, unit: &str, per_si: f64| Estimate {
         name: name.into(),

@@ -1,5 +1,6 @@
-//! Stretches in which a reference of attitude does not turn as the gyro does: leaps, standing still,
-//! losing the body. They are found before anything is fitted, listed with their rows and left out.
+//! Stretches in which a reference of attitude does not turn as the gyro does: leaps, standing
+//! still, losing the body. They are found before anything is fitted, listed with their rows and
+//! left out.
 //!
 //! The reference's rate over short windows is held against what the gyro reads there, along one
 //! robust alignment for all of the recording. Wrong is what no sensor makes of a right reference: a
@@ -24,7 +25,7 @@ const QUARTILE: f64 = 1.10;
 /// A stretch between two faults must last longer to be believed, s: where the motion turns round,
 /// a wrong reference agrees with it for a moment.
 const TOGETHER_S: f64 = 2.0;
-/// Left out beside a fault at least, in poses: a bin of the fit.
+/// Left out next to a fault at least, in poses: a bin of the fit.
 const BESIDE: f64 = 3.0;
 /// Of what remains, how much the alignment must explain; the part of the turning windows that must
 /// remain; and how long they must last, s.
@@ -43,7 +44,7 @@ pub(super) struct Fault {
     pub poses: [usize; 2],
     /// Poses behind which it leaps, and by how much, rad.
     pub leaps: Vec<(usize, f64)>,
-    /// Whether the reference stands while the gyro turns.
+    /// States whether the reference stands while the gyro turns.
     pub stands: bool,
 }
 
@@ -55,8 +56,8 @@ struct Compared {
     apart: f64,
 }
 
-/// The faults of a reference, in order of time, with the alignment that they stand out from; nothing
-/// where too little would remain: then it is no matter of stretches.
+/// The faults of a reference, in order of time, with the alignment that they stand out from;
+/// nothing where too little would remain: then it is no matter of stretches.
 pub(super) fn find(log: &Log, masked: &[bool], motion: &Motion) -> Option<(Vec<Fault>, Alignment)> {
     let alignment = Alignment::of(&Rates::some(log, masked, motion))?;
     let rates = Rates::all(log, masked, motion);
@@ -160,7 +161,7 @@ pub(super) fn sound(faults: &[Fault], motion: &Motion) -> Motion {
     motion.without(&ranges)
 }
 
-/// What is said of them, each sentence for the list of what was found in the files.
+/// Returns what is said of them, each sentence for the list of what was found in the files.
 pub(super) fn words(faults: &[Fault], motion: &Motion) -> Vec<String> {
     if faults.is_empty() {
         return Vec::new();

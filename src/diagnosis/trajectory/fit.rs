@@ -22,12 +22,12 @@ const SETTLED: f64 = 0.1;
 /// Fewest poses in a bin.
 const POSES: f64 = 3.0;
 
-/// How rows of one half of a pose are made.
+/// States how rows of one half of a pose are made.
 #[derive(Debug, Clone, Copy)]
 struct Recipe {
     /// Width of a bin, s.
     width_s: f64,
-    /// How often rows are differenced, by axis.
+    /// States how often rows are differenced, by axis.
     orders: Orders,
     /// Rows that its noise looks back at most.
     most: usize,
@@ -36,8 +36,8 @@ struct Recipe {
 impl Recipe {
     fn of(half: Half, anchor: Anchor) -> Self {
         match (half, anchor) {
-            // More would trust the slow part of the residual, in which references that were smoothed
-            // err most.
+            // More would trust the slow part of the residual, in which references that were
+            // smoothed err most.
             (Half::Attitude, _) => Self { width_s: 0.05, orders: ATTITUDE, most: 3 },
             // Second differences of position take more to be made white.
             (Half::Position, Anchor::Reference) => Self { width_s: 0.1, orders: POSITION, most: 10 },
@@ -54,7 +54,8 @@ impl Recipe {
     fn whitening(self, rows: &[Row], residual: &[Vector3<f64>], cut: &Cut) -> Whitening {
         let part = rows.iter().map(|row| cut.part(row.time_s)).collect();
         let held = Held { holds: rows.iter().map(|row| row.holds).collect(), part };
-        // Lags must lie in one block: at most half of its rows, so that the other half is left to fit.
+        // Lags must lie in one block: at most half of its rows, so that the other half is left to
+        // fit.
         let most = if cut.by_block { self.most.min(rows.len() / (2 * BLOCKS)) } else { self.most };
         Whitening::of(residual, &held, most, &self.orders.groups())
     }
@@ -74,7 +75,7 @@ pub(super) struct Residuals {
     pub rows: Vec<Row>,
     /// From one to the next, s.
     pub width_s: f64,
-    /// What makes them white.
+    /// Holds what makes them white.
     pub whitening: Whitening,
 }
 
@@ -130,8 +131,8 @@ impl Fit {
                 return Ok(Self { linear, residuals, error });
             }
             let mut solved = linear.solve(active, |_| true);
-            // Negative squares belong to no filter: the readings are corrected by none, and steps to
-            // below zero must not add up.
+            // Negative squares belong to no filter: the readings are corrected by none, and steps
+            // to below zero must not add up.
             solved.point[LOWPASS] = solved.point[LOWPASS].max(0.0);
             let moved = |(i, p): (usize, &usize)| {
                 (solved.point[*p] - point[*p]).abs() > SETTLED * solved.covariance[(i, i)].max(0.0).sqrt()
@@ -186,14 +187,14 @@ fn leave_out(residuals: &mut Residuals, sums: &Blocks, from: &Point, to: &Point)
     }
 }
 
-/// Iterations of whitening and solving: where the attitude is one, and where it turns by block. There
-/// each turn depends on the whitening before it, and the two take longer to settle.
+/// Iterations of whitening and solving: where the attitude is one, and where it turns by block.
+/// There each turn depends on the whitening before it, and the two take longer to settle.
 const COLOURED: (usize, usize) = (2, 8);
 
-/// How rows are cut into blocks.
+/// States how rows are cut into blocks.
 struct Cut {
     ends_s: [f64; 2],
-    /// Whether an attitude turns by block.
+    /// States whether an attitude turns by block.
     by_block: bool,
 }
 

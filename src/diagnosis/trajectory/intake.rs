@@ -25,8 +25,8 @@ use crate::recording::{Recording, roles};
 const SHORTEST_S: f64 = 10.0;
 /// Fewest poses that both cover.
 const FEWEST: usize = 100;
-/// The same of positions alone: five rows of three poses in each of twenty blocks, whose attitudes are
-/// free.
+/// The same of positions alone: five rows of three poses in each of twenty blocks, whose attitudes
+/// are free.
 const FEWEST_ALONE: usize = 300;
 /// A difference of clocks that no overlap will mend, s.
 const DAYS_S: f64 = 86_400.0;
@@ -96,7 +96,7 @@ pub(super) fn log(recording: &Recording, names: &Names, findings: &mut Vec<Strin
     Ok((Log { time_s, rate: of(0), force: of(1), interval_s }, None))
 }
 
-/// Whether specific force is in m/s², with gravity in it.
+/// Checks whether specific force is in m/s², with gravity in it.
 pub(super) fn units(recording: &Recording, log: &Log) -> Result<()> {
     let usual = order::median(log.force.iter().map(Vector3::norm).collect()).unwrap_or_default();
     if usual > 4.0 && usual < 25.0 {
@@ -217,8 +217,8 @@ pub(super) fn not_alike(
     fail(recording, format!("{}: {cause}", reference.file.display()), hint)
 }
 
-/// Whether both move alike, in the same units and with the same hand: all of the reference, where the
-/// search starts from its sound part, and what part of it that is.
+/// Checks whether both move alike, in the same units and with the same hand: all of the reference,
+/// where the search starts from its sound part, and what part of it that is.
 pub(super) fn alike(
     recording: &Recording,
     reference: &Reference,

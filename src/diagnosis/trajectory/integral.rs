@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-/// What is taken to happen between samples.
+/// Holds what is taken to happen between samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Rule {
     /// A straight line: what vibrates about as fast as it is sampled is made smaller.
@@ -31,8 +31,8 @@ pub(super) fn cumulative(time_s: &[f64], values: &[Vector3<f64>], rule: Rule) ->
     all
 }
 
-/// Where an instant lies among samples: the one before it and the fraction of the interval; at the
-/// ends, those of the ends.
+/// Returns where an instant lies among samples: the one before it and the fraction of the interval;
+/// at the ends, those of the ends.
 pub(super) fn place(time_s: &[f64], at_s: f64) -> (usize, f64) {
     let after = time_s.partition_point(|t| *t <= at_s).clamp(1, time_s.len() - 1);
     let fraction = (at_s - time_s[after - 1]) / (time_s[after] - time_s[after - 1]);

@@ -1,5 +1,5 @@
-//! What one candidate does to a model: its interval by a jackknife over blocks of time, and what
-//! held-out blocks say.
+//! States what one candidate does to a model: its interval by a jackknife over blocks of time, and
+//! what held-out blocks say.
 //!
 //! Residuals are coloured and the reference's errors change with the motion: no formula for white
 //! noise is trusted alone.
@@ -22,7 +22,7 @@ pub(super) const COLOUR: f64 = 0.1;
 /// Interleaved parts of the blocks that are held out in turn.
 const FOLDS: usize = 5;
 
-/// What one term does to a model.
+/// Holds what one term does to a model.
 #[derive(Debug, Clone)]
 pub(super) struct Standing {
     /// The candidate that was judged.
@@ -37,19 +37,19 @@ pub(super) struct Standing {
     pub fall: f64,
     /// The lower end of its 95 % interval.
     pub least_fall: f64,
-    /// Whether its parameters lie where the library allows.
+    /// States whether its parameters lie where the library allows.
     pub plausible: bool,
     /// The largest of them, as it is stated, SI.
     pub largest: f64,
-    /// Whether one of them is large enough to cost anything, and the fall is large enough to be no
-    /// matter of the noise's colour.
+    /// States whether one of them is large enough to cost anything, and the fall is large enough to
+    /// be no matter of the noise's colour.
     pub matters: bool,
     /// Half-widths of the 95 % intervals of its parameters, SI.
     pub half_widths: Vec<f64>,
 }
 
 impl Standing {
-    /// Whether it may be named.
+    /// Returns whether it may be named.
     pub(super) fn counts(&self) -> bool {
         self.p_value < FALSE_NAME && self.least_fall > 0.0 && self.plausible && self.matters
     }
@@ -65,7 +65,7 @@ pub(super) fn half_width(of: &dyn Fn(&Point) -> f64, replicates: &[Point], white
     t_quantile(0.975, n - 1.0) * variance.sqrt().max(white)
 }
 
-/// What is asked of a candidate.
+/// Holds what is asked of a candidate.
 pub(super) struct Question<'a> {
     /// The linearised model, summed by block.
     pub linear: &'a Linear,
@@ -186,7 +186,7 @@ impl HeldOut {
         kept.fold((0.0, 0.0, 0.0), |s, (_, b)| (s.0 + b.0, s.1 + b.1, s.2 + b.2))
     }
 
-    /// What lies above the noise before.
+    /// Returns what lies above the noise before.
     fn above(&self) -> f64 {
         let (before, _, n) = self.sums(usize::MAX);
         before - n
@@ -209,8 +209,8 @@ impl HeldOut {
         (value, [value - half, value + half])
     }
 
-    /// Probability that noise of this mean square leaves as much after, by the χ² of all held-out rows:
-    /// they are whitened, so each counts.
+    /// Probability that noise of this mean square leaves as much after, by the χ² of all held-out
+    /// rows: they are whitened, so each counts.
     pub(super) fn chance_after(&self, mean_square: f64) -> f64 {
         let (_, after, rows) = self.sums(usize::MAX);
         chi_squared_survival(after / mean_square, rows)

@@ -1,6 +1,6 @@
-//! What is left out before anything is fitted: readings at a noisy rail, and stretches of the
-//! reference that are wrong. Each is found with the other left out, for either spoils the judgement
-//! of the other.
+//! States what is left out before anything is fitted: readings at a noisy rail, and stretches of
+//! the reference that are wrong. Each is found with the other left out, for either spoils the
+//! judgement of the other.
 
 use super::alignment::Alignment;
 use super::clipping::{self, Limit};
@@ -14,7 +14,7 @@ use super::log::{Log, Motion};
 /// for good, rad: positions and attitudes are then of two frames.
 const LOST: f64 = 0.3;
 
-/// Faults of a reference of attitude, beside a gyro with these limits, whose readings are masked;
+/// Faults of a reference of attitude, next to a gyro with these limits, whose readings are masked;
 /// noisy rails that the reference bears out are added to both.
 pub(super) fn faults(log: &Log, limits: &mut Vec<Limit>, masked: &mut [bool], motion: &Motion) -> Found {
     let rails = clipping::rails(&log.rate, limits);
@@ -71,7 +71,8 @@ impl Found {
         self.faults.iter().find_map(across)
     }
 
-    /// IMU's stamps, in order, at which the reckoning begins anew, where it stamps so much later, s.
+    /// IMU's stamps, in order, at which the reckoning begins anew, where it stamps so much later,
+    /// s.
     pub(super) fn cuts_s(&self, log: &Log, masked: &[bool], motion: &Motion, late_s: f64) -> Vec<f64> {
         let middle = |from_s: f64, to_s: f64| 0.5 * (from_s + to_s);
         let of = |fault: &Fault| {

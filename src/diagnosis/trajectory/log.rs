@@ -19,7 +19,7 @@ pub(super) struct Log {
 }
 
 impl Log {
-    /// How long it lasts, s.
+    /// Returns how long it lasts, s.
     pub(super) fn duration_s(&self) -> f64 {
         self.time_s.last().copied().unwrap_or_default() - self.time_s.first().copied().unwrap_or_default()
     }
@@ -40,7 +40,7 @@ pub(super) struct Halves {
 }
 
 impl Halves {
-    /// Whether one of them is there.
+    /// Returns whether one of them is there.
     pub(super) fn has(self, half: Half) -> bool {
         match half {
             Half::Attitude => self.attitude,
@@ -67,11 +67,11 @@ pub(super) struct Motion {
     pub row: Vec<usize>,
     /// From one pose to the next, as a rule, s.
     pub interval_s: f64,
-    /// What of each pose is in it.
+    /// Holds what of each pose is in it.
     pub halves: Halves,
     /// From the file's first pose to the zero of the IMU's times, s.
     pub zero_s: f64,
-    /// Where the scalar of its quaternions stands, as they were read; none: it has none.
+    /// States where the scalar of its quaternions stands, as they were read; none: it has none.
     pub quaternion: Option<Order>,
     /// From the file's own axes to north, east and down.
     pub turn: UnitQuaternion<f64>,

@@ -1,5 +1,5 @@
-//! Why readings do not agree with a reference of positions alone: what is usually mistaken is tried,
-//! and where one of it makes them agree, the error names it.
+//! Why readings do not agree with a reference of positions alone: what is usually mistaken is
+//! tried, and where one of it makes them agree, the error names it.
 
 use nalgebra::Vector3;
 
@@ -9,7 +9,7 @@ use super::start_by_position::start;
 use crate::control::{Control, Stopped};
 use crate::units::DEGREE;
 
-/// What is wrong with readings or positions.
+/// Holds what is wrong with readings or positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Mistake {
     /// Specific force with the sign of an acceleration, or positions of a left-handed frame: an IMU
@@ -49,7 +49,7 @@ pub(super) fn mistake(case: &Case<'_>, control: &Control) -> Result<Option<Mista
 }
 
 impl Mistake {
-    /// What is wrong, and what to do.
+    /// Returns what is wrong, and what to do.
     pub(super) fn words(self) -> (&'static str, &'static str) {
         match self {
             Self::Hand => (

@@ -13,12 +13,12 @@ use super::permutation::Permutation;
 use super::start::{Start, start};
 use crate::motion::file::format::Order;
 
-/// What is wrong with how attitudes were read.
+/// Holds what is wrong with how attitudes were read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Fault {
     /// The scalar stands at the other end than was taken.
     Order {
-        /// Where it was taken to stand.
+        /// States where it was taken to stand.
         taken: Order,
     },
     /// The rotations go from world to body.
@@ -69,7 +69,8 @@ fn others(motion: &Motion) -> Vec<(Fault, Motion)> {
     all
 }
 
-/// What is wrong with the reference's attitudes, if another reading of them fits far better.
+/// Returns what is wrong with the reference's attitudes, if another reading of them fits far
+/// better.
 ///
 /// `motion` is all of the reference; `said` is what its sound part, so much of it, says as given: a
 /// wrong convention may agree for a while.
@@ -108,7 +109,7 @@ pub(super) fn fault(
 }
 
 impl Fault {
-    /// What is wrong, and what to do.
+    /// Returns what is wrong, and what to do.
     pub(super) fn words(self) -> (String, String) {
         match self {
             Self::Order { taken } => {

@@ -1,12 +1,13 @@
-//! What an IMU in motion, and its place beside the reference, may have other than the ideal: where
-//! each number stands.
+//! States what an IMU in motion, and its place next to the reference, may have other than the
+//! ideal: where each number stands.
 //!
-//! Gyro: y = (I + S) ω + K f + b; accelerometer: y = (I + S) f + b. ω and f stand in the IMU's axes, which
-//! are the accelerometer's and which C = C₀ exp(c) turns to the body axes of the reference. The
-//! accelerometer's own scale and axes are not judged: most bodies press along one axis alone, and
-//! along the others their slopes would be made of the noise that they are judged by. Beside
-//! positions alone they are free within what a sensor has, for what they do to gravity as the body
-//! turns would else be taken for errors of the gyro. An IMU's stamp is late by τ + d (t − t_middle). Zero is "absent", everywhere.
+//! Gyro: y = (I + S) ω + K f + b; accelerometer: y = (I + S) f + b. ω and f stand in the IMU's
+//! axes, which are the accelerometer's and which C = C₀ exp(c) turns to the body axes of the
+//! reference. The accelerometer's own scale and axes are not judged: most bodies press along one
+//! axis alone, and along the others their slopes would be made of the noise that they are judged
+//! by. Next to positions alone they are free within what a sensor has, for what they do to gravity
+//! as the body turns would else be taken for errors of the gyro. An IMU's stamp is late by τ + d (t
+//! − t_middle). Zero is "absent", everywhere.
 
 use std::ops::Range;
 
@@ -21,8 +22,8 @@ pub(super) const GYRO_BIAS: Range<usize> = 0..3;
 pub(super) const FORCE_BIAS: Range<usize> = 3..6;
 /// Gravity's components along the reference's north and east, m/s².
 pub(super) const TILT: Range<usize> = 6..8;
-/// By how much the readings are late in all, s: what the clock of the IMU stamps late, τ, and the lag
-/// of a low-pass that they went through.
+/// By how much the readings are late in all, s: what the clock of the IMU stamps late, τ, and the
+/// lag of a low-pass that they went through.
 pub(super) const OFFSET: usize = 8;
 /// Rate d of the IMU's clock against the reference's, s/s.
 pub(super) const DRIFT: usize = 9;
@@ -48,7 +49,8 @@ pub(super) const ANCHOR: Range<usize> = 49..52;
 /// The accelerometer's S on and below its diagonal: xx, yy, zz, yx, zx, zy.
 pub(super) const FORCE_MATRIX: Range<usize> = 52..58;
 /// Square of the time constant of a low-pass that the readings went through, s². It enters by its
-/// square beside the lag of both together, for to the first order a low-pass is a clock that is late.
+/// square next to the lag of both together, for to the first order a low-pass is a clock that is
+/// late.
 pub(super) const LOWPASS: usize = 58;
 
 /// Places of the gyro's off-diagonal numbers.
@@ -58,8 +60,8 @@ pub(super) const FORCE_PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1
 /// Cosines that a slow wander is made of.
 pub(super) const COSINES: usize = 2;
 
-/// How large each number may be at the very most: the standard deviation of a prior that holds fast
-/// what nothing shows.
+/// Returns how large each number may be at the very most: the standard deviation of a prior that
+/// holds fast what nothing shows.
 pub(super) fn widths() -> Point {
     let mut widths = [0.0; PARAMETERS];
     let rows: [(Range<usize>, f64); 16] = [

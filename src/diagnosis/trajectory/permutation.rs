@@ -7,7 +7,7 @@ use nalgebra::Matrix3;
 pub(super) struct Permutation {
     /// Axis of each column.
     pub axis: [usize; 3],
-    /// Whether it is turned round.
+    /// States whether it is turned round.
     pub turned: [bool; 3],
 }
 
@@ -21,7 +21,7 @@ impl Permutation {
         Matrix3::from_fn(|row, column| if self.axis[row] == column { sign(row) } else { 0.0 })
     }
 
-    /// As "y x −z".
+    /// Returns it as "y x −z".
     pub(super) fn map(&self) -> String {
         let one =
             |row: usize| format!("{}{}", if self.turned[row] { "-" } else { "" }, ["x", "y", "z"][self.axis[row]]);

@@ -14,8 +14,8 @@ use crate::units::DEGREE;
 
 /// A term that is refused for its size is missed where it removes more of the error than this.
 const MOST: f64 = 0.5;
-/// An attitude that errs by more over a twentieth of a second is none: what an axis of a sensor may be
-/// off at most, 10°.
+/// An attitude that errs by more over a twentieth of a second is none: what an axis of a sensor may
+/// be off at most, 10°.
 const ERRS_RAD: f64 = 10.0 * DEGREE;
 
 /// Biases, in SI: the widest of common datasheets.
@@ -24,9 +24,9 @@ const BIASES: [(Range<usize>, f64, &str, &str, &str); 2] = [
     (FORCE_BIAS, 2.5, "m/s²", "a bias of the accelerometer", "ADXL345 datasheet: 0 g offset of ±250 mg"),
 ];
 
-/// What a fitted model needs beyond what there is: biases at its point, an attitude of the reference
-/// that errs, and where something is left unexplained, terms that were refused although they would do
-/// most.
+/// Returns what a fitted model needs beyond what there is: biases at its point, an attitude of the
+/// reference that errs, and where something is left unexplained, terms that were refused although
+/// they would do most.
 pub(super) fn absurd(
     point: &Point,
     erring: Option<Excess>,

@@ -56,7 +56,7 @@ pub(super) fn position_rows(case: &Case<'_>, course: &Course, point: &Point, bin
     rows(&case.left_out_s(point), bins, POSITION, &residual, &slopes)
 }
 
-/// Where the IMU's stamp of each pose lies among its samples.
+/// Returns where the IMU's stamp of each pose lies among its samples.
 pub(super) fn places(case: &Case<'_>, point: &Point) -> Vec<(usize, f64)> {
     (0..case.motion.time_s.len()).map(|pose| place(&case.log.time_s, case.stamp_s(point, pose))).collect()
 }
@@ -76,7 +76,7 @@ pub(super) fn twice(
     (at_poses(&way, &velocity), at_poses(&velocity, changes))
 }
 
-/// What a bias of the accelerometer takes from the specific force, in the IMU's axes.
+/// Returns what a bias of the accelerometer takes from the specific force, in the IMU's axes.
 pub(super) fn bias(case: &Case<'_>, time_s: f64, p: usize) -> Option<Vector3<f64>> {
     if FORCE_BIAS.contains(&p) {
         return Some(Vector3::ith(p - FORCE_BIAS.start, 1.0));
@@ -87,8 +87,8 @@ pub(super) fn bias(case: &Case<'_>, time_s: f64, p: usize) -> Option<Vector3<f64
     })
 }
 
-/// What a parameter takes from the specific force, in the IMU's axes: the residual grows by its
-/// double integral.
+/// Returns what a parameter takes from the specific force, in the IMU's axes: the residual grows by
+/// its double integral.
 fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize, middle_s: f64) -> Option<Vector3<f64>> {
     let (w, f, time_s) = (course.rate[k], course.force[k], case.log.time_s[k]);
     if let Some(bias) = bias(case, time_s, p) {

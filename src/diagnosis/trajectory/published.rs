@@ -1,5 +1,5 @@
 //! Numbers to be used whatever the verdict: calibrations of both sensors, clock and lever arm,
-//! fitted beside all that is named so that none is forced to zero because it was too small to be
+//! fitted next to all that is named so that none is forced to zero because it was too small to be
 //! named.
 
 use nalgebra::{Matrix3, Vector3};
@@ -18,8 +18,8 @@ use crate::by_axis::Drawn;
 use crate::units::DEGREE;
 use crate::verdict::{Estimate, SensorCalibration, Triads};
 
-/// How well the accelerometer's scale and axes are known, which are held or nearly so: what a sensor
-/// may have at most.
+/// States how well the accelerometer's scale and axes are known, which are held or nearly so: what
+/// a sensor may have at most.
 const HELD: f64 = 0.2;
 
 /// A fitted subset with what its intervals are made of.
@@ -40,7 +40,7 @@ impl Fitted {
         Self { active: active.to_vec(), apart: slow::apart(linear, active, &solved), point: solved.point, interval_s }
     }
 
-    /// Whether a parameter is in it.
+    /// Returns whether a parameter is in it.
     pub(super) fn has(&self, p: usize) -> bool {
         self.active.contains(&p)
     }
@@ -54,8 +54,8 @@ impl Fitted {
         Estimate { name: name.into(), value: value * per_si, unit: unit.into(), ci95 }
     }
 
-    /// By how much the lag of a low-pass depends on what happens between readings, s: straight lines
-    /// between them are a low-pass themselves, of a sixth of the square of their interval.
+    /// By how much the lag of a low-pass depends on what happens between readings, s: straight
+    /// lines between them are a low-pass themselves, of a sixth of the square of their interval.
     fn within_a_sample_s(&self, p: usize) -> f64 {
         let tau_s = lowpass_s(&self.point);
         if tau_s > 0.0 && (p == LOWPASS || p == OFFSET) { self.interval_s.powi(2) / (12.0 * tau_s) } else { 0.0 }
@@ -76,7 +76,7 @@ impl Fitted {
     }
 }
 
-/// What nearly every unit has, beside a model.
+/// Returns what nearly every unit has, next to a model.
 pub(super) fn usual(active: &[usize], selection: &Selection) -> Vec<usize> {
     let gyro = [OFFSET..OFFSET + 1, DRIFT..DRIFT + 1, GYRO_SCALE, GYRO_MISALIGNMENT];
     let more = gyro.into_iter().chain([LEVER_ARM].into_iter().filter(|arm| selection.judges(arm.start))).flatten();
@@ -98,8 +98,8 @@ pub(super) fn seated(active: &[usize], halves: Halves) -> Vec<usize> {
     active.iter().copied().chain(more).collect()
 }
 
-/// Numbers of the base model, and clock, mounting and lever arm of the wide one; those that are known
-/// less well than before the recording are left out.
+/// Numbers of the base model, and clock, mounting and lever arm of the wide one; those that are
+/// known less well than before the recording are left out.
 pub(super) fn base(chosen: &Fitted, wide: &Fitted) -> Vec<Estimate> {
     let widths = widths();
     let is_known = |p: usize, e: &Estimate, per_si: f64| e.ci95[1] - e.ci95[0] <= 2.0 * widths[p] * per_si;

@@ -19,11 +19,11 @@ pub(super) struct Row {
     pub residual: Vector3<f64>,
     /// Its derivative by each parameter.
     pub slope: Box<[Vector3<f64>; PARAMETERS]>,
-    /// Whether every pose and reading that it needs is there.
+    /// States whether every pose and reading that it needs is there.
     pub holds: bool,
 }
 
-/// How poses are gathered into bins.
+/// States how poses are gathered into bins.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Bins {
     /// From one to the next, s.
@@ -69,7 +69,7 @@ impl Bins {
         sums.iter().zip(&self.count).map(|(sum, n)| sum / (*n).max(1) as f64).collect()
     }
 
-    /// Whether each bin has its poses, and nothing that is left out lies in it.
+    /// Returns whether each bin has its poses, and nothing that is left out lies in it.
     fn whole(&self, left_out_s: &[f64]) -> Vec<bool> {
         let usual = crate::numerics::order::median(self.count.iter().map(|n| *n as f64).collect()).unwrap_or(1.0);
         let mut whole: Vec<bool> = self.count.iter().map(|n| *n as f64 >= (FULL * usual).max(1.0)).collect();
@@ -85,12 +85,12 @@ impl Bins {
     }
 }
 
-/// How often the bin means of each axis are differenced.
+/// States how often the bin means of each axis are differenced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Orders {
     /// By axis.
     pub of: [usize; 3],
-    /// What is taken for the time from one bin to the next.
+    /// Holds what is taken for the time from one bin to the next.
     pub spacing: Spacing,
 }
 
@@ -143,8 +143,8 @@ pub(super) fn differenced(means: &[Vector3<f64>], orders: Orders, bins: &Bins) -
     values
 }
 
-/// Rows out of a residual and its slopes, each given at the poses; those do not hold that need a bin
-/// with a time that is left out, on the clock of the poses.
+/// Rows out of a residual and its slopes, each given at the poses; those do not hold that need a
+/// bin with a time that is left out, on the clock of the poses.
 pub(super) fn rows(
     left_out_s: &[f64],
     bins: &Bins,

@@ -20,8 +20,8 @@ use crate::numerics::spectrum::welch;
 const SPANS: [usize; 6] = [1, 2, 4, 8, 16, 32];
 /// Variance over that of the sensor's noise from which the rest is the reference's.
 const BEYOND: f64 = 2.0;
-/// Where readings show their noise alone, as fractions of the sampling rate, and the quantile of
-/// the lines that is the floor.
+/// States where readings show their noise alone, as fractions of the sampling rate, and the
+/// quantile of the lines that is the floor.
 const FLOOR: ([f64; 2], f64) = ([0.15, 0.45], 0.25);
 
 /// Noise that a reference has beyond the sensor's.
@@ -69,8 +69,8 @@ pub(super) fn random_walks(log: &Log, stated: InertialNoise) -> [f64; 2] {
     [walk(stated.gyro, &log.rate), walk(stated.accelerometer, &log.force)]
 }
 
-/// What errors, given as changes per second from bin to bin, show beyond the sensor's white noise;
-/// `random_walk` is its N².
+/// Returns what errors, given as changes per second from bin to bin, show beyond the sensor's white
+/// noise; `random_walk` is its N².
 pub(super) fn excess(changes: &[(Vector3<f64>, bool)], width_s: f64, random_walk: f64) -> Option<Excess> {
     let found = SPANS.into_iter().filter_map(|span| over(changes, width_s, random_walk, span));
     found.max_by(|a, b| a.deviation.total_cmp(&b.deviation))

@@ -37,13 +37,13 @@ pub(super) struct Named {
 }
 
 impl Selection {
-    /// Whether a parameter is of a term that was judged.
+    /// Returns whether a parameter is of a term that was judged.
     pub(super) fn judges(&self, p: usize) -> bool {
         let named = self.named.iter().map(|n| &n.standing);
         named.chain(&self.others).any(|standing| standing.term.parameters.contains(&p))
     }
 
-    /// What was named by this id.
+    /// Returns what was named by this id.
     pub(super) fn term(&self, id: &str) -> Option<&Named> {
         self.named.iter().find(|n| n.standing.term.id() == id)
     }
@@ -65,10 +65,10 @@ pub(super) fn with(active: &[usize], terms: impl IntoIterator<Item = &'static Te
     active.iter().copied().chain(terms.into_iter().flat_map(|t| t.parameters.clone())).collect()
 }
 
-/// What the reference allows to be told.
+/// Holds what the reference allows to be told.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Allowed {
-    /// What of each pose it has.
+    /// Holds what of each pose it has.
     pub halves: Halves,
     /// Fraction of the held-out sum of squares that a name must account for.
     pub least_part: f64,
@@ -132,8 +132,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// What may be added. Where the gyro's misalignment is free it says nothing of a mounting, and
-    /// the accelerometer alone cannot tell a mounting from its own misalignment.
+    /// Returns what may be added. Where the gyro's misalignment is free it says nothing of a
+    /// mounting, and the accelerometer alone cannot tell a mounting from its own misalignment.
     fn rest(&self, named: &[&'static Term]) -> Vec<&'static Term> {
         let misaligned = named.iter().any(|t| t.id() == MISALIGNMENT.id);
         let closed = |t: &Term| misaligned && t.id() == MOUNTING.id;

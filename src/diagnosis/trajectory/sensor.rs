@@ -14,13 +14,13 @@ use super::selection::Selection;
 use super::start::Start;
 use crate::model::Reference;
 
-/// What the sensor is made from.
+/// Holds what the sensor is made from.
 pub(super) struct Diagnosed<'a> {
     /// The log and its reference.
     pub case: &'a Case<'a>,
     /// Axes that the search began with.
     pub start: &'a Start,
-    /// What was named.
+    /// Holds what was named.
     pub selection: &'a Selection,
     /// The chosen model.
     pub chosen: &'a Fitted,
@@ -34,7 +34,7 @@ pub(super) struct Diagnosed<'a> {
     pub limits: &'a [Vec<Limit>; 2],
     /// One-sided noise densities of gyro and accelerometer in motion, unit/√Hz.
     pub density: [f64; 2],
-    /// Whether the reference was found to err.
+    /// States whether the reference was found to err.
     pub errs: bool,
 }
 
@@ -72,7 +72,7 @@ impl Diagnosed<'_> {
         }
     }
 
-    /// What was named and has no key in a study.
+    /// Returns what was named and has no key in a study.
     fn not_expressible(&self) -> Vec<String> {
         let without = [GYRO_WANDER.start, FORCE_WANDER.start, LOWPASS];
         let lacks = |term: &&Term| {

@@ -1,4 +1,4 @@
-//! How far parameters may be from the truth: their scores are summed with slow waves of the
+//! States how far parameters may be from the truth: their scores are summed with slow waves of the
 //! recording's time, whose mean square is what noise of any colour adds to a sum over all of it.
 //!
 //! Rows are differences of what a reference says, and noise of single poses, which differences make

@@ -1,4 +1,5 @@
-//! Where the search starts: the clocks laid on each other, the axes told apart, biases roughly.
+//! States where the search starts: the clocks laid on each other, the axes told apart, biases
+//! roughly.
 //!
 //! Rates over short windows, of the reference by its attitudes and of the gyro by its integral, are
 //! regressed on each other for every shift of the clocks: the shift that explains most is the one,
@@ -24,14 +25,14 @@ const BETTER: f64 = 0.5;
 /// An angle that the fit finds by itself, rad.
 const SMALL_RAD: f64 = 0.2;
 
-/// Where the search starts.
+/// States where the search starts.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Start {
     /// By how much the IMU stamps late, s.
     pub offset_s: f64,
     /// Share of the gyro's variance that the reference explains at that shift.
     pub explained: f64,
-    /// What one unit of the gyro is in rad/s by the reference; 1 where all is well.
+    /// Holds what one unit of the gyro is in rad/s by the reference; 1 where all is well.
     pub gyro_unit: f64,
     /// Which axes the gyro's columns read.
     pub gyro: Permutation,

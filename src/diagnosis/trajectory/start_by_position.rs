@@ -1,5 +1,5 @@
-//! Where the search starts beside a reference that has no attitudes: the clocks laid on each other,
-//! the attitude at one instant, and the gyro's bias.
+//! States where the search starts next to a reference that has no attitudes: the clocks laid on
+//! each other, the attitude at one instant, and the gyro's bias.
 //!
 //! What a reference's positions say of specific force, p̈ − g, is as long as what the accelerometer
 //! reads, however the IMU is turned: that shift of the clocks is taken at which both lengths go
@@ -37,7 +37,7 @@ struct Pairs {
     read: Vec<Vector3<f64>>,
 }
 
-/// What gyro and accelerometer lead to from the first sample on: the double integral of the
+/// Holds what gyro and accelerometer lead to from the first sample on: the double integral of the
 /// specific force, without gravity.
 struct Reckoned {
     velocity: Vec<Vector3<f64>>,
@@ -51,7 +51,7 @@ impl Reckoned {
         Self { velocity, way }
     }
 
-    /// Second differences at poses that are `reach` apart, beside those of the reference.
+    /// Second differences at poses that are `reach` apart, next to those of the reference.
     fn pairs(&self, (log, motion): (&Log, &Motion), reach: usize, shift_s: f64, gravity_m_s2: f64) -> Pairs {
         let (first, last) = (log.time_s[0], log.time_s[log.time_s.len() - 1]);
         let at = |t: f64| between(&log.time_s, &self.way, &self.velocity, place(&log.time_s, t + shift_s));
@@ -125,7 +125,7 @@ fn reaches(motion: &Motion) -> Vec<usize> {
 
 /// The outcome of the search.
 pub(super) struct Found {
-    /// Where the search starts.
+    /// States where the search starts.
     pub start: Start,
     /// The attitude that dead reckoning goes through.
     pub anchor: Anchor,

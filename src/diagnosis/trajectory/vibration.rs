@@ -44,7 +44,7 @@ pub fn spectrum(readings: &[Vector3<f64>], rate_hz: f64) -> (Vec<(f64, f64)>, f6
     (axes[0].frequency_hz.iter().enumerate().map(|(k, hz)| (*hz, mean(k))).collect(), axes[0].averages)
 }
 
-/// What the readings show beyond a stated density, or as lines; none where neither.
+/// Returns what the readings show beyond a stated density, or as lines; none where neither.
 pub fn vibration(readings: &[Vector3<f64>], rate_hz: f64, stated: Option<f64>) -> Option<Vibration> {
     let (spectrum, averages) = spectrum(readings, rate_hz);
     let above: Vec<(f64, f64)> =

@@ -1,14 +1,15 @@
-//! What a diagnosis of poses has to tell, as data; the words are made in `report::diagnosis`.
+//! States what a diagnosis of poses has to tell, as data; the words are made in
+//! `report::diagnosis`.
 
 use super::group::Group;
 use crate::sensor::Sense;
 
-/// What the verdict's sentence and the next experiment rest on.
+/// Holds what the verdict's sentence and the next experiment rest on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Account {
-    /// Whether the poses determine the base model's own parameters.
+    /// States whether the poses determine the base model's own parameters.
     pub base_determined: bool,
-    /// Whether a gyro was recorded beside the accelerometer.
+    /// States whether a gyro was recorded next to the accelerometer.
     pub with_gyro: bool,
     /// Named effects, strongest first.
     pub named: Vec<NamedTerm>,
@@ -21,11 +22,11 @@ pub struct Account {
     pub location: Location,
     /// Offsets that drift slowly.
     pub drifts: Vec<Drift>,
-    /// Whether a temperature (or other environment) column was given.
+    /// States whether a temperature (or other environment) column was given.
     pub has_column: bool,
     /// Poses that were left out because they disagree with all others.
     pub knocked: Vec<Knocked>,
-    /// Whether offsets wander between the poses by more than the noise inside them says.
+    /// States whether offsets wander between the poses by more than the noise inside them says.
     pub wanders: bool,
 }
 
@@ -34,7 +35,7 @@ pub struct Account {
 pub struct Drift {
     /// Sensor whose offsets drift.
     pub sensor: Sense,
-    /// Whether it is named, not only told.
+    /// States whether it is named, not only told.
     pub is_named: bool,
     /// From the lowest to the highest over the poses, per axis: mm/s² or °/s.
     pub range: [f64; 3],
@@ -82,10 +83,10 @@ pub struct NamedTerm {
     pub rivals: Vec<&'static str>,
 }
 
-/// What became of a candidate.
+/// Holds what became of a candidate.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Fate {
-    /// Named, judged beside the others named.
+    /// Named, judged next to the others named.
     Named,
     /// It helps, but what is left of the residual stays above the noise.
     Withdrawn,
@@ -95,7 +96,7 @@ pub enum Fate {
     Implausible,
     /// The poses fit without it.
     Absent {
-        /// Whether it was judged beside named effects.
+        /// States whether it was judged next to named effects.
         beside_named: bool,
         /// The smallest strength that would have been seen, where one can be stated.
         seen_from: Option<SeenFrom>,

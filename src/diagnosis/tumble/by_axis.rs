@@ -1,4 +1,4 @@
-//! What was named of the axes, by the keys that a study of six axes has for it.
+//! States what was named of the axes, by the keys that a study of six axes has for it.
 
 use super::calibration::{Calibration, Triad, accelerometer, gyro};
 use super::candidate::Term;
@@ -6,7 +6,7 @@ use crate::by_axis::{Drawn, over};
 use crate::sensor::{SensorTerm, coupling};
 use crate::units::key::Key;
 
-/// What a study does not hold of a term.
+/// Holds what a study does not hold of a term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lacking {
     /// It holds all of it.
@@ -53,7 +53,7 @@ fn per_kelvin(triad: &Triad) -> [Drawn; 3] {
     [0, 1, 2].map(|axis| Drawn { mean: triad.temperature[axis], sd: 0.0 })
 }
 
-/// Whether a row of it has elements that differ.
+/// Returns whether a row of it has elements that differ.
 fn is_spread(numbers: &[Drawn; 3]) -> bool {
     numbers.iter().any(|row| row.sd != 0.0)
 }
@@ -66,7 +66,7 @@ pub(super) fn turned_gyro(named: &[Numbers], calibration: &Calibration) -> Optio
     alone.then(|| (&coupling::GYRO_MISALIGNMENT, gyro_rows(calibration)))
 }
 
-/// The cubes beside the squares of a nonlinear accelerometer.
+/// The cubes next to the squares of a nonlinear accelerometer.
 pub(super) fn cubes(named: &[Numbers], calibration: &Calibration) -> Option<Numbers> {
     let squares = &SensorTerm::Nonlinearity.row().keys[0];
     let fixed = |axis: usize| Drawn { mean: calibration.accelerometer.cubic[axis], sd: 0.0 };
@@ -130,7 +130,7 @@ mod tests {
     }
 
     /// A gyro of which nothing was named turns with the accelerometer's axes: its rows are the turn
-    /// itself. Named by itself, or beside an accelerometer of which nothing was, it needs no more.
+    /// itself. Named by itself, or next to an accelerometer of which nothing was, it needs no more.
     #[test]
     fn a_gyro_turns_with_the_axes_of_its_accelerometer() {
         let mut p = [0.0; PARAMETERS];

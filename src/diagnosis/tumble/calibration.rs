@@ -1,4 +1,5 @@
-//! What an IMU makes of specific force and rate, and the way back from counts to m/s² and rad/s.
+//! States what an IMU makes of specific force and rate, and the way back from counts to m/s² and
+//! rad/s.
 //!
 //! Accelerometer, axis i: (y − o)/s = v + k₂v² + k₃v³ + cτ + d(t), v = M f. Its M is upper
 //! triangular with ones: the frame is the accelerometer's own, z along its z axis, because
@@ -16,7 +17,7 @@ pub type Point = [f64; PARAMETERS];
 /// Cosines that a slow drift is made of.
 pub(super) const DRIFT_TERMS: usize = 3;
 
-/// What changes slowly while it is recorded, at one time.
+/// Holds what changes slowly while it is recorded, at one time.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Slow {
     /// τ: the environment column less its mean; zero without one.
@@ -69,7 +70,7 @@ pub mod gyro {
     pub const FRAME_RATE: Range<usize> = 48..51;
     /// Slow drift, three cosines of x, then of y and z, rad/s.
     pub const DRIFT: Range<usize> = 60..69;
-    /// What the gyro's own filter changes in the coning correction: see `turn`.
+    /// States what the gyro's own filter changes in the coning correction: see `turn`.
     pub const CONING: Range<usize> = 69..70;
 }
 
@@ -102,8 +103,8 @@ pub struct Triad {
 }
 
 impl Triad {
-    /// What the reading equation makes of the counts on one axis before its curve is undone: v +
-    /// k₂v² + k₃v³.
+    /// Returns what the reading equation makes of the counts on one axis before its curve is
+    /// undone: v + k₂v² + k₃v³.
     pub fn curved(&self, axis: usize, counts: f64, slow: &Slow) -> f64 {
         let drift: f64 = (0..DRIFT_TERMS).map(|n| self.drift[(axis, n)] * slow.cosines[n]).sum();
         (counts - self.offset[axis]) / self.scale[axis] - self.temperature[axis] * slow.covariate - drift

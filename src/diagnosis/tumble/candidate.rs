@@ -1,5 +1,5 @@
-//! What an IMU's calibration model may leave out; one file per candidate, each with the parameters
-//! it frees.
+//! States what an IMU's calibration model may leave out; one file per candidate, each with the
+//! parameters it frees.
 
 use crate::candidate::Candidate;
 use crate::sensor::Sense;
@@ -28,7 +28,8 @@ pub const CANDIDATES: &[Candidate] = &[
     slow_drift::CANDIDATE,
 ];
 
-/// What no pose can tell from the common scale: in the library to be said, never to be fitted.
+/// States what no pose can tell from the common scale: in the library to be said, never to be
+/// fitted.
 pub(super) const NEVER_FITTED: &Candidate = &local_gravity::CANDIDATE;
 
 /// Everything that can be fitted to a recording with or without a gyro and an environment column.

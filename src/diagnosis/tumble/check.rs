@@ -1,5 +1,5 @@
-//! What must hold before a tumble recording is judged; each failure says what was wrong and what to
-//! do.
+//! States what must hold before a tumble recording is judged; each failure says what was wrong and
+//! what to do.
 
 use std::path::Path;
 
@@ -69,8 +69,8 @@ pub(crate) fn enough(path: &Path, poses: usize) -> Result<()> {
     ))
 }
 
-/// Whether the poses that were given lie where the recording is still: rows counted from another
-/// start, or at another rate, put them into the moves.
+/// Checks whether the poses that were given lie where the recording is still: rows counted from
+/// another start, or at another rate, put them into the moves.
 pub(crate) fn still(path: &Path, observed: &Observed<'_>, findings: &mut Vec<String>) -> Result<()> {
     let imu = &observed.imu;
     let scatter = |of: &[f64]| {

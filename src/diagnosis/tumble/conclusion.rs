@@ -29,17 +29,17 @@ use crate::standing::{Gain, Note, Ranked};
 use crate::units::DEGREE;
 use crate::verdict::{Effect, Estimate, Evidence, Fit as FitScore, RecordingInfo, Score};
 
-/// What a search found.
+/// Holds what a search found.
 pub(super) struct Found {
     /// Base model, chosen model and what stands in it.
     pub selection: Selection,
     /// Poses that were left out.
     pub knocked: Vec<usize>,
-    /// Whether the noise of a pose was raised to what wanders between the poses.
+    /// States whether the noise of a pose was raised to what wanders between the poses.
     pub wanders: bool,
 }
 
-/// What a conclusion is drawn about.
+/// Holds what a conclusion is drawn about.
 pub(super) struct Case<'a> {
     /// The recording as read.
     pub recording: &'a Recording,
@@ -51,7 +51,7 @@ pub(super) struct Case<'a> {
     pub folds: &'a Folds,
     /// Findings of the intake, one sentence each.
     pub findings: Vec<String>,
-    /// Whether the tool found the poses.
+    /// States whether the tool found the poses.
     pub poses_found: bool,
 }
 
@@ -273,7 +273,7 @@ impl Case<'_> {
         Fate::Absent { beside_named, seen_from }
     }
 
-    /// What the words rest on.
+    /// Returns what the words rest on.
     fn account(&self, found: &Found, residual: &Residual, location: Location) -> Account {
         let selection = &found.selection;
         let named = |n: &Named| NamedTerm {
@@ -322,7 +322,7 @@ impl Case<'_> {
     }
 }
 
-/// What the verdict rests on.
+/// Returns what the verdict rests on.
 fn evidence(selection: &Selection, residual: &Residual, held_out_ratio: f64) -> ruling::Evidence {
     ruling::Evidence {
         base_determined: selection.base.determined,

@@ -115,8 +115,8 @@ impl Case<'_> {
         }
     }
 
-    /// The environment column as the temperature that a study follows; `None` where there is none, or
-    /// it is none in °C.
+    /// The environment column as the temperature that a study follows; `None` where there is none,
+    /// or it is none in °C.
     fn warmth(&self) -> Option<Temperature> {
         let name = self.model.columns.environment.first()?;
         let logged = self.recording.columns.iter().find(|column| column.name == *name)?;
@@ -124,8 +124,8 @@ impl Case<'_> {
         is_possible(&points).then(|| Temperature::new(points, moments::mean(&logged.values)))
     }
 
-    /// What the base model gets wrong at rest beside the repaired one: m/s² and rad/s per axis, rms
-    /// over the poses.
+    /// Returns what the base model gets wrong at rest next to the repaired one: m/s² and rad/s per
+    /// axis, rms over the poses.
     fn leftover(&self, selection: &Selection) -> (f64, f64) {
         let (base, repaired) =
             (Calibration::from_point(&selection.base.point), Calibration::from_point(&selection.chosen.point));

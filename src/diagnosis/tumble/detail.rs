@@ -9,7 +9,7 @@ use crate::verdict::Triads;
 pub struct Detail {
     /// The poses, in order of time.
     pub poses: Vec<PoseDetail>,
-    /// Whether the tool found the poses itself.
+    /// States whether the tool found the poses itself.
     pub poses_found: bool,
     /// Root-mean-square residuals on poses that were not fitted, in the units of `Group`: base
     /// model, repaired model.

@@ -1,11 +1,11 @@
 //! The calibration as it is handed out: biases and matrices with their intervals, whatever the
 //! verdict.
 //!
-//! It frees what nearly every unit has (offset, scale per axis, misalignment) beside whatever was
+//! It frees what nearly every unit has (offset, scale per axis, misalignment) next to whatever was
 //! chosen, so that a number is not forced to zero because it was too small to be named, and comes
-//! out also where something else is left out. There, leaving out poses in turn tells how the numbers
-//! scatter and not how the law that is missing moves them; what each candidate of that sensor would
-//! move them by is added to their intervals.
+//! out also where something else is left out. There, leaving out poses in turn tells how the
+//! numbers scatter and not how the law that is missing moves them; what each candidate of that
+//! sensor would move them by is added to their intervals.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -61,8 +61,8 @@ pub(crate) fn calibration(observed: &Observed<'_>, chosen: &Fit) -> Option<Triad
     })
 }
 
-/// What a law outside the library moves a number by, over what the candidate nearest to it does: the
-/// part of its course that the candidate does not follow moves it about as much again.
+/// States what a law outside the library moves a number by, over what the candidate nearest to it
+/// does: the part of its course that the candidate does not follow moves it about as much again.
 const AS_MUCH_AGAIN: f64 = 2.0;
 
 /// The parameters with each candidate that acts on this sensor freed in turn; none where its

@@ -17,7 +17,7 @@ pub(super) struct Fit {
     pub active: Vec<usize>,
     /// Residuals and slopes at the optimum.
     pub rows: Rows,
-    /// Whether the recording determines every active parameter.
+    /// States whether the recording determines every active parameter.
     pub determined: bool,
     /// Factor on the noise variance of each group by which the fit weighed it.
     pub inflation: Inflation,
@@ -40,18 +40,18 @@ const TOLERATED: f64 = 1.3;
 /// no turn shows it.
 pub(super) const CONING_PRIOR: f64 = 1.0;
 
-/// What is known of a parameter before the recording.
+/// Holds what is known of a parameter before the recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Beforehand {
     /// Its index.
     pub parameter: usize,
-    /// Where it is expected.
+    /// States where it is expected.
     pub centre: f64,
-    /// How far from there.
+    /// States how far from there.
     pub deviation: f64,
 }
 
-/// What every fit takes for known.
+/// States what every fit takes for known.
 const ALWAYS: &[Beforehand] = &[Beforehand { parameter: gyro::CONING.start, centre: 0.0, deviation: CONING_PRIOR }];
 
 /// Slopes are scaled to columns of length one, so that counts and rad/s weigh alike.
@@ -74,14 +74,15 @@ fn normal(design: &DMatrix<f64>) -> Normal {
     Normal { matrix, unit }
 }
 
-/// What a fit is asked: which parameters, how the groups are weighed, and what is known beforehand.
+/// Holds what a fit is asked: which parameters, how the groups are weighed, and what is known
+/// beforehand.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Question<'a> {
     /// Indices of the parameters that are fitted.
     pub active: &'a [usize],
     /// Factor on the noise variance of each group.
     pub inflation: &'a Inflation,
-    /// What is known before the recording.
+    /// Holds what is known before the recording.
     pub known: &'a [Beforehand],
 }
 

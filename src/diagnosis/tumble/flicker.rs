@@ -145,7 +145,7 @@ impl Axis {
         (order::median(levels).unwrap_or(0.0) / 0.455).max(self.floor).max(f64::MIN_POSITIVE.sqrt())
     }
 
-    /// The white level of greatest likelihood beside this flicker, by Fisher's scoring.
+    /// The white level of greatest likelihood next to this flicker, by Fisher's scoring.
     fn white(&self, flicker: f64, guess: f64, of_order: &[f64]) -> Law {
         let floor = self.floor.max(f64::MIN_POSITIVE.sqrt());
         let mut white = guess.max(floor);

@@ -36,9 +36,9 @@ pub struct Pose {
     pub accelerometer_variance: Vector3<f64>,
     /// Variance of the means by noise, counts².
     pub gyro_variance: Vector3<f64>,
-    /// What changes slowly, mean over the samples.
+    /// Holds what changes slowly, mean over the samples.
     pub slow: Slow,
-    /// Whether it is fitted and judged; one that disagrees with all others is not.
+    /// States whether it is fitted and judged; one that disagrees with all others is not.
     pub counts: bool,
 }
 
@@ -61,7 +61,7 @@ pub struct Observed<'a> {
 }
 
 impl<'a> Imu<'a> {
-    /// What changes slowly, at one sample.
+    /// Returns what changes slowly, at one sample.
     pub fn slow_at(&self, sample: usize) -> Slow {
         let samples = self.accelerometer[0].len().max(1);
         let first = (std::f64::consts::PI * (sample as f64 + 0.5) / samples as f64).cos();

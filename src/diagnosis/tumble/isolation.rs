@@ -1,5 +1,5 @@
-//! Where the base model's mismatch lives: which residual, which poses, and which component of
-//! gravity it follows.
+//! States where the base model's mismatch lives: which residual, which poses, and which component
+//! of gravity it follows.
 
 use nalgebra::Vector3;
 

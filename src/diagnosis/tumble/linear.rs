@@ -50,7 +50,7 @@ const PLACES: [Places; 2] = [
     },
 ];
 
-/// The model of an accelerometer, or of one beside a gyro.
+/// The model of an accelerometer, or of one next to a gyro.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Linear {
     /// Indices of what is fitted: the accelerometer's, then the gyro's, its coning last.
@@ -120,7 +120,8 @@ impl Linear {
         self.active[..self.told_of()].iter().map(value).collect()
     }
 
-    /// Computes the information on the public parameters at a point; `variance`: factor on each row's variance.
+    /// Computes the information on the public parameters at a point; `variance`: factor on each
+    /// row's variance.
     pub(super) fn information(&self, rows: &Rows, at: &Point, guess: &Point, variance: &[f64]) -> Information {
         let tolerance = self.tolerance(guess);
         let count = tolerance.len();
@@ -130,7 +131,8 @@ impl Linear {
         information
     }
 
-    /// Computes the derivatives of the public parameters (rows, coning last) by the fitted ones (columns).
+    /// Computes the derivatives of the public parameters (rows, coning last) by the fitted ones
+    /// (columns).
     pub(super) fn slopes(&self, point: &Point) -> DMatrix<f64> {
         let count = self.active.len();
         let place = |p: usize| self.active.iter().position(|a| *a == p);

@@ -1,4 +1,5 @@
-//! How far a sensor's mean over a still pose, or its integral over a move, may err by noise alone.
+//! States how far a sensor's mean over a still pose, or its integral over a move, may err by noise
+//! alone.
 //!
 //! Measured inside the poses only, so that no mismatch between poses can pass for noise, and split
 //! into white noise and flicker with the Allan variance σ²(τ) = N²/τ + (2 ln 2/π) B² (IEEE 952,
@@ -60,7 +61,7 @@ impl AxisNoise {
     }
 }
 
-/// What rounding to a step does to a reading at rest.
+/// Holds what rounding to a step does to a reading at rest.
 struct Rounding {
     /// Variance of a long mean about the truth, over all places between two steps.
     of_mean: f64,

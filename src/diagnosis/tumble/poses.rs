@@ -1,4 +1,4 @@
-//! Where the IMU lay still: read from a file of row ranges, or found in the recording.
+//! States where the IMU lay still: read from a file of row ranges, or found in the recording.
 //!
 //! The finder follows Tedaldi, Pretto & Menegatti (ICRA 2014): the variance in a sliding window
 //! against a multiple of the quietest one, the multiple chosen by scanning. They take the one that

@@ -18,7 +18,7 @@ const AT_REST: usize = 4;
 /// Tests of one model: each group against its noise, each residual at rest against the pose before.
 const TESTS: f64 = (GROUPS.len() + AT_REST) as f64;
 
-/// What is left after repair.
+/// Holds what is left after repair.
 #[derive(Debug, Clone)]
 pub(crate) struct Residual {
     /// All tests, in the vocabulary of every kind.

@@ -194,8 +194,8 @@ impl Rows {
         row
     }
 
-    /// What the rows tell of the active parameters where the variance of each is `variance` times
-    /// what was measured: the Fisher information.
+    /// Returns what the rows tell of the active parameters where the variance of each is `variance`
+    /// times what was measured: the Fisher information.
     pub(super) fn information(&self, variance: &[f64]) -> DMatrix<f64> {
         let mut out = DMatrix::zeros(self.slope.ncols(), self.slope.ncols());
         for (r, variance) in variance.iter().enumerate() {

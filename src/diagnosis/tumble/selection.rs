@@ -44,7 +44,7 @@ pub(crate) struct Selection {
 pub(crate) struct Drifting {
     /// The sensor.
     pub sensor: Sense,
-    /// Whether it is named, not only told.
+    /// States whether it is named, not only told.
     pub is_named: bool,
 }
 
@@ -104,7 +104,7 @@ struct State {
     model: Fit,
 }
 
-/// What a search has at hand.
+/// Holds what a search has at hand.
 struct Search<'a> {
     observed: &'a Observed<'a>,
     folds: &'a Folds,
@@ -137,7 +137,7 @@ impl Search<'_> {
     }
 
     /// Adds what counts and drops what does not, until nothing is dropped. Adding comes first:
-    /// beside a strong effect that is not in the model yet, what belongs there seems not to count.
+    /// next to a strong effect that is not in the model yet, what belongs there seems not to count.
     fn settled(&self, mut state: State) -> Result<State, Stopped> {
         let mut seen: Vec<Vec<&'static Term>> = Vec::new();
         for _ in 0..ROUNDS {
@@ -218,8 +218,8 @@ impl Search<'_> {
         Ok(Selection { base: self.base, chosen: state.model, named, others, drifting })
     }
 
-    /// The drift of one sensor's offsets as a whole, where it moves the poses by more than 1/f noise
-    /// may and leaves no more than noise.
+    /// The drift of one sensor's offsets as a whole, where it moves the poses by more than 1/f
+    /// noise may and leaves no more than noise.
     fn drift(&self, state: &State, own: &[&'static Term], first: &'static Term, others: &[Standing]) -> Option<Named> {
         let model = &state.model;
         let rest: Vec<&'static Term> = state.named.iter().copied().filter(|t| !own.contains(t)).collect();
@@ -235,7 +235,7 @@ impl Search<'_> {
         Some(Named { rivals: self.rivals(model, &smaller, first.sensor, others), standing })
     }
 
-    /// What is not in a model.
+    /// Returns what is not in a model.
     fn rest<'s>(&'s self, state: &'s State) -> impl Iterator<Item = &'static Term> + 's {
         self.library.iter().copied().filter(|t| !state.named.contains(t))
     }

@@ -1,4 +1,4 @@
-//! What every parameter does to a reading: the common part of all slopes.
+//! States what every parameter does to a reading: the common part of all slopes.
 
 use nalgebra::Vector3;
 

@@ -1,4 +1,4 @@
-//! What one term does to a model: its gain on poses held out, its probability by chance, the
+//! States what one term does to a model: its gain on poses held out, its probability by chance, the
 //! criterion by which models are compared, and what of it would have been seen.
 
 use rand::RngExt;
@@ -18,7 +18,7 @@ const RESAMPLES: usize = 400;
 /// Which poses are held out together; `None` is never held out.
 pub(super) type Folds = Vec<Option<usize>>;
 
-/// What one term does to a model.
+/// Holds what one term does to a model.
 #[derive(Debug, Clone)]
 pub(crate) struct Standing {
     pub term: &'static Term,
@@ -28,11 +28,11 @@ pub(crate) struct Standing {
     pub ci95: [f64; 2],
     /// Corrected for the number of candidates tried.
     pub p_value: f64,
-    /// How much the information criterion falls by it; positive is better with it.
+    /// States how much the information criterion falls by it; positive is better with it.
     pub criterion: f64,
-    /// Whether the recording determines its parameters beside the others.
+    /// States whether the recording determines its parameters next to the others.
     pub determined: bool,
-    /// Whether its parameters lie where the library allows.
+    /// States whether its parameters lie where the library allows.
     pub plausible: bool,
     /// Helped, but what it is judged by stayed above the noise.
     pub withdrawn: bool,
@@ -41,13 +41,13 @@ pub(crate) struct Standing {
 }
 
 impl Standing {
-    /// Whether it may be named.
+    /// Returns whether it may be named.
     pub(super) fn counts(&self) -> bool {
         self.p_value < FALSE_NAME && self.ci95[0] > 0.0 && self.criterion > 0.0 && self.determined && self.plausible
     }
 
-    /// Whether it carries most of what it is judged by, with values outside the range that the
-    /// library allows.
+    /// Returns whether it carries most of what it is judged by, with values outside the range that
+    /// the library allows.
     pub(super) fn would_but_for_its_size(&self) -> bool {
         !self.plausible && self.p_value < FALSE_NAME && self.ci95[0] > 0.5 && self.criterion > 0.0 && self.determined
     }
@@ -142,7 +142,7 @@ pub(super) fn held_out_gain(smaller: &Fit, larger: &Fit, group: Group, folds: &F
     (gain(&mut (0..pairs.len())), [quantile(0.025), quantile(0.975)])
 }
 
-/// Whether no parameter lies outside its range by more than its own uncertainty.
+/// Returns whether no parameter lies outside its range by more than its own uncertainty.
 fn plausible(fit: &Fit, term: &Term) -> bool {
     let deviations = fit.deviations();
     let ranges = term.candidate.parameters;
@@ -157,8 +157,8 @@ fn plausible(fit: &Fit, term: &Term) -> bool {
     })
 }
 
-/// What is smallest of an effect that would still have been named, in public units: threshold and
-/// power of 95 %.
+/// Returns the smallest of an effect that would still have been named, in public units:
+/// threshold and power of 95 %.
 fn visible(deviations: impl Iterator<Item = (usize, f64)>, tried: usize) -> Vec<f64> {
     // Normal quantiles for a two-sided test at the corrected level, plus 1.645 for the power.
     let level = normal_quantile(1.0 - FALSE_NAME / tried.max(1) as f64 / 2.0) + 1.645;

@@ -1,4 +1,5 @@
-//! Where the fit begins: offsets and scales from the poses alone, whatever the unit of the counts.
+//! States where the fit begins: offsets and scales from the poses alone, whatever the unit of the
+//! counts.
 
 use nalgebra::Vector3;
 
@@ -19,14 +20,14 @@ pub(crate) fn guess(observed: &mut Observed<'_>) -> Point {
     guess_with(observed, 0.0)
 }
 
-/// The same of poses that may lie in a plane: offsets that they do not show stay in the middle of the
-/// readings, and what axes read unlike does not pass for an offset.
+/// The same of poses that may lie in a plane: offsets that they do not show stay in the middle of
+/// the readings, and what axes read unlike does not pass for an offset.
 pub(super) fn bounded_guess(observed: &mut Observed<'_>) -> Point {
     guess_with(observed, IN_THE_MIDDLE)
 }
 
-/// What offsets (5 % of gravity) and scales of the axes (3 %: twice that in a square) may be makes the
-/// weight of the middle in the equations of the sphere, over its radius.
+/// States what offsets (5 % of gravity) and scales of the axes (3 %: twice that in a square) may be
+/// makes the weight of the middle in the equations of the sphere, over its radius.
 const IN_THE_MIDDLE: f64 = 0.06 / 0.05;
 
 fn guess_with(observed: &mut Observed<'_>, middle: f64) -> Point {

@@ -132,8 +132,8 @@ mod tests {
     fn a_turn_is_integrated_to_a_microradian_by_the_coefficient_of_how_it_was_read() {
         assert!(error_rad(true, 0.0) < 1e-6, "{}", error_rad(true, 0.0));
         assert!(error_rad(false, -1.0 / 24.0) < 1e-6, "{}", error_rad(false, -1.0 / 24.0));
-        // Rectangles, and the other reading's coefficient: neither is good enough beside a noise of
-        // 8e-5 rad.
+        // Rectangles, and the other reading's coefficient: neither is good enough next to a noise
+        // of 8e-5 rad.
         assert!(error_rad(true, -CONING_OF_A_MEAN) > 2e-5, "{}", error_rad(true, -CONING_OF_A_MEAN));
         assert!(error_rad(false, 0.0) > 1e-5, "{}", error_rad(false, 0.0));
     }

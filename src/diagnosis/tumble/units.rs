@@ -5,7 +5,7 @@ use crate::units::{DEGREE, DEGREE_PER_HOUR, STANDARD_GRAVITY_M_S2};
 
 const AXES: [char; 3] = ['x', 'y', 'z'];
 
-/// What a parameter is multiplied by to stand in its public unit.
+/// Returns what a parameter is multiplied by to stand in its public unit.
 pub(crate) fn factor(parameter: usize) -> f64 {
     match parameter {
         p if gyro::G_SENSITIVITY.contains(&p) => STANDARD_GRAVITY_M_S2 / DEGREE,

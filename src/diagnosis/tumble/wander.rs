@@ -1,4 +1,4 @@
-//! How far offsets wander from pose to pose by 1/f noise, from the poses themselves.
+//! States how far offsets wander from pose to pose by 1/f noise, from the poses themselves.
 //!
 //! Inside a pose 1/f noise hides under the white noise; over the recording it is what moves the
 //! poses. Unlike a law of the sensor, which follows attitude, it is alike in neighbouring poses:
@@ -86,8 +86,8 @@ fn wander(observed: &Observed<'_>, fit: &Fit, group: Group) -> Option<f64> {
         let deviations = fit.rows.deviation[rows[a]] * fit.rows.deviation[rows[b]];
         along(a).dot(&along(b)) * covariance / deviations
     });
-    // Columns of what these rows help to settle, scaled. What others settle they do not take up: the
-    // slope of a gyro at rest with its scale factor is its residual itself.
+    // Columns of what these rows help to settle, scaled. What others settle they do not take up:
+    // the slope of a gyro at rest with its scale factor is its residual itself.
     let settled = |c: &usize| {
         let slope = fit.rows.slope.column(*c);
         rows.iter().map(|r| slope[*r].powi(2)).sum::<f64>() > NEXT_TO_NOTHING * slope.norm_squared()
@@ -156,7 +156,7 @@ mod tests {
         assert!((mean_logarithm(200.0, 100.0, 1.0) - 2f64.ln()).abs() < 1e-4);
     }
 
-    /// A restricted likelihood does not see what the design takes up.
+    /// A restricted likelihood does not see what the design absorbs.
     #[test]
     fn the_restricted_likelihood_does_not_change_with_what_the_design_takes_up() {
         let design = DMatrix::from_fn(12, 2, |r, c| if c == 0 { 1.0 } else { r as f64 });

@@ -1,11 +1,11 @@
 //! Bias instability of 64 members: the terms of `kernel::flicker`, carried from sample to sample.
 //!
-//! Numbers: terms 0 and 1 are renewed by small steps of the samples' counters (`small`); stream 1
-//! renews the slower ones (one counter for 16 samples: its number 0 is for the first of them,
-//! number 1 for the ninth); stream 2 + j starts term j.
+//! Numbers: terms 0 and 1 are renewed by small steps of the samples' counters (`cheap_noise`);
+//! stream 1 renews the slower ones (one counter for 16 samples: its number 0 is for the first of
+//! them, number 1 for the ninth); stream 2 + j starts term j.
 
+use super::cheap_noise;
 use super::lanes::{Kernel, LANES, Lane};
-use super::small;
 use super::stretch::Numbers;
 use crate::flicker::{RENEWED, RETAINED, place, slow_term};
 use crate::fragment::Fragment;
@@ -144,7 +144,7 @@ impl<T: Real> Kernel for AddFlicker<'_, T> {
                 }
             }
             let [quick, slow, ..] = &mut terms[..] else { return };
-            step_fast::<T, FMA>(keep, T::of(RENEWED * small::EIGHTH), quick, bits, sample);
+            step_fast::<T, FMA>(keep, T::of(RENEWED * cheap_noise::EIGHTH), quick, bits, sample);
             add_sum::<T, FMA>([self.amplitudes[0], self.amplitudes[1]], [quick, slow, slowest], self.scale, out);
         }
     }
@@ -163,14 +163,14 @@ fn relax<T: Real, const FMA: bool>(keep: T, new: T, term: &mut Lane<T>, number: 
 #[inline(always)]
 fn step_fast<T: Real, const FMA: bool>(keep: T, new: T, term: &mut Lane<T>, bits: &Lane<u32>, sample: u64) {
     for l in 0..LANES {
-        term[l] = fma::<T, FMA>(keep, term[l], new * small::fast(bits[l], sample));
+        term[l] = fma::<T, FMA>(keep, term[l], new * cheap_noise::fast(bits[l], sample));
     }
 }
 
 #[inline(always)]
 fn step_fourth<T: Real, const FMA: bool>(keep: T, new: T, term: &mut Lane<T>, bits: &Lane<u32>) {
     for l in 0..LANES {
-        term[l] = fma::<T, FMA>(keep, term[l], new * small::fourth(bits[l]));
+        term[l] = fma::<T, FMA>(keep, term[l], new * cheap_noise::fourth(bits[l]));
     }
 }
 

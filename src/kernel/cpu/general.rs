@@ -3,10 +3,10 @@
 //!
 //! The stages are those of `oscillator::RungeKutta4`, taken by 64 members together, so that a law
 //! that none of them follows costs nothing: each law that acts is one loop over the lanes of a
-//! stage. States of a law's own go through the stages with the mass (`acting`).
+//! stage. States of a law's own go through the stages with the mass (`law_lanes`).
 
-use super::acting::{Acting, Stage};
 use super::lanes::{Kernel, LANES, Lane};
+use super::law_lanes::{Acting, Stage};
 use super::low_pass::Moved;
 use super::oscillator::{ProofMasses, read, sines};
 use crate::force::Force;
@@ -43,7 +43,7 @@ impl<T: Real> Kernel for General<'_, T> {
             for l in 0..LANES {
                 push[l] = m.k[column::FORCE][l] * push[l];
             }
-            // Slow beside the mass: that of the sample's middle holds for all of it.
+            // Slow next to the mass: that of the sample's middle holds for all of it.
             let warmer_k = self.warmer.get(i).map_or(0.0, |warmer| warmer.f64());
             for f in steps {
                 let sine = m.sine.map_or([zero; 3], |(turns, _)| sines::<T, FMA>(m.k, turns, half));
@@ -87,8 +87,8 @@ fn felt_by_each<T: Real, const FMA: bool>(gain: &Lane<T>, f: &Force<T>, sine: &[
 /// 64 members in a step.
 struct Mass<'a, T> {
     laws: &'a mut [Acting<T>],
-    /// Says whether any law has internal states. Tested once per tile: testing each law at every stage
-    /// made runs without such laws 7 % slower.
+    /// Says whether any law has internal states. Tested once per tile: testing each law at every
+    /// stage made runs without such laws 7 % slower.
     staged: bool,
     base: &'a Base<T, LANES>,
     e: [T; LANES],

@@ -1,8 +1,8 @@
 //! 64 six-axis members: three axes of readings, what couples them, and the navigation that they
 //! feed.
 
-use super::fix::Correct;
-use super::follow::Followed;
+use super::aiding::Correct;
+use super::environment::Followed;
 use super::lanes::{LANES, Lane, Level};
 use super::members::{Members, Shared};
 use super::navigate::{Couple, Navigate, State, roll_pitch_heading};
@@ -11,13 +11,13 @@ use super::reading::TakeOff;
 use super::simulate::{Errors, Simulate, Stretch};
 use super::stretch::{Numbers, Room, STRETCH};
 use super::sums::CHUNK;
-use crate::fix::{self, Fix};
+use crate::aiding::{self, Fix};
+use crate::environment::FOLLOWED;
 use crate::flight::{COUPLINGS, Flight, Vertical};
-use crate::follow::FOLLOWED;
 use crate::force::Force;
 use crate::numerics::elementary::Real;
-use crate::passage::Passage;
 use crate::rng::Stream;
+use crate::truth_step::Passage;
 
 /// Three axes, the couplings if there are any, and the errors of navigation.
 pub struct Imu<T: Real> {
@@ -40,8 +40,8 @@ pub struct Tile<'a, T: Real> {
     pub shared: &'a [Shared<T>; 3],
     /// The specific force along each axis.
     pub force: &'a [Vec<Force<T>>; 3],
-    /// Difference of the late force from the force itself along each axis; empty where no reading is
-    /// late.
+    /// Difference of the late force from the force itself along each axis; empty where no reading
+    /// is late.
     pub late: &'a [Vec<T>; 3],
     /// Temperature of the sensor above its reference at each sample, K; empty where it is not.
     pub warmer: &'a [T],
@@ -104,7 +104,7 @@ impl<T: Real> Imu<T> {
         let end = tile.first + tile.count;
         let mut from = tile.first;
         let fixes = &tile.flight.fixes;
-        let mut due = fix::next(fixes, from - still_samples);
+        let mut due = aiding::next(fixes, from - still_samples);
         while from < end {
             // Stretches of the readings and chunks of the navigation, which count from the end of
             // the still start.

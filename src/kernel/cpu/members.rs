@@ -5,9 +5,9 @@
 
 use std::ops::Range;
 
-use super::acting::Acting;
 use super::flicker::Flicker;
 use super::lanes::{LANES, Lane};
+use super::law_lanes::Acting;
 use super::low_pass::LowPass;
 use super::noise::Drawer;
 use super::reading::State;
@@ -116,7 +116,7 @@ pub struct Members<T> {
     pub(super) columns: [Lane<T>; COLUMNS],
     pub(super) turns: [Lane<u32>; 2],
     pub(super) waves: [Lane<u32>; WAVES],
-    /// Laws that some of these members follow beside the linear one, where the integrator takes
+    /// Laws that some of these members follow next to the linear one, where the integrator takes
     /// them one by one.
     pub(super) laws: Vec<Acting<T>>,
     /// The low-pass behind the proof masses, if some of these members have one.

@@ -22,7 +22,7 @@ use super::lanes::{Kernel, LANES, Lane};
 use super::sums::CHUNK;
 use crate::flight::{Begin, COUPLINGS};
 use crate::numerics::elementary::{Real, fma};
-use crate::passage::Passage;
+use crate::truth_step::Passage;
 
 /// Axes, of the body or of north-east-down.
 type Axes<T> = [Lane<T>; 3];

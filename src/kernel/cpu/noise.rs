@@ -82,7 +82,7 @@ fn normals<T: Real, const FMA: bool>(words: &[Lane<u32>; 4], numbers: &mut [Lane
 }
 
 /// The bits of four words that no gaussian number looks at, side by side: seven for each of four
-/// samples, see [`super::small`].
+/// samples, see [`super::cheap_noise`].
 #[inline(always)]
 fn left_over(words: &[Lane<u32>; 4], out: &mut Lane<u32>) {
     for l in 0..LANES {

@@ -1,15 +1,17 @@
 //! Adds an instrument's errors to a reading, law by law: white noise, a random walk, the end of its
-//! range and the size of its steps. Beside each law that the shader takes from here stands its
+//! range and the size of its steps. Next to each law that the shader takes from here stands its
 //! WGSL.
 //!
 //! Each is added to consecutive samples of 64 members; bias instability has a file of its own, and
 //! so have the laws that take more than a strength (`slow`).
 
-use super::felt::{AddForce, AddWarm, AddWarmPower, FORCE, FORCE_SQUARED, WARM, WARM_CUBED, WARM_FORCE, WARM_SQUARED};
+use super::cheap_noise;
 use super::flicker::{self, Flicker};
+use super::force_errors::{
+    AddForce, AddWarm, AddWarmPower, FORCE, FORCE_SQUARED, WARM, WARM_CUBED, WARM_FORCE, WARM_SQUARED,
+};
 use super::lanes::{Kernel, LANES, Lane};
 use super::slow::{self, AddSettling, AddSine, Markov};
-use super::small;
 use super::stretch::Numbers;
 use crate::fragment::Fragment;
 use crate::layout::state;
@@ -240,13 +242,13 @@ impl<T: Real> Kernel for AddWalk<'_, T> {
     fn run<const FMA: bool>(self) {
         let mut scale = *self.scale;
         for l in 0..LANES {
-            scale[l] = T::of(small::EIGHTH) * scale[l];
+            scale[l] = T::of(cheap_noise::EIGHTH) * scale[l];
         }
         for (i, out) in self.out.iter_mut().enumerate() {
             let sample = self.first + i as u64;
             let bits = &self.bits[((sample >> 2) - (self.first >> 2)) as usize];
             for l in 0..LANES {
-                self.walk[l] = fma::<T, FMA>(scale[l], small::walk(bits[l], sample), self.walk[l]);
+                self.walk[l] = fma::<T, FMA>(scale[l], cheap_noise::walk(bits[l], sample), self.walk[l]);
                 out[l] = out[l] + self.walk[l];
             }
         }

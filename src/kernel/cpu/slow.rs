@@ -1,5 +1,5 @@
 //! Laws of a reading's slow errors that take more than a strength: a Gauss–Markov process, what
-//! settles after switch-on, a sine. Beside each stands its WGSL; the numbers of its shape are the
+//! settles after switch-on, a sine. Next to each stands its WGSL; the numbers of its shape are the
 //! columns behind its own.
 
 use super::lanes::{Kernel, LANES, Lane};

@@ -214,7 +214,7 @@ fn uses(shader: &Shader, name: &str) -> bool {
     shader.text.split(|c| !word(c)).filter(|w| *w == name).count() > 1
 }
 
-/// Each term's column and switch are declared once and used, so that a row that no law takes up is
+/// Each term's column and switch are declared once and used, so that a row that no law absorbs is
 /// noticed; a number of a term's shape by its place behind the term's, or as turns.
 #[test]
 fn every_sensor_term_is_taken_up_by_the_shader() {

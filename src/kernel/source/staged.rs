@@ -1,5 +1,5 @@
-//! States of the laws' own in the stages of a step, as WGSL; twin of `cpu::acting`, which says what
-//! is kept.
+//! States of the laws' own in the stages of a step, as WGSL; twin of `cpu::law_lanes`, which says
+//! what is kept.
 //!
 //! The shaders have lines `#own WHERE`; each is replaced by what the states take up there, and by
 //! nothing where no law has any. Their text is in none of the others.

@@ -1,7 +1,7 @@
 //! The parts of the ensemble shader that follow from the table of sensor terms.
 //!
 //! `shaders/simulate.wgsl` has lines `#terms WHERE`; each is replaced by what the law of every term
-//! has to say there. The text of a law stands beside its CPU code, in `cpu::reading`, `cpu::felt`,
+//! has to say there. The text of a law stands next to its CPU code, in `cpu::reading`, `cpu::force_errors`,
 //! `cpu::slow` and `cpu::flicker`. Laws that act on the reading as a whole (constants, proportional
 //! errors, rounding, full scale) are written in the shader itself.
 

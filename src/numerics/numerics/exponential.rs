@@ -77,7 +77,7 @@ mod tests {
         arguments.map(|x| error(x).abs()).fold(0.0, f64::max)
     }
 
-    // Beside the standard library's, which are within one unit in the last place (2.2e-16). Added
+    // Next to the standard library's, which are within one unit in the last place (2.2e-16). Added
     // to it, rounding of the last sum: two units; of ln also that of its argument, which exp has
     // rounded: three.
     #[test]

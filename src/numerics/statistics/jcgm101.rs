@@ -97,7 +97,7 @@ pub struct Intervals {
     pub shortest: [f64; 2],
 }
 
-/// The linear (GUM) answer beside the simulated one, JCGM 101 §8.
+/// The linear (GUM) answer next to the simulated one, JCGM 101 §8.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Linear {
     /// Mean of the linear model.

@@ -80,7 +80,7 @@ fn linear(page: &mut Page, linear: &Linear) {
     page.figure_row(&[
         (&a, "Reading kx/m, from the exact solution of eq. 4 with m = 1, D₀ = 0.1, k = 1 (the paper's values for its chaotic \
               case; it prints none here) under 1 m/s² for 30 s."),
-        (&b, "Its integral: the speed, beside the ideal one."),
+        (&b, "Its integral: the speed, next to the ideal one."),
     ]);
     let residual =
         |pick: fn(&(f64, f64, f64)) -> f64| -> Curve { linear.residuals.iter().map(|r| (r.0, pick(r))).collect() };
@@ -170,7 +170,7 @@ fn cubic(page: &mut Page, cubic: &Cubic) {
         .with("cubic spring", Ink::Red, Mark::Line, error(&cubic.cubic))
         .with("linear spring", Ink::Green, Mark::Line, error(&cubic.linear));
     page.figure_row(&[
-        (&c, "Distance, beside the ideal one."),
+        (&c, "Distance, next to the ideal one."),
         (
             &errors.draw(),
             "Both distance errors: hundreds of metres, where the linear sensor of figure 15 was off by three.",

@@ -1,5 +1,5 @@
-//! What the sections of all figures share: their heading, their checks, and curves thinned to what
-//! a page can show.
+//! States what the sections of all figures share: their heading, their checks, and curves thinned
+//! to what a page can show.
 
 use crate::check::{Check, Exhibit};
 use proofmass_base::number::{significant, worth};

@@ -39,7 +39,7 @@ fn moving(page: &mut Page, pitch: &Pitch) {
         "Tilt can be read from gravity itself: eq. 3, pitch = atan(a_x/√(a_y² + a_z²)), needs no integration and so cannot \
          drift. But it mistakes every acceleration for gravity.",
     );
-    let alone = Chart::new("A sensor turned by hand", Axis::linear("time / s"), Axis::linear("pitch / °"))
+    let alone = Chart::new("A hand-rotated sensor", Axis::linear("time / s"), Axis::linear("pitch / °"))
         .with("accelerometer, eq. 3", Ink::Red, Mark::Line, degrees(&pitch.moving_force, 1800))
         .draw();
     page.figure(
@@ -240,7 +240,7 @@ fn spread(values: &[f64], unit: f64, digits: usize) -> String {
 }
 
 /// Accelerometer, gyro and the three filters: time, the two, the three; s and rad. First what the
-/// accelerometer and the plain filter do; then, enlarged, what hides near zero beside them.
+/// accelerometer and the plain filter do; then, enlarged, what hides near zero next to them.
 fn filters(title: &str, label: &str, lines: &[Line], (from_s, to_s): (f64, f64), reach_deg: f64) -> [Figure; 2] {
     let inside: Vec<_> = lines.iter().filter(|l| l.0 >= from_s && l.0 <= to_s).collect();
     let pick = |value: fn(&Line) -> f64| -> Curve {

@@ -1,4 +1,4 @@
-//! A moment on a clock that several files may share, so that their stamps can be laid beside each
+//! A moment on a clock that several files may share, so that their stamps can be laid next to each
 //! other.
 
 use super::stamp::Stamp;
@@ -20,7 +20,7 @@ impl Instant {
     /// The zero of every clock.
     pub const ZERO: Self = Self { whole_s: 0, rest_s: 0.0 };
 
-    /// What a stamp in this unit says.
+    /// Returns what a stamp in this unit says.
     pub fn new(stamp: Stamp, unit: TimeUnit) -> Self {
         let (whole_s, rest_s) = stamp.seconds(unit);
         Self { whole_s, rest_s }

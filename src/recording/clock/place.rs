@@ -1,5 +1,5 @@
-//! Where each row belongs by its stamp: kept, how many samples are missing before it, or dropped
-//! and why.
+//! States where each row belongs by its stamp: kept, how many samples are missing before it, or
+//! dropped and why.
 
 use super::stamp::Stamp;
 use super::survey::advance;
@@ -10,7 +10,7 @@ use crate::dropped::Reason;
 /// Ticks after which a step of an uneven clock is a gap.
 const UNEVEN_GAP: f64 = 3.0;
 
-/// What becomes of a row.
+/// Holds what becomes of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Place {
     /// A sample, this many samples after the one before it without a row, at this time since the

@@ -11,13 +11,14 @@ const GAP: f64 = 3.0;
 /// further was even.
 const SMOOTHED: f64 = 0.25;
 
-/// Whether the stamps stay within a tick of an even clock, from the first on.
+/// Returns whether the stamps stay within a tick of an even clock, from the first on.
 pub fn near_even(times_s: &[f64], tick_s: f64) -> bool {
     times_s.iter().enumerate().all(|(i, t)| (t - times_s[0] - i as f64 * tick_s).abs() < tick_s)
 }
 
-/// Whether the samples were even and only the stamps were not, as told by columns: a signal that
-/// was sampled evenly is smooth row by row, one that was not is smooth only after interpolation.
+/// Returns whether the samples were even and only the stamps were not, as told by columns: a signal
+/// that was sampled evenly is smooth row by row, one that was not is smooth only after
+/// interpolation.
 pub fn samples_are_even(times_s: &[f64], tick_s: f64, columns: &[Vec<f64>]) -> bool {
     let ratio = |column: &Vec<f64>| roughness(&even(times_s, tick_s, column)) / roughness(column).max(1e-300);
     columns.iter().map(ratio).fold(f64::INFINITY, f64::min) > SMOOTHED

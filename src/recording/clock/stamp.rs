@@ -70,7 +70,7 @@ impl Stamp {
         }
     }
 
-    /// Whether there is a number.
+    /// Returns whether there is a number.
     pub fn is_missing(&self) -> bool {
         self.fraction.is_nan()
     }

@@ -87,8 +87,8 @@ pub struct Value {
 }
 
 impl Value {
-    /// Whether it comes at nearly equal distances, as rounding of an even clock makes it; at random
-    /// they would scatter by about their mean.
+    /// Returns whether it comes at nearly equal distances, as rounding of an even clock makes it;
+    /// at random they would scatter by about their mean.
     pub fn is_regular(&self) -> bool {
         let n = self.count - 1.0;
         let mean = self.spacing / n;
@@ -96,7 +96,7 @@ impl Value {
     }
 }
 
-/// What is gathered of a clock.
+/// Holds what is gathered of a clock.
 #[derive(Debug, Clone, Default)]
 pub struct Survey {
     /// The stamps in order.

@@ -40,7 +40,7 @@ pub struct SetBack {
 pub struct Wraps {
     /// Number of overflows.
     pub times: usize,
-    /// What was added each time, in the file's unit.
+    /// Holds what was added each time, in the file's unit.
     pub modulus: f64,
     /// First row after the first of them.
     pub first_row: usize,

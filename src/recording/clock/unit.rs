@@ -12,10 +12,10 @@ const USUAL_HZ: std::ops::RangeInclusive<f64> = 1.0..=50_000.0;
 /// Below this rate in s, Hz, seconds are worth a word where nothing names them.
 const SLOW_HZ: f64 = 10.0;
 
-/// What is known of a clock before its unit.
+/// Holds what is known of a clock before its unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Evidence {
-    /// What its heading names.
+    /// Holds what its heading names.
     pub heading: Option<TimeUnit>,
     /// First stamp, in the clock's unit.
     pub origin: f64,

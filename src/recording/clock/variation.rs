@@ -1,4 +1,5 @@
-//! Whether the sampling rate is the same throughout: a sudden change, a slow drift, or neither.
+//! Decides whether the sampling rate is the same throughout: a sudden change, a slow drift, or
+//! neither.
 
 use super::survey::Stretch;
 
@@ -15,7 +16,7 @@ const SLIGHT: f64 = 0.001;
 /// Standard errors that a change must be beyond.
 const CLEAR: f64 = 6.0;
 
-/// What became of the rate; steps are in the file's unit per sample.
+/// Holds what became of the rate; steps are in the file's unit per sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Variation {
     /// Constant rate.
@@ -47,7 +48,7 @@ pub enum Variation {
     },
 }
 
-/// How a stretch tells the step from sample to sample.
+/// States how a stretch tells the step from sample to sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Count {
     /// Every row is a sample; stamps are rounded to this, in the file's unit.
@@ -139,7 +140,7 @@ fn sudden(stretches: &[Stretch], count: Count) -> Option<Variation> {
         (a - b) * (a - b) * m * n / (m + n)
     };
     let split = (1..pieces.len()).max_by(|a, b| between(*a).total_cmp(&between(*b)))?;
-    // The pieces beside the split may hold some of either.
+    // The pieces next to the split may hold some of either.
     let before = &pieces[..split.saturating_sub(1).max(1)];
     let after = &pieces[(split + 1).min(pieces.len() - 1)..];
     let ((a, all_before), (b, all_after)) = (mean(before)?, mean(after)?);

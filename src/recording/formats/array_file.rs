@@ -36,7 +36,7 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     Ok(Box::new(Arrays::new(input, vec![array])))
 }
 
-/// What the header of an array says.
+/// Holds what the header of an array says.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Header {
     descr: String,
@@ -124,8 +124,8 @@ fn element(descr: &str) -> Result<Element, String> {
 }
 
 impl Header {
-    /// The array that is described, named by `name`; in words why it is none: numbers of a kind that
-    /// is not read, more than two dimensions.
+    /// The array that is described, named by `name`; in words why it is none: numbers of a kind
+    /// that is not read, more than two dimensions.
     ///
     /// # Errors
     /// More columns than the budget has visits for.

@@ -43,7 +43,7 @@ struct Arrow {
     input: Input,
     parts: Vec<Part>,
     columns: Vec<Column>,
-    /// Where each batch begins, its metadata's bytes, and its own.
+    /// States where each batch begins, its metadata's bytes, and its own.
     batches: Vec<(u64, u64, u64)>,
 }
 
@@ -190,7 +190,7 @@ impl Layout {
     }
 }
 
-/// How a number is stored, and the unit of a date.
+/// Returns how a number is stored, and the unit of a date.
 fn number(field: &Table<'_>) -> Option<(Option<Element>, Option<&'static str>)> {
     let kind = field.table(3);
     let of = |kind, bytes| Some((Some(Element::little(kind, bytes)), None));
@@ -250,7 +250,7 @@ impl Buffer {
     }
 }
 
-/// Where a buffer is stored, and its bytes when it is decompressed.
+/// States where a buffer is stored, and its bytes when it is decompressed.
 struct Stored {
     at: u64,
     length: u64,

@@ -56,7 +56,8 @@ fn corpus(name: &str) -> Vec<u8> {
     bytes
 }
 
-/// Where the first chunk of an MCAP log has its checksum and its records: mcap.dev/spec, *Chunk*.
+/// Returns where the first chunk of an MCAP log has its checksum and its records: mcap.dev/spec,
+/// *Chunk*.
 fn chunk(bytes: &[u8]) -> Option<(usize, Range<usize>)> {
     let number = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().expect("eight bytes")) as usize;
     let mut at = bytes.starts_with(b"\x89MCAP0\r\n").then_some(8)?;
@@ -86,7 +87,7 @@ fn covered(name: &str, bytes: &[u8]) -> Range<usize> {
     }
 }
 
-/// Where the first chunk of a bag has its data: wiki.ros.org/Bags/Format/2.0.
+/// Returns where the first chunk of a bag has its data: wiki.ros.org/Bags/Format/2.0.
 fn bag_chunk(bytes: &[u8]) -> Option<Range<usize>> {
     let number = |at: usize| bytes.get(at..at + 4).map(|four| Bytes::new(four).u32().unwrap_or_default() as usize);
     let mut at = 13;

@@ -25,7 +25,7 @@ struct Message {
     length: usize,
     name: String,
     fields: Vec<Field>,
-    /// Where the number of the sensor stands, of those that have several.
+    /// States where the number of the sensor stands, of those that have several.
     instance: Option<usize>,
 }
 
@@ -72,7 +72,7 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     Ok(Box::new(DataFlash { input: input.clone(), parts, kinds, messages }))
 }
 
-/// What an FMT message says.
+/// Returns what an FMT message says.
 fn described(record: &[u8]) -> Option<(u8, Message)> {
     let (kind, length) = (*record.get(3)?, usize::from(*record.get(4)?));
     let name = until_zero(record.get(5..9)?);

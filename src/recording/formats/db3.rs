@@ -176,7 +176,7 @@ impl Database {
             input.path.with_file_name(format!("{}-wal", input.path.file_name().unwrap_or_default().to_string_lossy()));
         if head[19] == 2 && std::fs::metadata(&beside).is_ok_and(|about| about.len() > 0) {
             return Err(input.fail(
-                "part of its messages stand in the write-ahead log beside it",
+                "part of its messages stand in the write-ahead log next to it",
                 format!("finish it first: sqlite3 {} 'PRAGMA wal_checkpoint(TRUNCATE)'", input.path.display()),
             ));
         }
@@ -267,7 +267,7 @@ fn columns(sql: &str) -> Vec<String> {
 #[derive(Debug)]
 struct Level {
     page: Vec<u8>,
-    /// Where its own header begins.
+    /// States where its own header begins.
     begin: usize,
     next: usize,
 }

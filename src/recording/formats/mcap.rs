@@ -41,7 +41,7 @@ struct Mcap {
     parts: Vec<Part>,
     /// Per part, its channels and how its messages are serialised.
     channels: Vec<(HashSet<u16>, Encoding)>,
-    /// Where the records end.
+    /// States where the records end.
     data_end: u64,
 }
 
@@ -68,7 +68,7 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     Ok(Box::new(known.log(input, data_end).map_err(|spent| spent.of(input))?))
 }
 
-/// Where the records of a log end, and where what sums them up begins and ends.
+/// States where the records of a log end, and where what sums them up begins and ends.
 struct Sections {
     data_end: u64,
     summary: u64,
@@ -76,8 +76,8 @@ struct Sections {
 }
 
 impl Sections {
-    /// The sections of a log that ends with the magic bytes at `end`; the checksum of the summary is
-    /// compared with the one that the footer states.
+    /// The sections of a log that ends with the magic bytes at `end`; the checksum of the summary
+    /// is compared with the one that the footer states.
     fn of(input: &Input, end: u64) -> Result<Self> {
         let footer = end - FOOTER_BYTES;
         let damaged =
@@ -121,7 +121,7 @@ fn compare(input: &Input, what: &str, section: Range<u64>, stated: u32) -> Resul
     }
 }
 
-/// What a log says of its channels.
+/// Holds what a log says of its channels.
 #[derive(Debug)]
 struct Known {
     schemas: HashMap<u16, String>,
@@ -165,7 +165,7 @@ impl Known {
         Ok(())
     }
 
-    /// What is too short to be understood names nothing; what is told again costs nothing.
+    /// Takes in a record: one too short to be understood names nothing, one told again costs nothing.
     fn learn(&mut self, op: u8, data: &[u8]) -> Result<(), Spent> {
         let mut bytes = Bytes::new(data);
         match op {
@@ -321,7 +321,8 @@ struct Records {
     budget: Budget,
 }
 
-/// What a message's data say of it: its channel, and the message behind sequence and two times.
+/// Returns what a message's data say of it: its channel, and the message behind sequence and two
+/// times.
 fn message<'a>(channels: &HashSet<u16>, data: &'a [u8]) -> Option<&'a [u8]> {
     let mut bytes = Bytes::new(data);
     let channel = bytes.u16()?;

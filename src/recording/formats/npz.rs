@@ -15,7 +15,7 @@ use crate::reader::Log;
 const TAIL: u64 = 66_000;
 /// No list of files is longer, bytes.
 const LONGEST_LIST: u64 = 64 << 20;
-/// What an entry is charged for its head, of which 64 KiB are unpacked.
+/// States what an entry is charged for its head, of which 64 KiB are unpacked.
 const HEAD_BYTES: usize = 1 << 10;
 /// Bytes of an array that hold its header.
 const HEADER: u64 = 1 << 16;

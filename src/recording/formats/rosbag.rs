@@ -12,11 +12,11 @@ use crate::input::Input;
 use crate::messages::{Encoding, MessageRows, Messages, part};
 use crate::reader::{Choice, Log, Part, Reader};
 
-/// Where the records begin: behind the magic line.
+/// States where the records begin: behind the magic line.
 const FIRST: u64 = 13;
 /// No header of a record is longer, bytes.
 const LONGEST_HEADER: u32 = 1 << 20;
-/// What a record of the index is charged: a million of them are a bag of a terabyte.
+/// States what a record of the index is charged: a million of them are a bag of a terabyte.
 const RECORD_BYTES: usize = 16;
 
 const MESSAGE: u8 = 2;

@@ -29,7 +29,7 @@ const DEEPEST: usize = 8;
 /// No message has more fields.
 const MOST_FIELDS: usize = 4096;
 
-/// A field of a format takes about so many bytes, beside its name.
+/// A field of a format takes about so many bytes, next to its name.
 const FIELD_BYTES: usize = 16;
 
 /// A message that was logged, under the number that stands for it.

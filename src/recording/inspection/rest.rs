@@ -86,8 +86,8 @@ impl Rest {
     }
 
     /// Gravity's length in the accelerometer's own unit; `None` without three axes of it. Where it
-    /// rests in many directions, the radius of their sphere, whatever is added to every reading; else
-    /// the usual length of a reading.
+    /// rests in many directions, the radius of their sphere, whatever is added to every reading;
+    /// else the usual length of a reading.
     pub(super) fn gravity(&self, rate_hz: f64) -> Option<f64> {
         if self.axes[1] != 3 {
             return None;
@@ -207,8 +207,8 @@ const FEWEST: usize = 6;
 /// Part of its radius by which forces may be off a sphere: scale errors of a low-cost sensor.
 const OFF: f64 = 0.1;
 
-/// The sphere by least squares of |f|² = 2c·f + k, where all forces lie near it and on all its sides:
-/// converters of one sign add an offset to each axis.
+/// The sphere by least squares of |f|² = 2c·f + k, where all forces lie near it and on all its
+/// sides: converters of one sign add an offset to each axis.
 fn sphere(forces: &[[f64; 3]]) -> Option<Sphere> {
     if forces.len() < FEWEST {
         return None;
@@ -237,7 +237,7 @@ fn norm(v: &[f64; 3]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Whether two forces have one direction; without any, they have.
+/// Returns whether two forces have one direction; without any, they have.
 fn alike(a: &[f64; 3], b: &[f64; 3]) -> bool {
     let dot: f64 = a.iter().zip(b).map(|(x, y)| x * y).sum();
     dot >= APART * norm(a) * norm(b)

@@ -1,4 +1,5 @@
-//! The inertial columns of a file, and what one unit of each is: stated, counted, or judged by size.
+//! The inertial columns of a file, and what one unit of each is: stated, counted, or judged by
+//! size.
 
 use super::rest::Rest;
 use crate::finding::Finding;
@@ -30,7 +31,8 @@ const KINDS: [(Quantity, &str); 2] =
 
 impl Sensors {
     /// Three columns of a sensor by their names. Without any such, the columns whose unit is one of
-    /// such a sensor, where no other column is a reading: beside a displacement, a force drives it.
+    /// such a sensor, where no other column is a reading: next to a displacement, a force drives
+    /// it.
     pub(super) fn of(names: &[String], texts: &[Option<String>]) -> Self {
         let stated: Vec<Option<Stated>> =
             names.iter().zip(texts).map(|(name, text)| roles::stated(name, text.as_deref())).collect();
@@ -67,7 +69,8 @@ impl Sensors {
         for (sensor, (kind, option)) in KINDS.into_iter().enumerate() {
             let columns = || self.places[sensor].iter().map(|place| names[*place].clone()).collect::<Vec<String>>();
             let Some(first) = self.places[sensor].first() else { continue };
-            // By gravity's length where a count, or a number without a unit, is none of a known size.
+            // By gravity's length where a count, or a number without a unit, is none of a known
+            // size.
             let by_gravity = measured.length.filter(|_| kind == Quantity::Accelerometer).filter(|l| *l > 0.0);
             let counted = |counts: f64, scaled: &mut Scaled| {
                 scaled.si[sensor] = Some(STANDARD_GRAVITY_M_S2 / counts);

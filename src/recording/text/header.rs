@@ -91,7 +91,7 @@ impl Text {
         Ok(())
     }
 
-    /// What the first row holds at a place.
+    /// Returns what the first row holds at a place.
     fn first(&self, place: usize) -> Cell {
         match self.held {
             true if place >= self.cells.len() => Cell::Text,
@@ -100,7 +100,7 @@ impl Text {
         }
     }
 
-    /// Whether the first row holds a number at a place.
+    /// Returns whether the first row holds a number at a place.
     fn is_numeric(&self, place: usize) -> bool {
         match self.first(place) {
             Cell::Number(_) | Cell::TooLarge => true,

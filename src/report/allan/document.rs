@@ -1,4 +1,4 @@
-//! `proofmass.allan/1`: the result as JSON. Values are in the datasheet units that stand beside
+//! `proofmass.allan/1`: the result as JSON. Values are in the datasheet units that stand next to
 //! them; a term that the data do not support has none (null), only the upper end of its interval.
 
 use serde_json::{Value, json};

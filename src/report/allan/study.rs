@@ -1,4 +1,4 @@
-//! A whole study from a log: the sensor as its coefficients have it, and the log laid beside its
+//! A whole study from a log: the sensor as its coefficients have it, and the log laid next to its
 //! simulation.
 //!
 //! Two commands from a recording to a simulation that is checked against it: `allan --out DIR`,

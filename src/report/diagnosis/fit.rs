@@ -1,4 +1,4 @@
-//! Says how well it fits, in words and as tables: errors before and after, the noise beside them,
+//! Says how well it fits, in words and as tables: errors before and after, the noise next to them,
 //! the base model's own numbers.
 
 use crate::table::Table;

@@ -1,4 +1,4 @@
-//! The form of a law as the recording has it, beside the one that its name states.
+//! The form of a law as the recording has it, next to the one that its name states.
 
 use proofmass_diagnosis::verdict::Form;
 use proofmass_physics::free_form::{Argument, Freed};

@@ -1,4 +1,4 @@
-//! One figure: how the misfit rises around each named parameter of a driven recording, beside the
+//! One figure: how the misfit rises around each named parameter of a driven recording, next to the
 //! interval stated.
 
 use proofmass_diagnosis::driven::identification::profile::{FALL, Profile};

@@ -43,7 +43,7 @@ pub struct Note {
     pub at: (f64, f64),
     /// Text of the note.
     pub text: String,
-    /// Says whether the point is the text's middle; otherwise the text stands beside it.
+    /// Says whether the point is the text's middle; otherwise the text stands next to it.
     pub middle: bool,
     /// Says whether there is room for it on a phone.
     pub narrow: bool,
@@ -93,7 +93,7 @@ impl Chart {
         self.notes.push(Note { at, text: text.into(), middle: true, narrow });
     }
 
-    /// Adds words beside a point.
+    /// Adds words next to a point.
     pub fn note(&mut self, at: (f64, f64), text: &str) {
         self.notes.push(Note { at, text: text.into(), middle: false, narrow: true });
     }

@@ -32,7 +32,7 @@ pub(crate) fn behind(chart: &Chart) -> Vec<Numbers> {
     }
 }
 
-/// One series as columns beside an abscissa.
+/// One series as columns next to an abscissa.
 struct Part<'a> {
     /// Name that tells it from the others.
     called: &'a str,

@@ -1,5 +1,5 @@
 //! Predicted, and what the sensor then did in flight: the windows of a recorded flight as dots
-//! beside the bands of the study's sensor, and the fractions inside them.
+//! next to the bands of the study's sensor, and the fractions inside them.
 
 use crate::figure::{Axis, Chart, Figure, Ink, Mark, labelled};
 use crate::html::Page;

@@ -1,4 +1,5 @@
-//! Simulation beside a recording: Allan deviation axis by axis, and where the two leave each other.
+//! Simulation next to a recording: Allan deviation axis by axis, and where the two leave each
+//! other.
 
 use crate::figure::{Axis, Chart, Ink, Mark, labelled};
 use crate::html::Page;

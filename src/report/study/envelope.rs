@@ -45,7 +45,7 @@ pub fn log_log(drift: &Drift) -> Chart {
     let expected = drift.expected.total(quantity::POSITION);
     let closed: Vec<(f64, f64)> =
         drift.expected.time_s.iter().zip(&expected).map(|(t, m)| (*t, m.variance.sqrt())).collect();
-    // Guides pass a little above the last point, so that they are seen beside the curve and not
+    // Guides pass a little above the last point, so that they are seen next to the curve and not
     // under it.
     let guide = |power: f64| -> Vec<(f64, f64)> {
         let (end_s, end_m) = sd.last().copied().unwrap_or((1.0, 1.0));

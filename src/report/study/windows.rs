@@ -1,4 +1,4 @@
-//! Predicted, and what the sensor then did: windows of a recorded log as quantiles beside the
+//! Predicted, and what the sensor then did: windows of a recorded log as quantiles next to the
 //! simulated band, and how many of them lie inside it.
 
 use std::path::Path;

@@ -13,7 +13,7 @@ use crate::rng::Stream;
 pub enum ErrorLaw {
     /// A constant added to every reading, unit.
     Constant,
-    /// A further constant beside the bias, unit: what geometry adds to it.
+    /// A further constant next to the bias, unit: what geometry adds to it.
     Offset,
     /// In proportion to the specific force along the axis to a power, unit/(m/s²)^power: in an
     /// instrument that should not feel it.
@@ -36,8 +36,8 @@ pub enum ErrorLaw {
     /// A first-order Gauss–Markov process of this standard deviation from its stationary law, unit;
     /// its correlation time is the next row.
     Markov(Stream),
-    /// An error that dies out exponentially from the beginning of the run on: its first value, unit;
-    /// its time constant is the next row.
+    /// An error that dies out exponentially from the beginning of the run on: its first value,
+    /// unit; its time constant is the next row.
     Settling,
     /// A sine of this amplitude, unit; frequency and phase are the next rows.
     Sine,

@@ -51,7 +51,7 @@ pub fn sized(source: &StudyText, digits: u32, control: &Control) -> Result<Study
 
 /// The horizontal error of a study in motion at its last report time, with `digits` digits of its
 /// standard uncertainty.
-/// Without a linear answer beside it: a distance is no linear function of the errors.
+/// Without a linear answer next to it: a distance is no linear function of the errors.
 pub fn stated_in_motion(answer: &Answer, digits: u32) -> Option<Stated> {
     let last = answer.report.last()?;
     Some(Stated::of_summary(answer.ensemble.summary(*last, Quantity::Horizontal), digits))

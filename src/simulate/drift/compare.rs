@@ -1,5 +1,5 @@
-//! The first comparison of simulation and recording: the Allan deviation of a static log beside
-//! that of simulated sensors, and, where the study asks for windows, its drift beside theirs.
+//! The first comparison of simulation and recording: the Allan deviation of a static log next to
+//! that of simulated sensors, and, where the study asks for windows, its drift next to theirs.
 //!
 //! Each axis of the log is simulated with the study's sensor (or the axis' own sections) at rest,
 //! as often as the kernel has lanes, for as long as the log lasts. Not a diagnosis: it says where
@@ -61,7 +61,7 @@ pub enum Outcome {
     Compared(Box<Comparison>),
 }
 
-/// A log beside the simulation.
+/// A log next to the simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     /// The log, as the study names it.
@@ -82,8 +82,8 @@ pub struct Comparison {
 
 impl Likeness {
     /// Stretches of averaging times outside all departures: how long an integration may be, or must
-    /// be, for its error to be as simulated. The Allan deviation at τ is that of a mean over τ, from
-    /// which drift over τ comes.
+    /// be, for its error to be as simulated. The Allan deviation at τ is that of a mean over τ,
+    /// from which drift over τ comes.
     pub fn trusted(&self) -> Vec<[f64; 2]> {
         let departures = self.departures();
         let outside = |t: f64| departures.iter().any(|d| (d.from_s..=d.to_s).contains(&t));

@@ -33,7 +33,7 @@ pub struct Document {
     closed_form: ClosedForm,
     growth: Vec<Power>,
     error_budget: Vec<BudgetRow>,
-    /// The recorded log in windows beside the prediction; absent where the study asks for none,
+    /// The recorded log in windows next to the prediction; absent where the study asks for none,
     /// empty without the log.
     #[serde(skip_serializing_if = "Option::is_none")]
     windows: Option<Vec<Windows>>,

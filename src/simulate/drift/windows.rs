@@ -1,5 +1,5 @@
 //! Predicted, and what the sensor then did: a recorded static log cut into windows and integrated,
-//! beside the simulated sensors of the same axis.
+//! next to the simulated sensors of the same axis.
 //!
 //! Windows do not overlap. Each begins with a still start of its own, whose mean is taken off; what
 //! is left of an accelerometer is integrated twice, into position, and of a gyro once, into tilt.
@@ -222,7 +222,7 @@ fn integrals(values: &[f64], still: usize) -> impl Iterator<Item = [f64; 2]> + '
     })
 }
 
-/// The windows of one axis beside its prediction.
+/// The windows of one axis next to its prediction.
 ///
 /// # Errors
 /// Sections of the axis that make no sense; whatever stops the simulation.

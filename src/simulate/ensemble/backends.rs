@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use super::check::check;
+use super::checkpoint::Keeper;
 use super::integrate::{run_kept, run_or_fall_back, run_part};
-use super::keeper::Keeper;
 use super::options::{Choice, Options};
 use crate::backend::cpu::{Cpu, Precision};
 use crate::backend::gpu::Gpu;
@@ -134,7 +134,7 @@ mod tests {
         // Many members, few steps: done before an adapter is open.
         assert!(!worth(100_000, 1000, 2));
         assert!(worth(100_000, 10_000, 2) && worth(10_000_000, 1_000_000, 64));
-        // What is worth it beside two threads need not be beside sixty-four.
+        // What is worth it next to two threads need not be next to sixty-four.
         assert!(worth(2000, 10_000_000, 2) && !worth(2000, 10_000_000, 64));
     }
 }

@@ -4,12 +4,12 @@
 use std::path::Path;
 
 use super::backends::Backends;
+use super::checkpoint::Keeper;
+use super::encode::unpack;
 use super::integrate::summed;
-use super::keeper::Keeper;
 use super::options::Options;
-use super::packed::unpack;
-use super::sound;
 use super::state::{BLOCK, Run, State};
+use super::verify;
 use crate::backend::cpu::Precision;
 use crate::control::Control;
 use crate::error::Result;
@@ -76,7 +76,7 @@ pub fn merge(found: &[Found], identity: &str, jobs: &[Job], control: &Control) -
         (state.members, state.next_member, state.under_way) = (0..job.members, job.members, None);
         join(&mut state.origins);
         let first = found.first().map_or(Path::new("shards"), |f| &f.path);
-        sound::check(&state, job).map_err(|what| damaged(first, &format!("the shards do not add up: {what}")))?;
+        verify::check(&state, job).map_err(|what| damaged(first, &format!("the shards do not add up: {what}")))?;
         Ok(summed(job, &state, state.seconds))
     };
     states.into_iter().zip(jobs).map(whole).collect()

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::time::Instant;
 
 use super::check::check;
-use super::keeper::Keeper;
+use super::checkpoint::Keeper;
 use super::options::Options;
 use super::state::{Report, State};
 use crate::backend::cpu::Cpu;

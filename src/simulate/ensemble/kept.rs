@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::packed::{pack, unpack};
-use super::sound;
+use super::encode::{pack, unpack};
 use super::state::{Run, State};
+use super::verify;
 use crate::backend::cpu::Precision;
 use crate::error::{Error, Result};
 use crate::kernel::job::Job;
@@ -84,7 +84,7 @@ impl Kept {
             return Ok(State::new(&run, progress.piece.units.clone()));
         }
         let mut state = State::new(&run, 0..0);
-        let read = unpack(&self.results[at], &run, &mut state).and_then(|()| sound::check(&state, job));
+        let read = unpack(&self.results[at], &run, &mut state).and_then(|()| verify::check(&state, job));
         read.map_err(|what| damaged(self.place.path(), &what))?;
         Ok(state)
     }

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use super::sound;
 use super::state::{Run, SCHEMA, State};
+use super::verify;
 use crate::document::{hexadecimal, write_whole};
 use crate::error::{Error, Result};
 
@@ -59,6 +59,6 @@ fn parse(bytes: &[u8], run: &Run<'_>) -> Result<State, String> {
     if state.members != (0..run.job.members) {
         return Err("it belongs to a shard, not to the whole run".to_owned());
     }
-    sound::check(&state, run.job).map_err(|what| format!("the file is damaged: {what}"))?;
+    verify::check(&state, run.job).map_err(|what| format!("the file is damaged: {what}"))?;
     Ok(state)
 }

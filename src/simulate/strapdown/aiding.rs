@@ -15,7 +15,7 @@ use super::covariance::{self, steps};
 use super::family::{Column, Family, Gain, Process};
 use super::gains::Gains;
 use crate::error::Result;
-use crate::kernel::fix::{CORRECTED, Fix, SEEN};
+use crate::kernel::aiding::{CORRECTED, Fix, SEEN};
 use crate::kernel::flight::Flight;
 use crate::study::Study;
 use crate::study::aiding::Aiding;

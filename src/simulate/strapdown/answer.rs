@@ -34,7 +34,7 @@ pub struct Answer {
     pub outages: Vec<Outage>,
     /// Places where the two differ by more than chance.
     pub apart: Vec<Apart>,
-    /// The recorded flight beside it, where the study asks for one.
+    /// The recorded flight next to it, where the study asks for one.
     pub compared: Option<Compared>,
 }
 

@@ -1,7 +1,7 @@
 //! Errors of one law on all axes of one instrument, as the covariance carries them: a constant with
 //! a gain that follows the motion, white noise, a random walk, a held process.
 //!
-//! After a still start what it has found is taken off: a constant input c beside the process
+//! After a still start what it has found is taken off: a constant input c next to the process
 //! itself, correlated with it.
 
 use nalgebra::SMatrix;
@@ -272,7 +272,7 @@ impl Family {
                     let kept = (-seconds / tau_s[i]).exp();
                     self.with_process.column_mut(i).scale_mut(kept);
                     self.process_taken.row_mut(i).scale_mut(kept);
-                    // Inputs are independent: nothing beside the diagonal.
+                    // Inputs are independent: nothing next to the diagonal.
                     self.process_process[(i, i)] *= kept * kept;
                     self.process_process[(i, i)] += variance[i] * (1.0 - kept * kept);
                 }

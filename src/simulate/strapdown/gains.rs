@@ -3,7 +3,7 @@
 use nalgebra::SMatrix;
 
 use super::linear::{Drive, Square};
-use crate::kernel::fix::{Fix, SEEN};
+use crate::kernel::aiding::{Fix, SEEN};
 
 type Inputs = SMatrix<f64, 6, 6>;
 

@@ -9,7 +9,7 @@
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use crate::kernel::flight::Vertical;
-use crate::kernel::passage::{Course, Passage};
+use crate::kernel::truth_step::{Passage, TimeFactor};
 
 /// Attitude, velocity, position.
 pub(super) type Square = SMatrix<f64, 9, 9>;
@@ -44,7 +44,7 @@ pub struct Felt {
 
 impl Felt {
     /// Of the body at rest, before the motion.
-    pub fn standing(course: &Course) -> Self {
+    pub fn standing(course: &TimeFactor) -> Self {
         let [force, rate] = course.standing();
         Self { force, rate, warmer_k: course.standing_warmer_k(), ..Self::default() }
     }
@@ -64,7 +64,7 @@ const ASKED: u64 = 4;
 
 impl Model {
     /// The mean model over samples `from` to `until` of a course.
-    pub fn over(course: &Course, vertical: Vertical, from: u64, until: u64) -> Self {
+    pub fn over(course: &TimeFactor, vertical: Vertical, from: u64, until: u64) -> Self {
         let count = (until - from).clamp(1, ASKED);
         let mut sum = Self { dynamics: Square::zeros(), drive: Drive::zeros(), felt: Felt::default() };
         for k in 0..count {

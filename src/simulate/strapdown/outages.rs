@@ -18,7 +18,7 @@ pub struct Outage {
     pub places: Vec<usize>,
 }
 
-/// The times that the curves need beside the run's own, samples.
+/// The times that the curves need next to the run's own, samples.
 pub fn samples(aiding: Option<&Aiding>) -> Vec<u64> {
     let outages = aiding.iter().flat_map(|aiding| &aiding.outages);
     let inside = |[from, until]: &[u64; 2]| {

@@ -5,8 +5,8 @@
 use nalgebra::Vector3;
 
 use super::covariance::{Cause, Part};
+use crate::kernel::aiding::{self, Fix};
 use crate::kernel::cpu::navigate::roll_pitch_heading;
-use crate::kernel::fix::{self, Fix};
 use crate::kernel::flight::{Flight, Vertical};
 use crate::motion::mechanisation::{Correction, Difference, Increment, Run, increments};
 use crate::study::in_motion::InMotion;
@@ -21,7 +21,7 @@ pub fn of_increments(motion: &InMotion, flight: &Flight, increments: &[Increment
     let held = flight.vertical == Vertical::Held;
     let run = Run { earth: flight.course.earth, integrator: motion.mechanisation, truth: &flight.course.truth, held };
     let errors = run.errors(increments, |sample, error| {
-        fix::at(&flight.fixes, sample as u64).map(|(_, fix)| correction(fix, error))
+        aiding::at(&flight.fixes, sample as u64).map(|(_, fix)| correction(fix, error))
     });
     let clock = flight.clock();
     let at = |report: &u64| {

@@ -1,13 +1,13 @@
-//! Real drift beside the predicted band: a recorded IMU, dead-reckoned from the reference's state
+//! Real drift next to the predicted band: a recorded IMU, dead-reckoned from the reference's state
 //! in windows, and what the study's sensor should make of each of them.
 //!
 //! `recorded` (with `accord`): log and reference on one clock · `cut` → `window`: where windows
 //! lie, and the error at the end of each · `linear` → `predict`: what each error of a sensor makes
 //! of that end · `bias` (with `median`): what is taken off the readings · `inflation` →
 //! `length` → `reference`: how large errors would have to be for the windows to be consistent ·
-//! `score`: fractions inside the bands, normalised errors squared. Bands are of the linear model, window by
-//! window: exact for errors this small, and the ensemble's own check of it stands beside every
-//! study. Not for logs at rest: that is `drift::windows`.
+//! `score`: fractions inside the bands, normalised errors squared. Bands are of the linear model,
+//! window by window: exact for errors this small, and the ensemble's own check of it stands next to
+//! every study. Not for logs at rest: that is `drift::windows`.
 
 mod accord;
 pub mod bias;
@@ -44,7 +44,7 @@ use predict::{Expected, Place, expected};
 use recorded::Recorded;
 use window::{Asked, Nine, Window};
 
-/// A sensor that the recording is laid beside.
+/// A sensor that the recording is laid next to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Sensor {
     /// Sensor as the study states it.
@@ -60,7 +60,7 @@ pub enum Sensor {
 /// The factor of the rule of thumb.
 const TENFOLD: f64 = 10.0;
 
-/// A recorded flight beside the predictions.
+/// A recorded flight next to the predictions.
 #[derive(Debug, Clone)]
 pub struct Compared {
     /// The log, as the study names it.
@@ -152,7 +152,7 @@ impl Biased {
     }
 }
 
-/// Lays the recorded flight of a study beside its predictions; `None` where it asks for none.
+/// Lays the recorded flight of a study next to its predictions; `None` where it asks for none.
 ///
 /// # Errors
 /// Files that cannot be read or are not of one flight, windows of which none fits, Ctrl-C.
@@ -192,7 +192,7 @@ pub fn compare(motion: &InMotion, control: &Control) -> Result<Option<Compared>>
         return Err(Error::new(
             format!("could not cut {} into windows", recorded.imu),
             format!(
-                "it shares {} s with the reference, and no window of {} s fits with another one beside it",
+                "it shares {} s with the reference, and no window of {} s fits with another one next to it",
                 rounded(recorded.seconds(), 4),
                 flown.windows_s[0]
             ),

@@ -1,9 +1,10 @@
 //! Two books compared: each verdict that changed, and the odds that right marks fell or false names
 //! rose by chance.
 //!
-//! Cases are the same in both, so only those that changed count (McNemar, Psychometrika 12, 1947): were
-//! better and worse alike, the number of worse ones among them would be binomial with one half. The
-//! test is exact. The whole book is tested at 5 %, its families together at another 5 % (Bonferroni).
+//! Cases are the same in both, so only those that changed count (McNemar, Psychometrika 12, 1947):
+//! were better and worse alike, the number of worse ones among them would be binomial with one
+//! half. The test is exact. The whole book is tested at 5 %, its families together at another 5 %
+//! (Bonferroni).
 
 use std::collections::BTreeMap;
 
@@ -79,7 +80,7 @@ pub struct Row {
     pub right: Shift,
     /// False names, and nulls with a name or unexplained.
     pub false_names: Shift,
-    /// Whether it is worse beyond chance.
+    /// States whether it is worse beyond chance.
     pub is_worse: bool,
     /// Processor time in both books, s.
     pub cpu_s: [f64; 2],
@@ -92,13 +93,13 @@ pub struct Changed {
     pub case: String,
     /// Family of the case.
     pub family: String,
-    /// What the first book says.
+    /// Holds what the first book says.
     pub before: String,
-    /// What the second says.
+    /// Holds what the second says.
     pub after: String,
 }
 
-/// What changed between two books.
+/// Holds what changed between two books.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Against {
     /// The whole book, then its families.
@@ -148,7 +149,7 @@ impl Against {
         }
     }
 
-    /// Whether right marks fell or false names rose beyond chance.
+    /// Returns whether right marks fell or false names rose beyond chance.
     pub fn is_worse(&self) -> bool {
         self.rows.iter().any(|row| row.is_worse)
     }

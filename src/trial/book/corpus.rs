@@ -70,7 +70,7 @@ pub(super) fn kind(real: &Real) -> String {
     read_toml(&real.model).map_or_else(|_| String::new(), |head: Head| head.kind)
 }
 
-/// Whether a case can be written that way, as far as its number says.
+/// Returns whether a case can be written that way, as far as its number says.
 fn is_possible(order: &Order) -> bool {
     let Place { kind, change, .. } = Place::of(order.number);
     match (kind, change) {
@@ -88,7 +88,8 @@ pub struct Choice<'a> {
     pub seed: u64,
     /// Part of the cases of each kind, family and sub-family; 1 for all.
     pub sample: f64,
-    /// Beginnings of the names of the only cases wanted, up to their colon; all where there is none.
+    /// Beginnings of the names of the only cases wanted, up to their colon; all where there is
+    /// none.
     pub only: &'a [String],
     /// One part of several, for several machines.
     pub shard: Option<Shard>,

@@ -39,7 +39,7 @@ pub struct Parameter {
     pub ci95: [f64; 2],
     /// True value; null where none is known.
     pub truth: Option<f64>,
-    /// Whether the interval holds the truth.
+    /// States whether the interval holds the truth.
     pub holds: Option<bool>,
 }
 
@@ -65,13 +65,13 @@ pub struct Entry {
     pub kind: String,
     /// For each effect that is there the names of which any one is right.
     pub truth: Vec<Vec<String>>,
-    /// What the verdict is.
+    /// Holds what the verdict is.
     pub verdict: Ending,
     /// Effects named alone.
     pub names: Vec<String>,
     /// Effects between which nothing is decided.
     pub ties: Vec<Vec<String>>,
-    /// What each name removes of the held-out error.
+    /// Holds what each name removes of the held-out error.
     pub shares: Vec<Removed>,
     /// Fitted numbers of the named effects.
     pub parameters: Vec<Parameter>,
@@ -88,7 +88,7 @@ pub struct Entry {
 /// A verdict, and the numbers that it left out of what is judged.
 pub(super) type Told = (Said, Option<Verdict>);
 
-/// What is known of a case before its verdict.
+/// Holds what is known of a case before its verdict.
 struct Known<'a> {
     case: String,
     family: String,
@@ -157,7 +157,7 @@ impl Entry {
         }
     }
 
-    /// Whether another line says the same of its case, whatever it cost.
+    /// Returns whether another line says the same of its case, whatever it cost.
     pub(super) fn says_as(&self, other: &Self) -> bool {
         let told = |e: &Self| (e.verdict, e.names.clone(), e.ties.clone(), e.mark);
         told(self) == told(other)

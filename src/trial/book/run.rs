@@ -1,5 +1,5 @@
-//! The book is written: cases are made and sealed, each verdict is asked for and kept as a line, the
-//! seal is checked after the last.
+//! The book is written: cases are made and sealed, each verdict is asked for and kept as a line,
+//! the seal is checked after the last.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,7 +14,7 @@ use crate::scratch::Scratch;
 use proofmass_base::control::Control;
 use proofmass_base::error::{Error, Result};
 
-/// Where a book lies, and where the real recordings do.
+/// States where a book lies, and where the real recordings do.
 #[derive(Debug, Clone, Copy)]
 pub struct Places<'a> {
     /// The sealed truth.

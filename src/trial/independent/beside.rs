@@ -1,9 +1,9 @@
-//! How well an effect at rest is seen beside the others of its recording: a known course in white
-//! noise and in random processes whose laws are known, by generalised least squares.
+//! States how well an effect at rest is seen next to the others of its recording: a known course in
+//! white noise and in random processes whose laws are known, by generalised least squares.
 //!
-//! All random processes of the generator are sums of first-order Markov parts. A Kalman filter whose
-//! state are these parts makes their sum and the white noise white (Kailath, IEEE Trans. Autom.
-//! Control 13 (1968) 646); what it makes of a course is then weighed row by row, exactly.
+//! All random processes of the generator are sums of first-order Markov parts. A Kalman filter
+//! whose state are these parts makes their sum and the white noise white (Kailath, IEEE Trans.
+//! Autom. Control 13 (1968) 646); what it makes of a course is then weighed row by row, exactly.
 
 use super::linear::left_by;
 use super::piece::coloured_evidence;
@@ -73,8 +73,8 @@ fn whitened(columns: &[Vec<f64>], parts: &[Part]) -> Vec<Vec<f64>> {
     out
 }
 
-/// Squared signal-to-noise ratio of a matched filter for a course, whose level and other courses are
-/// free.
+/// Squared signal-to-noise ratio of a matched filter for a course, whose level and other courses
+/// are free.
 fn seen(course: &[f64], others: &[Vec<f64>], parts: &[Part]) -> f64 {
     let own = std::iter::once(course.to_vec());
     let columns: Vec<Vec<f64>> =
@@ -84,8 +84,8 @@ fn seen(course: &[f64], others: &[Vec<f64>], parts: &[Part]) -> f64 {
     left_by(&free, &white[0]).iter().map(|v| v * v).sum()
 }
 
-/// Evidence of the n-th process in all channels: of a course beside all others, of a random process
-/// beside the courses and white noise.
+/// Evidence of the n-th process in all channels: of a course next to all others, of a random
+/// process next to the courses and white noise.
 pub(super) fn evidence(still: &Still, n: usize) -> f64 {
     let others = || (0..still.processes.len()).filter(|k| *k != n);
     let of = |channel: usize| {
@@ -155,7 +155,7 @@ mod tests {
         let same = seen(&rise(1.0), &[rise(-3.0)], &[]);
         assert!(same < 1e-6, "{same}");
         let bend: Vec<f64> = rise(1.0).iter().map(|v| v * v).collect();
-        // A line takes up 15/16 of a parabola on [0, 1]: of 4/45 in variance 1/180 is left.
+        // A line absorbs 15/16 of a parabola on [0, 1]: of 4/45 in variance 1/180 is left.
         let left = seen(&bend, &[rise(1.0)], &[]) / ROWS as f64;
         assert!((left * 180.0 - 1.0).abs() < 0.01, "{left}");
     }

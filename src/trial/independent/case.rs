@@ -11,8 +11,8 @@ use super::truth::{Family, Kind, Truth};
 use super::turned::Turned;
 use super::{foreign, letter, near, null, rest, tumble};
 
-/// How a case is linked to another: the same recording, written otherwise. Their verdicts must
-/// agree.
+/// States how a case is linked to another: the same recording, written otherwise. Their verdicts
+/// must agree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Change {
@@ -65,7 +65,7 @@ pub enum Body {
     Driven(Box<Driven>),
     /// A sensor at rest.
     Still(Box<Still>),
-    /// An IMU turned by hand.
+    /// An IMU hand-rotated.
     Turned(Box<Turned>),
 }
 
@@ -82,7 +82,7 @@ pub struct Case {
     pub sub: String,
     /// The change, where it is another one written otherwise.
     pub change: Option<Change>,
-    /// What is planted, and which names are right.
+    /// Holds what is planted, and which names are right.
     pub truth: Truth,
     /// Recipe of the recording.
     pub body: Body,
@@ -106,10 +106,10 @@ const SCHEDULE: [(Kind, Family, usize); 10] = [
 /// change.
 const LINKED: usize = 1_000_000;
 
-/// First number of the cases at rest with a strong channel beside silent ones: behind all others,
+/// First number of the cases at rest with a strong channel next to silent ones: behind all others,
 /// which keep their numbers, and so their draws, as they were before these were added.
 const BESIDE: usize = 100 * LINKED;
-/// How many cases there are for each of these.
+/// States how many cases there are for each of these.
 const EACH_BESIDE: usize = 100;
 
 /// Kind, family and how many of the same came before.
@@ -130,7 +130,7 @@ fn slot(number: usize) -> (Kind, Family, usize) {
     (kind, family, number / 100 * count + before)
 }
 
-/// Where a case stands among the others; known by its number, before it is made.
+/// States where a case stands among the others; known by its number, before it is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
     /// Kind of recording.
@@ -207,7 +207,7 @@ impl Case {
 
     /// Case numbers of a trial: `cases` different ones, and for every fifth of them two copies
     /// (decimated, in other units or of the other sign); behind them one in a hundred with a strong
-    /// channel beside silent ones.
+    /// channel next to silent ones.
     pub fn numbers(cases: usize) -> Vec<usize> {
         let linked = (0..cases).filter(|n| n % 5 == 2).flat_map(|n| {
             let first = n / 5 % Change::ALL.len();

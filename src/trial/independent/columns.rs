@@ -1,4 +1,4 @@
-//! How a recording is written: units, signs, headings, order of columns, every k-th row.
+//! States how a recording is written: units, signs, headings, order of columns, every k-th row.
 
 use std::fmt::Write as _;
 
@@ -20,7 +20,7 @@ pub struct Columns {
     pub step: f64,
     /// Headings of input, reading, environment.
     pub headings: [String; 3],
-    /// Whether the reading stands before the input.
+    /// States whether the reading stands before the input.
     pub swapped: bool,
     /// Only every so many-th row is written.
     pub every: usize,

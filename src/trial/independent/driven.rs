@@ -23,7 +23,7 @@ pub struct Driven {
     pub sigma: f64,
     /// Units, headings and order of the columns.
     pub columns: Columns,
-    /// Whether model.toml states where the resonance is.
+    /// States whether model.toml states where the resonance is.
     pub hint: bool,
 }
 
@@ -61,8 +61,8 @@ impl Driven {
         Some(Readings { input, reading })
     }
 
-    /// What the best base model leaves of the noiseless reading; it knows the measured input
-    /// between rows as well.
+    /// Returns what the best base model leaves of the noiseless reading; it knows the measured
+    /// input between rows as well.
     pub fn left_by_base(&self, reading: &[f64]) -> Vec<f64> {
         let o = &self.oscillator;
         let fine = (o.input != super::wave::Shape::None).then(|| measured(o, reading.len()));

@@ -73,12 +73,12 @@ impl Mark {
         }
     }
 
-    /// Whether a name was false, however sure it was.
+    /// Returns whether a name was false, however sure it was.
     pub fn is_false_name(self) -> bool {
         matches!(self, Self::FalseName | Self::ConfidentlyWrong)
     }
 
-    /// Whether a null was not left alone.
+    /// Returns whether a null was not left alone.
     pub fn is_alarm(self) -> bool {
         matches!(self, Self::FalseAlarm | Self::Undecided)
     }
@@ -133,16 +133,16 @@ pub(crate) fn mark(family: Family, truth: &Truth, said: &Said, overclaims: impl 
     }
 }
 
-/// Whether what is called explained is not: the nearest statement leaves too much, or the repaired
-/// model runs worse than the noise by four standard errors of a variance over a third of the rows
-/// and by what a good test sees.
+/// Returns whether what is called explained is not: the nearest statement leaves too much, or the
+/// repaired model runs worse than the noise by four standard errors of a variance over a third of
+/// the rows and by what a good test sees.
 fn overclaims(case: &Case, said: &Said) -> bool {
     let worse = case.truth.floor.is_some_and(|[sigma, rows]| {
         let excess = (said.rmse[1] / sigma).powi(2) - 1.0;
         excess > SEEN / rows && excess > 4.0 * (2.0 / (rows / 3.0)).sqrt()
     });
-    // What the statement leaves where the verdict gives its shape and delay, at the best amplitudes;
-    // else what its straight form does.
+    // What the statement leaves where the verdict gives its shape and delay, at the best
+    // amplitudes; else what its straight form does.
     worse || stated::left(case, said).or(case.truth.departure).is_some_and(|d| d >= SEEN)
 }
 
@@ -159,7 +159,7 @@ pub struct Covered {
     pub value: f64,
     /// Interval of 95 % of the estimate.
     pub ci95: [f64; 2],
-    /// Whether the interval contains the true value.
+    /// States whether the interval contains the true value.
     pub covers: bool,
 }
 

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-/// How something slow goes with time, about one in size; T is the length of the recording.
+/// States how something slow goes with time, about one in size; T is the length of the recording.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "course")]
 #[expect(missing_docs, reason = "the line of a variant says what its fields are")]
@@ -67,7 +67,7 @@ pub enum Law {
     MassDrift { size: f64, course: Course },
     /// Second mass: μ = size, own ω and ζ.
     Absorber { size: f64, omega: f64, zeta: f64 },
-    /// Second resonance beside: z″ + 2ζωz′ + ω²z = size·u, read with x.
+    /// Second resonance next to: z″ + 2ζωz′ + ω²z = size·u, read with x.
     Beside { size: f64, omega: f64, zeta: f64 },
     /// size·(x − gap)₊^p, `both` mirrored, `sign` −1 on the other side.
     Stop { size: f64, gap: f64, p: f64, both: bool, sign: f64 },
@@ -125,7 +125,7 @@ impl Law {
         }
     }
 
-    /// States of its own beside x and v.
+    /// States of its own next to x and v.
     pub fn states(&self) -> usize {
         match self {
             Self::BoucWen { .. } => 1,

@@ -167,7 +167,8 @@ fn several(ids: &[&str], ratios: &[f64], draw: &mut Draw, wish: Wish, size: Size
     assemble(base, &pieces, truth)
 }
 
-/// Whether two runs that begin 1e-8 apart part by five decades: a positive Lyapunov exponent, seen.
+/// Returns whether two runs that begin 1e-8 apart part by five decades: a positive Lyapunov
+/// exponent, seen.
 fn parts(base: &Driven) -> bool {
     let near = |driven: &Driven| simulate::run(&driven.oscillator, driven.oscillator.rows);
     let mut other = base.clone();

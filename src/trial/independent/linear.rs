@@ -1,4 +1,5 @@
-//! What the best linear oscillator leaves of a recording: the oracle of how large an effect is.
+//! States what the best linear oscillator leaves of a recording: the oracle of how large an effect
+//! is.
 //!
 //! For a given ω and ζ the reading is linear in gain, offset and initial state (variable
 //! projection, Golub & Pereyra, SIAM J. Numer. Anal. 10, 1973); the two others are found by
@@ -12,7 +13,7 @@ pub struct Fine {
     pub values: Vec<f64>,
     /// Integration steps per row.
     pub steps: usize,
-    /// Whether the input is held between rows.
+    /// States whether the input is held between rows.
     pub held: bool,
 }
 

@@ -6,7 +6,7 @@ use super::law::Law;
 use super::oscillator::{Oscillator, environment, filters};
 use super::wave::{Shape, Wave};
 
-/// What moves: laws in use, where their states stand, and what remembers.
+/// Holds what moves: laws in use, where their states stand, and what remembers.
 pub struct EquationOfMotion<'a> {
     /// Oscillator whose motion it is.
     pub o: &'a Oscillator,
@@ -135,14 +135,14 @@ impl System for EquationOfMotion<'_> {
 }
 
 impl EquationOfMotion<'_> {
-    /// What the first readout stage sees: the mass and what moves beside it.
+    /// Returns what the first readout stage sees: the mass and what moves next to it.
     fn read(&self, s: &State) -> f64 {
         let beside: f64 =
             self.laws.iter().map(|(law, at)| if matches!(law, Law::Beside { .. }) { s[*at] } else { 0.0 }).sum();
         s[0] + beside
     }
 
-    /// What the analogue part of the readout gives.
+    /// Returns what the analogue part of the readout gives.
     pub fn read_filtered(&self, s: &State) -> f64 {
         if filters(self.o) > 0 { s[self.states - 1] } else { self.read(s) }
     }

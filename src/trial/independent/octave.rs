@@ -1,6 +1,6 @@
-//! How far noise departs from white and 1/f noise, by octaves of Haar details: these are orthonormal,
-//! so white noise has the same variance in every octave, and 1/f noise twice that of the next finer
-//! one (Wornell, *Signal Processing with Fractals*, ch. 3: 2^γ for f^−γ).
+//! States how far noise departs from white and 1/f noise, by octaves of Haar details: these are
+//! orthonormal, so white noise has the same variance in every octave, and 1/f noise twice that of
+//! the next finer one (Wornell, *Signal Processing with Fractals*, ch. 3: 2^γ for f^−γ).
 
 use super::piece::octaves;
 
@@ -20,7 +20,8 @@ pub(super) fn departure_from_flicker(process: &[f64]) -> f64 {
         levels.iter().enumerate().map(of).sum()
     };
     let grid = |n: i32| 10f64.powf(-6.0 + 8.0 * f64::from(n) / 80.0);
-    // Near half the sampling rate a sum of relaxations is whiter than 1/f: its own part of the white.
+    // Near half the sampling rate a sum of relaxations is whiter than 1/f: its own part of the
+    // white.
     let best = (0..=80)
         .flat_map(|f| (0..=160).map(move |w| (0.7 * 10f64.powf(f64::from(w) / 80.0), f)))
         .map(|(white, f)| apart(white, grid(f)))
@@ -42,8 +43,9 @@ mod tests {
         flicker(ROWS, alpha, &mut Draw::new(3, case, 0)).into_iter().map(|v| size * v).collect()
     }
 
-    // 1/f noise of a tenth of the white noise to twice it. A quarter of what counts as seen: of a dozen
-    // octaves the sum scatters by √(2·12) = 5, and relaxations, one per octave, are no exact 1/f.
+    // 1/f noise of a tenth of the white noise to twice it. A quarter of what counts as seen: of a
+    // dozen octaves the sum scatters by √(2·12) = 5, and relaxations, one per octave, are no exact
+    // 1/f.
     #[test]
     fn flicker_does_not_depart_from_itself_and_other_exponents_do() {
         for case in 0..4 {

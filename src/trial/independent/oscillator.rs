@@ -27,7 +27,7 @@ pub struct Oscillator {
     pub before: usize,
     /// Shape of the input.
     pub input: Shape,
-    /// Whether the input is held between rows, as by a converter, or continuous.
+    /// States whether the input is held between rows, as by a converter, or continuous.
     pub held: bool,
     /// Constant part of the input, measured with it.
     pub constant: f64,
@@ -35,7 +35,7 @@ pub struct Oscillator {
     pub hidden: f64,
     /// Laws in the equation of motion that a base model lacks.
     pub laws: Vec<Law>,
-    /// What is missing at the readout, in the order in which it acts.
+    /// Holds what is missing at the readout, in the order in which it acts.
     pub readout: Vec<Readout>,
     /// The environment column: rise and its time constant as a part of the recording; none when
     /// absent.

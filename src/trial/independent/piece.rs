@@ -133,7 +133,7 @@ pub(super) fn coloured_evidence(residual: &[f64], sigma: f64) -> f64 {
     octaves.iter().map(|(n, level)| n * (mean / level).ln()).sum::<f64>().max(0.0)
 }
 
-/// What a good test has to see, over the noise: evidence and rms.
+/// Returns what a good test has to see, over the noise: evidence and rms.
 fn evidence(driven: &Driven, random: bool) -> Option<[f64; 2]> {
     let o = &driven.oscillator;
     let readings = driven.readings(o.rows, false)?;

@@ -1,5 +1,5 @@
-//! How well the errors of an IMU turned by hand are seen in its poses and turns, each beside all
-//! others: generalised least squares, linear in every error.
+//! States how well the errors of an IMU hand-rotated are seen in its poses and turns, each next to
+//! all others: generalised least squares, linear in every error.
 //!
 //! Seen are the mean reading of both sensors in every pose and the angle that the gyro adds up from
 //! pose to pose. What is not known of the true attitudes, of the base model (offsets, one scale per
@@ -11,7 +11,7 @@ use super::turned::{BodyMotion, Rotation, Sensor, Turned, Vector, apply, product
 
 const AXES: [Vector; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// What one error adds to everything that is seen, three values after three.
+/// Holds what one error adds to everything that is seen, three values after three.
 #[derive(Debug, Clone)]
 struct Shown {
     /// Mean specific force of each pose.
@@ -44,7 +44,7 @@ enum Of {
     Gyro,
 }
 
-/// Evidence of each of these effects beside the others, and of all together.
+/// Evidence of each of these effects next to the others, and of all together.
 pub(super) fn evidence(turned: &Turned, names: &[&str]) -> (Vec<f64>, f64) {
     let posed = Posed::of(turned);
     let noise = posed.noise();
@@ -114,7 +114,7 @@ fn errors(turned: &Turned, name: &str) -> Vec<(Of, Error, f64)> {
 struct Posed<'a> {
     turned: &'a Turned,
     motion: BodyMotion,
-    /// How the body's axes turn over each row.
+    /// States how the body's axes turn over each row.
     over: Vec<Rotation>,
     /// Rows of each pose.
     rests: Vec<[usize; 2]>,
@@ -181,7 +181,8 @@ impl<'a> Posed<'a> {
         self.rests[end - 1][1]..self.rests[end][0]
     }
 
-    /// The angle that an error of the rate adds up to over the turn into a pose, in that pose's axes.
+    /// The angle that an error of the rate adds up to over the turn into a pose, in that pose's
+    /// axes.
     fn carried(&self, end: usize, rate: impl Fn(usize) -> Vector) -> Vector {
         self.turn(end).fold([0.0; 3], |sum, row| {
             let (sum, more) = (apply(&self.over[row], sum), rate(row));
@@ -275,7 +276,7 @@ struct Noise {
 }
 
 impl Noise {
-    /// What is seen, over its noise.
+    /// Returns what is seen, over its noise.
     fn over(&self, shown: &Shown) -> Vec<f64> {
         let mut out = Vec::new();
         for (values, lower) in [(&shown.force, &self.force), (&shown.rate, &self.rate)] {

@@ -44,7 +44,7 @@ const NEAR: [&str; 12] = [
     "sine of changing frequency",
     "drift t^1.5",
 ];
-/// Sub-family of one strong channel beside silent ones.
+/// Sub-family of one strong channel next to silent ones.
 pub(crate) const BESIDE_SILENT: &str = "temperature, lag in one channel";
 const NULL: [&str; 10] = [
     "normal noise",
@@ -340,7 +340,7 @@ pub(crate) fn draw(family: Family, nth: usize, draw: &mut Draw, size: Size) -> M
         Family::Null => null(sub(family, nth), draw, size),
     };
     truth.evidence = truth.effects.iter().map(|e| e.evidence).sum::<f64>() + 0.0;
-    // That something is there is seen in all together; what it is, beside the others.
+    // That something is there is seen in all together; what it is, next to the others.
     if still.processes.len() > 1 {
         for (n, effect) in truth.effects.iter_mut().enumerate() {
             effect.evidence = beside::evidence(&still, n);

@@ -56,17 +56,17 @@ pub struct Line {
     pub family: String,
     /// Sub-family of the case.
     pub sub: String,
-    /// How it is written, where it is another case written otherwise.
+    /// States how it is written, where it is another case written otherwise.
     pub change: Option<String>,
     /// Names of what is there.
     pub truth: String,
     /// Evidence of what is there.
     pub evidence: f64,
-    /// Rms of what is there beside the noise, one number per effect.
+    /// Rms of what is there next to the noise, one number per effect.
     pub over_noise: Vec<f64>,
     /// Worth of the verdict.
     pub mark: Mark,
-    /// What the diagnosis said.
+    /// Holds what the diagnosis said.
     pub said: Said,
 }
 

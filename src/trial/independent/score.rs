@@ -1,6 +1,6 @@
-//! What a trial of the second generator found: marks by family and sub-family, coverage of each
-//! parameter, agreement under other ways of writing, times. The public document of
-//! `trial --independent --json`.
+//! States what a trial of the second generator found: marks by family and sub-family, coverage of
+//! each parameter, agreement under other ways of writing, times. The public document of `trial
+//! --independent --json`.
 
 use std::collections::BTreeMap;
 
@@ -58,10 +58,10 @@ pub struct Intervals {
     pub worst: f64,
 }
 
-/// Whether the same recording written otherwise gets the same verdict.
+/// States whether the same recording written otherwise gets the same verdict.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Agreement {
-    /// How the copy was rewritten.
+    /// States how the copy was rewritten.
     pub change: Change,
     /// Same outcome and same names.
     pub same: Proportion,

@@ -1,4 +1,4 @@
-//! What a law leaves of the truth in the shape in which a verdict states it.
+//! States what a law leaves of the truth in the shape in which a verdict states it.
 //!
 //! The verdict gives the powers and the delay, a lag or play with its number; amplitudes are fitted
 //! to the truth, and whether they are right is for the coverage of their intervals. A reading that

@@ -38,7 +38,7 @@ pub enum Process {
     Jump { size: f64, at: f64 },
 }
 
-/// What a chip does to the white noise before it is sampled.
+/// Holds what a chip does to the white noise before it is sampled.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "filter")]
 #[expect(missing_docs, reason = "the line of a variant says what its fields are")]
@@ -74,7 +74,7 @@ pub struct Still {
     pub step: f64,
     /// Knocks: part of the recording, rows, height in σ.
     pub knocks: Vec<[f64; 3]>,
-    /// Whether the temperature column is written.
+    /// States whether the temperature column is written.
     pub temperature: bool,
     /// The promised density over the true one, where the data sheet is given.
     pub promised: Option<f64>,
@@ -184,7 +184,7 @@ impl Still {
         }
     }
 
-    /// What the n-th process does to a channel, in units of its σ.
+    /// Returns what the n-th process does to a channel, in units of its σ.
     pub fn effect(&self, n: usize, channel: usize) -> Vec<f64> {
         let (process, weights) = &self.processes[n];
         // Random processes of different channels are apart; known courses are common.
@@ -306,7 +306,7 @@ impl Process {
         }
     }
 
-    /// Whether it has no course that could be known.
+    /// Returns whether it has no course that could be known.
     pub fn is_random(&self) -> bool {
         matches!(self, Self::Flicker { .. } | Self::Walk { .. } | Self::GaussMarkov { .. } | Self::Popcorn { .. })
     }

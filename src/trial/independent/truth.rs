@@ -1,5 +1,5 @@
-//! What is truly there in a case of the second generator, and which names that makes right, honest
-//! or false.
+//! States what is truly there in a case of the second generator, and which names that makes right,
+//! honest or false.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ pub enum Kind {
     Driven,
     /// A sensor at rest.
     Static,
-    /// An IMU turned by hand.
+    /// An IMU hand-rotated.
     Tumble,
 }
 
@@ -86,12 +86,12 @@ pub struct Effect {
 /// The truth of one case.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Truth {
-    /// What is there; without an entry the base model is right, or what is there has no name.
+    /// Holds what is there; without an entry the base model is right, or what is there has no name.
     pub effects: Vec<Effect>,
     /// Names that are right as well, whatever the verdict.
     pub also: Vec<String>,
-    /// Names that point to the right place, but explain nothing: right beside `unexplained` or in a
-    /// tie.
+    /// Names that point to the right place, but explain nothing: right next to `unexplained` or in
+    /// a tie.
     pub tolerable: Vec<String>,
     /// Evidence of everything together.
     pub evidence: f64,
@@ -102,7 +102,7 @@ pub struct Truth {
     pub floor: Option<[f64; 2]>,
     /// Intervals are held against these.
     pub parameters: Vec<Parameter>,
-    /// Columns beside others that show an effect, in which nothing acts: any name there is false.
+    /// Columns next to others that show an effect, in which nothing acts: any name there is false.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub silent: Vec<String>,
 }
@@ -123,7 +123,7 @@ impl Truth {
         self.allows(id) || self.tolerable.iter().any(|t| t == id)
     }
 
-    /// Whether a good test sees that something is missing.
+    /// Returns whether a good test sees that something is missing.
     pub fn is_detectable(&self) -> bool {
         self.evidence >= SEEN
     }

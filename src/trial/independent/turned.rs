@@ -1,4 +1,4 @@
-//! An IMU turned by hand as the second generator has it: still poses joined by turns about two axes
+//! An IMU hand-rotated as the second generator has it: still poses joined by turns about two axes
 //! at once, in closed form.
 
 use serde::{Deserialize, Serialize};
@@ -35,7 +35,7 @@ pub struct Sensor {
     pub drift: Vector,
 }
 
-/// Recipe of a recording of an IMU turned by hand.
+/// Recipe of a recording of an IMU hand-rotated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Turned {
     /// Seed of poses and noise.
@@ -56,9 +56,9 @@ pub struct Turned {
     pub noise: Noise,
     /// A pose in which it was knocked, and by how much, m/s².
     pub knock: Option<(usize, f64)>,
-    /// Whether readings are whole counts.
+    /// States whether readings are whole counts.
     pub whole: bool,
-    /// Whether a temperature column is written, which drives the drift.
+    /// States whether a temperature column is written, which drives the drift.
     pub temperature: bool,
 }
 
@@ -194,7 +194,7 @@ impl Turned {
         24.0 + 6.0 * (1.0 - (-2.5 * part).exp())
     }
 
-    /// How far the offsets have drifted at a part of the recording.
+    /// Returns how far the offsets have drifted at a part of the recording.
     pub(super) fn course(&self, part: f64) -> f64 {
         if self.temperature { (Self::temperature(part) - 24.0) / 6.0 } else { part }
     }

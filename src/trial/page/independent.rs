@@ -1,4 +1,5 @@
-//! What the trial of the second generator found: on the terminal, as a page, as a short summary.
+//! States what the trial of the second generator found: on the terminal, as a page, as a short
+//! summary.
 
 use crate::independent::judge::Mark;
 use crate::independent::run::Lines;
@@ -159,7 +160,7 @@ pub fn page(score: &Score, lines: &Lines) -> String {
     let mut page = Page::new("Proof of the diagnosis, second generator", &lede);
     page.paragraph(&how(score));
     page.callout(&format!(
-        "SHA-256 of the sealed truth, printed before the first verdict: {}. truth.json beside this page has it.",
+        "SHA-256 of the sealed truth, printed before the first verdict: {}. truth.json next to this page has it.",
         score.truth_sha256
     ));
     page.table(&headline(score));

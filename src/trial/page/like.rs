@@ -1,4 +1,4 @@
-//! What one recording could have revealed: on the terminal and as a page.
+//! States what one recording could have revealed: on the terminal and as a page.
 
 use crate::like::{Power, Revealed, Tried};
 use proofmass_base::number::significant;
@@ -50,8 +50,13 @@ fn strength(power: &Power, effect: &Revealed, size: Option<f64>) -> String {
 }
 
 fn effects(power: &Power) -> Table {
-    let headings =
-        ["effect", "detected from (× noise)", "named from (× noise)", "that is", "smaller: confused or tied with"];
+    let headings = [
+        "effect",
+        "detected from (× noise)",
+        "named from (× noise)",
+        "that is",
+        "smaller: confused with or indistinguishable from",
+    ];
     let mut table = Table::new(&headings);
     for effect in &power.effects {
         let sizes = || effect.tried.iter().map(|t| t.effect_over_noise);
@@ -112,7 +117,7 @@ fn ladder(power: &Power) -> Figure {
     let ways = [
         ("silent", Ink::Soft, 2),
         ("detected, not named", Ink::Sky, 4),
-        ("named, or tied with one other", Ink::Blue, 5),
+        ("named, or indistinguishable from one other", Ink::Blue, 5),
         ("false name", Ink::Red, 5),
     ];
     for ((name, ink, radius), points) in ways.into_iter().zip(dots) {

@@ -2,8 +2,8 @@
 //! a candidate.
 //!
 //! The usual ones are offered: means of neighbours, moving averages (once, or twice as Bartlett's),
-//! one pole, the same pole twice, two poles. The shape is chosen on the spectrum as the model so far
-//! leaves it; the model with the best of them is then fitted as a whole.
+//! one pole, the same pole twice, two poles. The shape is chosen on the spectrum as the model so
+//! far leaves it; the model with the best of them is then fitted as a whole.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -37,15 +37,15 @@ pub(super) const ROW: Row = Row {
     ..NO_CANDIDATE
 };
 
-/// Least part of the power at the highest frequency, under a memory with white noise beside it,
+/// Least part of the power at the highest frequency, under a memory with white noise next to it,
 /// that is white: with less of it all that the sensor hands out has gone through the memory, which
 /// is a filter then.
 const BESIDE: f64 = 0.25;
-/// Longest memory of a filter, in samples: beside a filter, one no longer than this belongs to its
+/// Longest memory of a filter, in samples: next to a filter, one no longer than this belongs to its
 /// shape.
 pub(super) const LONGEST: f64 = 10.0;
 
-/// Whether a fitted model takes a filter of one pole for a memory of the bias.
+/// Returns whether a fitted model takes a filter of one pole for a memory of the bias.
 pub(super) fn is_one_pole(fitted: &Fitted, memory: f64) -> bool {
     let white = fitted.strengths.values[0];
     let last = fitted.variances.last().copied().unwrap_or(white);
@@ -63,7 +63,7 @@ fn best(to: &Offer<'_>) -> Option<Filter> {
     let merit = |filter: &Filter| {
         let with: Vec<Law> = laws.iter().copied().chain([Law::Filtered(*filter)]).collect();
         let fit = spectrum::fit(&to.current.bins, &with, promised, Part::All);
-        // One pole beside white noise is a memory of the bias, which has a name of its own.
+        // One pole next to white noise is a memory of the bias, which has a name of its own.
         let beside = fit.values[0] > BESIDE * (fit.values[0] + fit.values.last()? * filter.power(FRAC_PI_2));
         (!beside || !matches!(filter, Filter::OnePole(_))).then_some((*filter, fit.log_likelihood))
     };

@@ -26,13 +26,13 @@ pub(super) const CANDIDATE: Candidate = Candidate {
 pub(in crate::rest) const MEMORIES: usize = 14;
 
 /// Logarithms of the memories, in samples, between which one is searched for; `None` where there
-/// are none. Beside a filter, a shorter memory belongs to its shape.
+/// are none. Next to a filter, a shorter memory belongs to its shape.
 pub(in crate::rest) fn memories(samples: usize, filtered: bool) -> Option<[f64; 2]> {
     let range = [if filtered { LONGEST } else { 1.5 }.ln(), (samples as f64 / 4.0).ln()];
     (range[0] < range[1]).then_some(range)
 }
 
-/// Whether the memory found is a filter's.
+/// Returns whether the memory found is a filter's.
 pub(in crate::rest) fn is_filter(fitted: &Fitted) -> bool {
     let memory = fitted.terms.iter().find(|t| t.cause == Cause::GaussMarkov).map(|t| t.searched);
     memory.is_some_and(|memory| match fitted.has(Cause::BandLimit) {

@@ -1,4 +1,5 @@
-//! What a file of the library tells of its candidate, and the model that candidates are offered to.
+//! States what a file of the library tells of its candidate, and the model that candidates are
+//! offered to.
 
 use crate::candidate::{Candidate, Parameter};
 use crate::control::{Control, Stopped};
@@ -8,12 +9,12 @@ use crate::rest::channel::{Addition, Channel, Curve, Environment, Fitted, Term};
 use crate::rest::spectrum::Law;
 use crate::verdict::Estimate;
 
-/// Laws beside white noise that one spectrum can tell apart.
+/// Laws next to white noise that one spectrum can tell apart.
 pub(in crate::rest) const MOST_LAWS: usize = 4;
 
 /// All that the selection and the verdict ask of a cause.
 pub(in crate::rest) struct Row {
-    /// What the library says; `None` for what is no physics left out.
+    /// Holds what the library says; `None` for what is no physics left out.
     pub(in crate::rest) entry: Option<&'static Candidate>,
     /// The models with it, each at its best: none where it cannot be added, several where there are
     /// several columns.
@@ -26,7 +27,7 @@ pub(in crate::rest) struct Row {
     pub(in crate::rest) chance: fn(gain: f64, samples: f64) -> f64,
     /// Simpler causes that it imitates at the edge of its range: those are preferred.
     pub(in crate::rest) imitates: &'static [Cause],
-    /// Whether it moves the bias slowly.
+    /// States whether it moves the bias slowly.
     pub(in crate::rest) is_drift: bool,
     /// Its parameters as the library names them, in file units.
     pub(in crate::rest) parameters: fn(&Placed<'_>) -> Vec<Estimate>,
@@ -75,7 +76,7 @@ impl Offer<'_> {
         self.with(Term { cause, addition: Addition::Law(law), searched, column: None })
     }
 
-    /// Whether a law can be added: it is not there yet, and there is room for one.
+    /// Returns whether a law can be added: it is not there yet, and there is room for one.
     pub(super) fn is_open_to(&self, law: Cause) -> bool {
         self.current.laws().len() <= MOST_LAWS && !self.current.has(law)
     }

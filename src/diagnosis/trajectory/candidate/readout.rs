@@ -1,4 +1,4 @@
-//! What happens between sensor and file: limits, a low-pass, exchanged columns, vibration.
+//! States what happens between sensor and file: limits, a low-pass, exchanged columns, vibration.
 
 use super::term::{Measure, Term, Unit};
 use crate::candidate::{Candidate, Kind, Parameter};

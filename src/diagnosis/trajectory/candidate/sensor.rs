@@ -1,5 +1,5 @@
-//! What the sensors do to rates and specific forces: scale, axes, gravity in the gyro, biases that
-//! wander, the Earth's rate.
+//! States what the sensors do to rates and specific forces: scale, axes, gravity in the gyro,
+//! biases that wander, the Earth's rate.
 
 use super::term::{Measure, Term, Unit};
 use crate::candidate::{Candidate, Kind, Parameter};

@@ -15,13 +15,13 @@ pub struct Unit {
     pub per_si: f64,
 }
 
-/// How a parameter of the fit is stated.
+/// States how a parameter of the fit is stated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measure {
-    /// As it is.
+    /// The parameter as it is.
     Plain,
-    /// By its root: the fit is linear in the square, which no law makes negative. Below the time from
-    /// one reading to the next it cannot be told from the straight lines between them.
+    /// By its root: the fit is linear in the square, which no law makes negative. Below the time
+    /// from one reading to the next it cannot be told from the straight lines between them.
     Time,
 }
 
@@ -38,12 +38,12 @@ pub struct Term {
     pub names: &'static [&'static str],
     /// Unit of its parameters.
     pub unit: Unit,
-    /// How its parameters are stated.
+    /// States how its parameters are stated.
     pub measure: Measure,
     /// Sizes below which it costs nothing, SI.
     pub smallest: f64,
-    /// What looks the same in the readings as an attitude of the reference that errs by one radian,
-    /// SI; zero where nothing.
+    /// Holds what looks the same in the readings as an attitude of the reference that errs by one
+    /// radian, SI; zero where nothing.
     pub per_tilt: f64,
     /// The half of a pose without which a reference does not show it, if there is one.
     pub needs: Option<Half>,
@@ -60,7 +60,8 @@ impl Term {
         self.candidate.parameters.iter().map(|p| p.range.1).fold(0.0, f64::max) / self.unit.per_si
     }
 
-    /// Whether the motion determines a parameter at all: to better than the largest size that there is.
+    /// Returns whether the motion determines a parameter at all: to better than the largest size
+    /// that there is.
     pub(in crate::trajectory) fn knows(&self, half_width: f64) -> bool {
         match self.measure {
             Measure::Plain => half_width <= self.largest(),
@@ -68,7 +69,8 @@ impl Term {
         }
     }
 
-    /// Whether a parameter of the fit with the half width of its interval may be such a sensor's.
+    /// Returns whether a parameter of the fit with the half width of its interval may be such a
+    /// sensor's.
     pub(in crate::trajectory) fn allows(&self, value: f64, half_width: f64) -> bool {
         match self.measure {
             Measure::Plain => value.abs() - half_width <= self.largest(),
@@ -76,8 +78,8 @@ impl Term {
         }
     }
 
-    /// Whether a parameter of the fit is large enough to cost anything, where attitudes err by
-    /// `tilt_rad` and readings are `interval_s` apart.
+    /// Returns whether a parameter of the fit is large enough to cost anything, where attitudes err
+    /// by `tilt_rad` and readings are `interval_s` apart.
     pub(in crate::trajectory) fn matters(&self, value: f64, tilt_rad: f64, interval_s: f64) -> bool {
         match self.measure {
             Measure::Plain => value.abs() >= self.smallest.max(self.per_tilt * tilt_rad),

@@ -3,7 +3,7 @@
 //! may; smaller, it is told as a finding. Never named for what drives it: warmth, a battery and age
 //! look alike in poses.
 //!
-//! Each cosine is judged by itself. Most drifts are nearly a ramp, which the first one takes up;
+//! Each cosine is judged by itself. Most drifts are nearly a ramp, which the first one absorbs;
 //! all three at once are nine parameters of a sensor, too many for the poses that remain when a
 //! fold is held out.
 

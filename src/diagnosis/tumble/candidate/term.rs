@@ -22,11 +22,11 @@ pub(crate) struct Term {
     pub stated: Stated,
     /// From which strength on it would have been seen.
     pub seen: Seen,
-    /// What it is to a diagnosis.
+    /// Holds what it is to a diagnosis.
     pub role: Role,
 }
 
-/// What a candidate is to a diagnosis.
+/// Holds what a candidate is to a diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Role {
     /// An effect that nearly every unit has: the search begins with it.
@@ -49,7 +49,7 @@ pub(crate) enum Seen {
     InItsBestDirection,
 }
 
-/// How fitted parameters become the numbers that a verdict states.
+/// States how fitted parameters become the numbers that a verdict states.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Stated {
     /// Each in its public unit.

@@ -82,7 +82,7 @@ impl<'a> Table<'a> {
         Some(self.bytes.get(at + 4..)?.get(..count.checked_mul(bytes)?)?.chunks_exact(bytes))
     }
 
-    /// How many entries a list says that it has.
+    /// Returns how many entries a list says that it has.
     pub(super) fn length(&self, index: usize) -> usize {
         self.target(index).and_then(|at| u32_at(self.bytes, at)).unwrap_or_default()
     }

@@ -26,7 +26,7 @@ const PLAIN: i64 = 0;
 /// A column of a row group.
 #[derive(Debug, Clone)]
 pub(super) struct Chunk {
-    /// How its pages are compressed; the name of what is not read.
+    /// States how its pages are compressed; the name of what is not read.
     pub codec: Result<Codec, &'static str>,
     pub at: u64,
     /// Values in it, missing ones included.
@@ -38,7 +38,7 @@ pub(super) struct Chunk {
 pub(super) struct Column {
     physical: Physical,
     levels: u32,
-    /// Where its numbers go; `None` are time stamps.
+    /// States where its numbers go; `None` are time stamps.
     target: Option<usize>,
     /// The row groups that follow, the last first.
     chunks: Vec<Chunk>,
@@ -52,7 +52,7 @@ pub(super) struct Column {
 /// A page that is given piece by piece: what is packed stays packed until it is asked for.
 #[derive(Debug, Default)]
 struct Page {
-    /// Where it begins in the file.
+    /// States where it begins in the file.
     at: u64,
     encoding: i64,
     /// Values that are still to be given, missing ones included.
@@ -63,7 +63,7 @@ struct Page {
     values: Packed,
 }
 
-/// How the values of a page are packed, and how far they were given.
+/// States how the values of a page are packed, and how far they were given.
 #[derive(Debug, Default)]
 enum Packed {
     /// One after the other, from this byte, or value, on.
@@ -248,7 +248,7 @@ impl Column {
         Some(Page { at: 0, encoding: header.encoding, left: count, levels, body, values })
     }
 
-    /// How many of a page's values are there.
+    /// Returns how many of a page's values are there.
     fn present(&self, levels: &[u8], count: usize) -> Option<usize> {
         let mut hybrid = Hybrid::new(u32::BITS - self.levels.leading_zeros(), 0, count)?;
         let (mut found, mut present) = (vec![0; BLOCK], 0);
@@ -365,7 +365,7 @@ fn plain(physical: Physical, bytes: &[u8], count: usize) -> Option<Vec<u8>> {
     }
 }
 
-/// What a column may still take, and what the other ones hold.
+/// Holds what a column may still take, and what the other ones hold.
 struct Held<'a> {
     budget: &'a mut Budget,
     by_others: u64,
@@ -378,7 +378,7 @@ fn damaged(input: &Input, page_at: u64, encoding: i64) -> Error {
     )
 }
 
-/// What the header of a page says.
+/// Holds what the header of a page says.
 struct PageHeader {
     kind: i64,
     size: u64,

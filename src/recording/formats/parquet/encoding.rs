@@ -1,4 +1,4 @@
-//! How Parquet packs numbers: runs and bits, differences, streams of bytes. Format:
+//! States how Parquet packs numbers: runs and bits, differences, streams of bytes. Format:
 //! parquet.apache.org, *Encodings*.
 
 use crate::bytes::Bytes;
@@ -34,14 +34,14 @@ fn varint(bytes: &mut Bytes<'_>) -> Option<u64> {
 #[derive(Debug)]
 pub(super) struct Hybrid {
     width: u32,
-    /// Where the next run begins among the bytes.
+    /// States where the next run begins among the bytes.
     at: usize,
     /// Numbers that are still to be given.
     left: usize,
     run: Run,
 }
 
-/// What is left of a run.
+/// Holds what is left of a run.
 #[derive(Debug)]
 enum Run {
     Same { value: u32, left: usize },
@@ -123,10 +123,10 @@ pub(super) struct Deltas {
     /// Numbers that are still to be given, the first included.
     left: usize,
     is_first: bool,
-    /// Where the next part or block begins among the bytes.
+    /// States where the next part or block begins among the bytes.
     at: usize,
     least: i64,
-    /// Where the widths of the parts stand, and how many of the parts were begun.
+    /// States where the widths of the parts stand, and how many of the parts were begun.
     widths: usize,
     begun: usize,
     /// The part at hand: its width, where it begins, how many were given of it, and are left.

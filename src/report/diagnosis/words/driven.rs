@@ -68,7 +68,8 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
                 listed(&also, "and")
             )
         }
-        // Without a base model that could be repaired, few laws were asked for, and about one place only.
+        // Without a base model that could be repaired, few laws were asked for, and about one place
+        // only.
         Outcome::Unexplained if answer.repair.is_none() => "The mismatch is real: the recording follows no linear \
              oscillator, and no candidate that was tried explains it down to the noise."
             .to_owned(),
@@ -177,8 +178,8 @@ fn shares(answer: &Answer, laws: &[String], unit: &str) -> String {
     )
 }
 
-/// The parameter that is quoted: the first that is known to better than half its size, as the first of
-/// two rails may lie anywhere beyond the motion.
+/// The parameter that is quoted: the first that is known to better than half its size, as the first
+/// of two rails may lie anywhere beyond the motion.
 fn telling(parameters: &[Estimate]) -> Option<&Estimate> {
     let known = |p: &&Estimate| 0.5 * (p.ci95[1] - p.ci95[0]) < 0.5 * p.value.abs();
     parameters.iter().find(known).or(parameters.first())
@@ -244,7 +245,7 @@ pub(crate) fn place(answer: &Answer, account: &Account) -> String {
     account.place.clone()
 }
 
-/// Effects with their numbers, tied ones once: "a or b".
+/// Effects with their numbers, indistinguishable ones once: "a or b".
 fn holding(effects: &[Effect], named: &[String]) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     let mut said: Vec<&str> = Vec::new();

@@ -61,7 +61,7 @@ pub(super) fn place(answer: &Answer, detail: &Detail) -> String {
         _ => parts.push("nowhere more than the noise".to_owned()),
     }
     if let Some(argument) = &places.argument {
-        parts.push(format!("what is left depends on {} ({} of it)", argument.name, short(argument.share.value)));
+        parts.push(format!("the residual depends on {} ({} of it)", argument.name, short(argument.share.value)));
     }
     parts.extend(detail.jumps.iter().map(|j| jump(j, &detail.drive_unit)));
     parts.join("; ")

@@ -1,4 +1,4 @@
-//! The verdict on an IMU that was turned by hand, in plain words.
+//! The verdict on an IMU that was hand-rotated, in plain words.
 
 use proofmass_base::number::short;
 use proofmass_diagnosis::tumble::account::{Account, Drift, NamedTerm, Rms};
@@ -180,7 +180,8 @@ pub(crate) fn next_experiment(outcome: Outcome, account: &Account) -> &'static s
     }
 }
 
-/// "misalignment of the gyro", or "misalignment of the gyro or scale-factor" where they are tied.
+/// "misalignment of the gyro", or "misalignment of the gyro or scale-factor" where they are
+/// indistinguishable.
 fn name(named: &NamedTerm) -> String {
     std::iter::once(phrase(named.id, named.sensor).as_str())
         .chain(named.rivals.iter().copied())

@@ -1,4 +1,4 @@
-//! Findings on the poses of a file that were survived: typed; the sentence stands beside it.
+//! Findings on the poses of a file that were survived: typed; the sentence stands next to it.
 
 use std::fmt;
 

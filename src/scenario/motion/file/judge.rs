@@ -1,7 +1,7 @@
 //! Checks whether poses in order of time can be one motion: holes, jumps, poses that come too
 //! rarely.
 //!
-//! A study has nothing but the poses and needs all of them. Beside a log, holes and turns that no
+//! A study has nothing but the poses and needs all of them. Next to a log, holes and turns that no
 //! body makes are for the asker to leave out, who has a gyro to judge them by.
 
 use nalgebra::Vector3;

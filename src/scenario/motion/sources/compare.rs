@@ -22,11 +22,11 @@ pub struct Compare {
     pub files: Option<Vec<[PathBuf; 2]>>,
     /// Other flights, each its IMU's log and its reference, that the inflation is fitted on; left
     /// out, it is fitted on the windows that it is then judged by. The attitude error of the
-    /// reference is this flight's either way; beside other flights it is of windows that do not
+    /// reference is this flight's either way; next to other flights it is of windows that do not
     /// overlap the one that is judged, where there are enough of them.
     pub fit: Option<Vec<[PathBuf; 2]>>,
-    /// Further sensors shown beside the stated one: files with `[accelerometer]` and `[gyro]`, such
-    /// as a repaired.toml.
+    /// Further sensors shown next to the stated one: files with `[accelerometer]` and `[gyro]`,
+    /// such as a repaired.toml.
     pub sensors: Option<Vec<PathBuf>>,
 }
 

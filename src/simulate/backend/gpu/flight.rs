@@ -11,14 +11,14 @@ use super::{Buffer, Dispatch, Gpu, Kernel, Submission};
 use crate::backend::flight::{FlightBackend, FlightBatch, QUANTITIES, Sums};
 use crate::backend::{Batch, tile};
 use crate::error::{Error, Result};
-use crate::kernel::fix;
+use crate::kernel::aiding;
+use crate::kernel::environment::FOLLOWED;
 use crate::kernel::flight::{COUPLINGS, Flight, Vertical};
-use crate::kernel::follow::FOLLOWED;
 use crate::kernel::layout::{
     self, BLOCK, NAVIGATE_ATTITUDE, NAVIGATE_STATE, NAVIGATE_WORKGROUP, SIMULATE_WORKGROUP, state,
 };
-use crate::kernel::passage::NUMBERS;
 use crate::kernel::source;
+use crate::kernel::truth_step::NUMBERS;
 use crate::statistics::histogram::BINS;
 use crate::statistics::{Bins, Machine};
 
@@ -247,7 +247,7 @@ impl<'a> Carried<'a> {
         while from < until {
             let room = match from.checked_sub(clock.still_samples) {
                 Some(passed) => {
-                    let due = fixes.get(fix::next(fixes, passed)).map_or(CHUNK, |fix| fix.sample - passed);
+                    let due = fixes.get(aiding::next(fixes, passed)).map_or(CHUNK, |fix| fix.sample - passed);
                     due.min(CHUNK - passed % CHUNK)
                 }
                 None => TILE,
@@ -318,7 +318,7 @@ impl<'a> Carried<'a> {
     fn fix(&self, passed: u64) -> layout::Fix {
         let tile = &self.axes[0].tile;
         let mut all = layout::Fix { seed: tile.seed, first_member: tile.first_member, ..layout::Fix::zeroed() };
-        let Some((number, fix)) = fix::at(&self.batch.flight.fixes, passed) else { return all };
+        let Some((number, fix)) = aiding::at(&self.batch.flight.fixes, passed) else { return all };
         (all.number, all.present) = (number as u32, 1);
         for (k, sd) in fix.sd.iter().enumerate() {
             all.sd[k / 3][k % 3] = sd.unwrap_or(0.0) as f32;

@@ -3,8 +3,8 @@
 
 use nalgebra::{Matrix3, SVector, Vector3};
 
+use crate::kernel::aiding::{self, Fix};
 use crate::kernel::cpu::navigate::roll_pitch_heading;
-use crate::kernel::fix::{self, Fix};
 use crate::kernel::flight::Flight;
 use crate::parallel;
 use crate::strapdown::family::{Column, Family};
@@ -82,7 +82,7 @@ pub fn steps(flight: &Flight, stride: u64) -> Vec<Stop> {
     let make = |number: usize| -> Vec<Stop> {
         let number = number as u64;
         let (begin, end) = (number * stride, (number + 1) * stride);
-        let due = &flight.fixes[fix::next(&flight.fixes, begin)..fix::next(&flight.fixes, end)];
+        let due = &flight.fixes[aiding::next(&flight.fixes, begin)..aiding::next(&flight.fixes, end)];
         let mut cuts: Vec<u64> = due.iter().map(|fix| fix.sample).filter(|at| *at < end).collect();
         cuts.push(end);
         let mut all = Vec::new();
@@ -95,7 +95,7 @@ pub fn steps(flight: &Flight, stride: u64) -> Vec<Stop> {
                 step: Step::new(Model::over(&flight.course, flight.vertical, from, to), (to - from) as f64 * sample_s),
                 report_heading_rad,
                 goes_on,
-                fix: fix::at(&flight.fixes, to).filter(|_| goes_on).map(|(number, _)| number),
+                fix: aiding::at(&flight.fixes, to).filter(|_| goes_on).map(|(number, _)| number),
             };
             let inside = reports.iter().filter(|r| from < **r && **r < until);
             all.extend(inside.map(|r| stop(*r, Some(heading(*r)), false)));

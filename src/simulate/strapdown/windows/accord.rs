@@ -21,7 +21,7 @@ const CORRELATION: [f64; 2] = [0.3, 0.9];
 const TILT_RAD: f64 = 20.0 * DEGREE;
 const SIZE: f64 = 0.15;
 
-/// Readings beside the reference.
+/// Readings next to the reference.
 #[derive(Clone, Copy)]
 pub(super) struct Beside<'a> {
     /// Motion of the reference.

@@ -1,4 +1,4 @@
-//! Findings on a recorded flight that were survived: typed; the sentence stands beside it.
+//! Findings on a recorded flight that were survived: typed; the sentence stands next to it.
 
 use std::fmt;
 
@@ -58,7 +58,7 @@ pub enum Finding {
         /// Number of windows of that length.
         windows: usize,
     },
-    /// Windows of a length with too few others beside them to take the reference's attitude error
+    /// Windows of a length with too few others next to them to take the reference's attitude error
     /// from.
     ReferenceOfOthers {
         /// The length, s.
@@ -118,7 +118,7 @@ impl fmt::Display for Finding {
             ),
             Self::NoOther { seconds, windows } => write!(
                 f,
-                "{windows} windows of {seconds} s have no other beside them to take biases from, and were left out"
+                "{windows} windows of {seconds} s have no other next to them to take biases from, and were left out"
             ),
             Self::ReferenceOfOthers { seconds, windows } => write!(
                 f,

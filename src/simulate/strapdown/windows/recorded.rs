@@ -49,7 +49,7 @@ const DAY_S: f64 = 86_400.0;
 const YEAR_S: f64 = 365.25 * DAY_S;
 
 impl Recorded {
-    /// Reads a log and its reference and lays them beside each other.
+    /// Reads a log and its reference and lays them next to each other.
     ///
     /// # Errors
     /// Files that cannot be read, clocks that do not overlap, readings that cannot be those of this
@@ -58,7 +58,8 @@ impl Recorded {
         let Whole { trajectory, start, extent_s } = whole(reference)?;
         let shown = imu.display().to_string();
         let poses = reference.file.as_ref().map_or_else(String::new, |file| file.display().to_string());
-        let fail = |cause: String, hint: &str| Error::new(format!("could not lay {shown} beside {poses}"), cause, hint);
+        let fail =
+            |cause: String, hint: &str| Error::new(format!("could not compare {shown} with {poses}"), cause, hint);
         for finding in &trajectory.findings {
             if let Posed::Slow { rate_hz } = finding {
                 let cause = format!("the reference's poses come at {} Hz", rounded(*rate_hz, 3));

@@ -8,7 +8,7 @@ use nalgebra::{SVector, Vector3};
 use super::recorded::Recorded;
 use crate::kernel::cpu::navigate::roll_pitch_heading;
 use crate::kernel::flight::Vertical;
-use crate::kernel::passage::Course;
+use crate::kernel::truth_step::TimeFactor;
 use crate::motion::Earth;
 use crate::motion::mechanisation::{Difference, Increment, Navigator, State, integrals};
 use crate::motion::trajectory::Stretch;
@@ -32,7 +32,7 @@ pub struct Window {
     /// Which flight it is of.
     pub flight: usize,
     /// The truth over it.
-    pub course: Arc<Course>,
+    pub course: Arc<TimeFactor>,
     /// Readings integrated, biases and all.
     increments: Vec<Increment>,
 }
@@ -53,7 +53,7 @@ impl Window {
             span_s,
             rows: [recorded.row[first], recorded.row[last]],
             flight: asked.flight,
-            course: Arc::new(Course::new(truth, earth, asked.motion.course.mounting())),
+            course: Arc::new(TimeFactor::new(truth, earth, asked.motion.course.mounting())),
             increments: both.map(|(rotation_rad, velocity_m_s)| Increment { rotation_rad, velocity_m_s }).collect(),
         }
     }

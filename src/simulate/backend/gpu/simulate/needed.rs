@@ -13,7 +13,7 @@ use crate::sensor::{Sense, SensorTerm};
 const ASKED: u64 = 256;
 
 /// Which parts of the kernel the job needs: the rest is compiled away. Members from all over the
-/// job are asked beside those of the batch, so that every batch of a job runs the same kernel: two
+/// job are asked next to those of the batch, so that every batch of a job runs the same kernel: two
 /// compilations may round differently.
 pub(super) fn constants(job: &Job, batch: &[Column]) -> Result<Vec<(String, f64)>> {
     let drawn = asked(job, batch)?;

@@ -1,4 +1,4 @@
-//! A channel on means of neighbours, beside a walk and flicker whose strengths are free: what a
+//! A channel on means of neighbours, next to a walk and flicker whose strengths are free: what a
 //! curve in its mean is held against before any noise is named.
 //!
 //! A curve that only looks like the drift gains nothing there. Not for fast noise: it is averaged.
@@ -41,17 +41,17 @@ impl Coarse {
         self.channel.values.len()
     }
 
-    /// Log-likelihood beside curves.
+    /// Log-likelihood next to curves.
     pub(super) fn with(&self, curves: Vec<Curve>) -> f64 {
         fitted(&self.channel, curves).log_likelihood()
     }
 
-    /// Twice what a log-likelihood beside curves is above that of noise alone; none below it.
+    /// Twice what a log-likelihood next to curves is above that of noise alone; none below it.
     pub(super) fn gain(&self, log_likelihood: f64) -> f64 {
         (2.0 * (log_likelihood - self.alone)).max(0.0)
     }
 
-    /// What curves leave of the channel.
+    /// Returns what curves leave of the channel.
     pub(super) fn without(&self, curves: Vec<Curve>) -> Self {
         let taken = fitted(&self.channel, curves).mean_curve(self.count());
         let left: Vec<f64> = self.channel.values.iter().zip(&taken).map(|(v, t)| v - t).collect();
@@ -59,7 +59,7 @@ impl Coarse {
     }
 }
 
-/// A channel with curves in its mean, beside the noise.
+/// A channel with curves in its mean, next to the noise.
 fn fitted(channel: &Channel, curves: Vec<Curve>) -> Fitted {
     let term = |cause, addition| Term { cause, addition, searched: 0.0, column: None };
     let mut terms =

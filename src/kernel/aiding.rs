@@ -2,7 +2,7 @@
 //! corrected by it.
 //!
 //! The gains are the same for all members, made on the host before the run (`strapdown::aiding`).
-//! Here is only what the kernels need of them; the twins that apply them are `cpu::fix` and
+//! Here is only what the kernels need of them; the twins that apply them are `cpu::aiding` and
 //! `shaders/shared/fix.wgsl`.
 
 /// Errors that a fix may see: velocity and position in north-east-down.

@@ -8,7 +8,7 @@
 use super::lanes::{Kernel, LANES, Lane};
 use super::navigate::{State, cross, dot, plus};
 use super::noise::{Drawer, stream};
-use crate::fix::{Fix, SEEN};
+use crate::aiding::{Fix, SEEN};
 use crate::numerics::elementary::{Real, fma};
 use crate::rng::Stream;
 

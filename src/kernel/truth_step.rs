@@ -58,7 +58,7 @@ pub const NUMBERS: usize = 44;
 
 /// A truth with its Earth, and the places it passes.
 #[derive(Debug, Clone)]
-pub struct Course {
+pub struct TimeFactor {
     /// The motion, one sample more than the run has.
     pub truth: Arc<Truth>,
     /// The Earth under it.
@@ -71,7 +71,7 @@ pub struct Course {
     temperature: Temperature,
 }
 
-impl Course {
+impl TimeFactor {
     /// The course of a body over an Earth, as a sensor mounted at this turn from its axes feels it.
     pub fn new(mut truth: Truth, earth: Earth, mounting: UnitQuaternion<f64>) -> Self {
         for sample in &mut truth.samples {

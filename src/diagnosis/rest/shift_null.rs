@@ -1,33 +1,36 @@
-//! What noise makes of a column that cannot have acted: the same column, begun at another time or
-//! run backwards.
+//! States what noise makes of a column that cannot have acted: the same column, begun at another
+//! time or run backwards.
 //!
 //! Its likeness to the readings is chance, and it shows two things that no law of a single channel
 //! does: how large a gain becomes by chance where the noise is not quite what the laws say, and how
-//! much of it channels gain together because they share noise. Tried on what the true column leaves.
+//! much of it channels gain together because they share noise. Tried on what the true column
+//! leaves.
 
-use super::coarse::Coarse;
 use super::column::{Column, STRAIGHT};
+use super::decimated::Coarse;
 use super::followed::lagged;
 use super::profile::peak;
 use crate::control::{Control, Stopped};
 use crate::numerics::moments::mean_sd;
 use crate::parallel;
 
-/// Beginnings that are tried, as sixteenths of the recording: on the column and its mirror image one
-/// after the other, so that no shift makes a jump, and none is nearer than a quarter to the true one.
-/// The sixteenth is the column backwards.
+/// Beginnings that are tried, as sixteenths of the recording: on the column and its mirror image
+/// one after the other, so that no shift makes a jump, and none is nearer than a quarter to the
+/// true one. The sixteenth is the column backwards.
 const BEGINNINGS: std::ops::RangeInclusive<usize> = 4..=28;
 
 /// Gains of channels by columns that cannot have acted.
 pub(super) struct Otherwise {
     /// The largest of all channels together.
     pub(super) most: f64,
-    /// How many times more their sum varies than that of as many independent gains; at least one.
+    /// States how many times more their sum varies than that of as many independent gains; at least
+    /// one.
     pub(super) together: f64,
 }
 
 impl Otherwise {
-    /// What channels gain, with one lag for all of them, by a column that cannot have acted.
+    /// Returns what channels gain, with one lag for all of them, by a column that cannot have
+    /// acted.
     ///
     /// # Errors
     /// Stopped.

@@ -1,9 +1,9 @@
-//! A law that some of 64 members follow, and its internal states at each stage of a step; twin of what
-//! `source::staged` writes for the GPU.
+//! A law that some of 64 members follow, and its internal states at each stage of a step; twin of
+//! what `source::staged` writes for the GPU.
 //!
-//! The first state is stored as its difference from equilibrium under the present force, as the mass
-//! stores its error. A run therefore begins at rest, and a constant force cancels, except for rounding
-//! where a law subtracts one displacement from another.
+//! The first state is stored as its difference from equilibrium under the present force, as the
+//! mass stores its error. A run therefore begins at rest, and a constant force cancels, except for
+//! rounding where a law subtracts one displacement from another.
 
 use super::lanes::{LANES, Lane};
 use crate::numerics::elementary::{Real, fma};

@@ -9,7 +9,7 @@ use crate::numerics::moments;
 use crate::recording::Recording;
 use crate::warm_profile::{is_possible, profile};
 
-/// What a study takes of a named sensitivity.
+/// Holds what a study takes of a named sensitivity.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Warmth {
     /// Change of the reading per power of a unit of the column, file units; powers 1 to 3, zero
@@ -19,7 +19,7 @@ pub(super) struct Warmth {
     pub(super) temperature: Temperature,
     /// Heading of the column.
     pub(super) column: String,
-    /// Whether it acts with play, and the profile is as late.
+    /// States whether it acts with play, and the profile is as late.
     pub(super) is_late: bool,
 }
 
@@ -37,7 +37,7 @@ pub(super) enum Unfit {
 }
 
 impl Unfit {
-    /// What stands in its place, a sentence.
+    /// Returns what stands in its place, a sentence.
     pub(super) fn words(self) -> &'static str {
         match self {
             Self::Unlogged => {

@@ -2,9 +2,9 @@
 //! the end of their gyros' range. Twin of `followed` in `shaders/navigate.wgsl`.
 
 use super::lanes::{Kernel, LANES, Lane};
-use crate::follow::FOLLOWED;
+use crate::environment::FOLLOWED;
 use crate::numerics::elementary::{Real, fma};
-use crate::passage::Passage;
+use crate::truth_step::Passage;
 
 /// The numbers, and the errors of the accelerometers' readings and of the gyros'.
 pub(super) struct Followed<'a, T> {

@@ -1,5 +1,5 @@
 //! Laws of a reading's errors that follow what the sensor feels: the specific force along its axis,
-//! its square, and its temperature. Beside each stands its WGSL.
+//! its square, and its temperature. Next to each stands its WGSL.
 
 use super::lanes::{Kernel, LANES, Lane};
 use crate::fragment::Fragment;
