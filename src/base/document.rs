@@ -15,6 +15,7 @@ use crate::error::{Error, Result, nearest};
 mod mistaken;
 mod whole;
 
+pub use mistaken::number_advice;
 pub use whole::{Staged, UNFINISHED, write_whole};
 
 /// Parses a TOML document. `name` stands in messages for where it came from.
@@ -81,6 +82,9 @@ pub(crate) fn open(path: &Path, what: &str) -> Result<File> {
 /// refused.
 const LONGEST_BYTES: u64 = 16 << 20;
 
+/// States what editors put before UTF-8 text; it belongs to no key.
+const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
+
 /// Reads a text file whole.
 ///
 /// # Errors
@@ -101,6 +105,9 @@ pub fn read_text(path: &Path) -> Result<String> {
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         return Err(fail("this is UTF-16 text".into(), "save it as UTF-8"));
     }
+    if bytes.starts_with(BYTE_ORDER_MARK) {
+        bytes.drain(..BYTE_ORDER_MARK.len());
+    }
     String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let line = error.as_bytes()[..valid].iter().filter(|b| **b == b'\n').count() + 1;
@@ -111,7 +118,7 @@ pub fn read_text(path: &Path) -> Result<String> {
     })
 }
 
-/// More allowed words than these are not listed beside a wrong one.
+/// More allowed words than these are not listed next to a wrong one.
 const FEW_WORDS: usize = 6;
 
 /// The parser's words for types, in those of a person who writes numbers.
@@ -223,5 +230,13 @@ mod tests {
             let error = read_text(&path).expect_err("no text");
             assert!(error.cause.contains(words), "{error}");
         }
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_no_part_of_the_text() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("x.toml");
+        std::fs::write(&path, "\u{feff}members = 3\n").expect("written");
+        assert_eq!(read_text(&path).expect("text"), "members = 3\n");
     }
 }

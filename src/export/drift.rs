@@ -28,7 +28,7 @@ pub(crate) struct Process {
 
 /// Correlation time that makes a Gauss–Markov process a random walk: at 1000 s its Allan deviation
 /// is 0.04 % low.
-const WALK_S: f64 = 1e6;
+pub(super) const WALK_S: f64 = 1e6;
 /// Averaging time at which a substitute for bias instability agrees with it, s.
 const AGREES_S: f64 = 100.0;
 /// Allan deviation of bias instability over B: √(2 ln 2/π).
@@ -42,7 +42,7 @@ pub(super) fn process(errors: &Errors, form: Form) -> Process {
     let (walk, floor) = (errors.walk.mean, FLAT * errors.flicker.mean);
     let (drive, correlation_s) = match form {
         Form::None => (0.0, WALK_S),
-        // Beside a walk, bias instability has no place.
+        // Next to a walk, bias instability has no place.
         _ if walk > 0.0 || floor == 0.0 => (walk, WALK_S),
         Form::Walk => (floor * (3.0 / AGREES_S).sqrt(), WALK_S),
         Form::GaussMarkov => {

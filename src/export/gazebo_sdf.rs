@@ -75,7 +75,10 @@ pub(super) fn read(name: &str, text: &str) -> Result<Imu> {
     let rate_hz = number(&text, "update_rate")?.filter(|r| *r > 0.0);
     let rate_hz =
         rate_hz.ok_or_else(|| fail("it has no <update_rate> above 0, without which stddev has no density".into()))?;
-    let imu = Imu::new(name, rate_hz);
+    if text.matches("<angular_velocity>").count() > 1 {
+        return Err(fail("it has more than one <angular_velocity>: the sensors of several IMUs".into()));
+    }
+    let mut imu = Imu::new(name, rate_hz);
     let mut axes = [[imu.accelerometer, imu.gyro]; 3];
     let places = [("angular_velocity", 1), ("linear_acceleration", 0)];
     let places = places
@@ -92,11 +95,26 @@ pub(super) fn read(name: &str, text: &str) -> Result<Imu> {
             continue;
         };
         let errors = &mut axes[number_of_axis][sense];
+        let place = format!("<{tag}> <{name}>");
+        match axis.split_once("<noise").and_then(|(_, rest)| attribute(rest, "type")) {
+            None | Some("gaussian" | "gaussian_quantized") => {}
+            Some("none") => continue,
+            Some(other) => return Err(fail(format!("{place}: noise of the type `{other}` has no density"))),
+        }
         let or_zero = |tag| Ok::<f64, Error>(number(axis, tag)?.unwrap_or(0.0));
+        let size = |tag| match or_zero(tag)? {
+            size if size < 0.0 => Err(fail(format!("{place} <{tag}>: need zero or more, got {size}"))),
+            size => Ok(size),
+        };
         let fixed = |mean| Value { mean, sd: 0.0 };
-        errors.white = fixed(or_zero("stddev")? / rate_hz.sqrt());
-        errors.walk = fixed(or_zero("dynamic_bias_stddev")?);
-        errors.bias = Value { mean: or_zero("bias_mean")?, sd: or_zero("bias_stddev")? };
+        errors.white = fixed(size("stddev")? / rate_hz.sqrt());
+        errors.walk = fixed(size("dynamic_bias_stddev")?);
+        errors.bias = Value { mean: or_zero("mean")? + or_zero("bias_mean")?, sd: size("bias_stddev")? };
+        errors.step = size("precision")?;
+        let memory_s = size("dynamic_bias_correlation_time")?;
+        if errors.walk.mean > 0.0 && memory_s > 0.0 && memory_s < drift::WALK_S {
+            imu.unread.push(format!("{place}: the bias forgets in {memory_s} s; it is taken as a random walk"));
+        }
     }
     Ok(imu.with_axes(axes))
 }
@@ -111,4 +129,12 @@ fn without_comments(text: &str) -> String {
 fn element<'a>(text: &'a str, tag: &str) -> Option<&'a str> {
     let inside = text.split_once(&format!("<{tag}>"))?.1;
     Some(inside.split_once(&format!("</{tag}>"))?.0)
+}
+
+/// Returns the value of an attribute in a start tag that `rest` goes on with.
+fn attribute<'a>(rest: &'a str, name: &str) -> Option<&'a str> {
+    let tag = rest.split('>').next()?;
+    let value = tag.split_once(&format!("{name}="))?.1;
+    let quote = value.chars().next().filter(|c| matches!(c, '"' | '\''))?;
+    value[1..].split(quote).next()
 }

@@ -70,6 +70,8 @@ pub struct Imu {
     /// Accelerometer and gyro of x, y and z where they differ; `accelerometer` and `gyro` are then
     /// their root mean squares.
     pub axes: Option<[[Errors; 2]; 3]>,
+    /// Holds what a configuration states and has no place here, for people.
+    pub unread: Vec<String>,
 }
 
 impl Errors {
@@ -84,8 +86,8 @@ impl Imu {
     /// An IMU without errors.
     pub fn new(source: &str, rate_hz: f64) -> Self {
         let [accelerometer, gyro] = [Sense::Accelerometer, Sense::Gyro].map(Errors::ideal);
-        let (source, filter) = (source.into(), Filter::Mean);
-        Self { source, rate_hz, rate_is_stated: true, filter, accelerometer, gyro, others: Vec::new(), axes: None }
+        let (source, filter, others, unread) = (source.into(), Filter::Mean, Vec::new(), Vec::new());
+        Self { source, rate_hz, rate_is_stated: true, filter, accelerometer, gyro, others, axes: None, unread }
     }
 
     /// The errors of an axis: accelerometer and gyro.
@@ -127,9 +129,11 @@ impl Imu {
 
     /// The sensor as a sensor.toml, nine digits each.
     pub fn sensor_toml(&self, target: &str) -> String {
+        let unread = self.unread.iter().map(|what| format!("# not read: {}\n", proofmass_base::escape::line(what)));
+        let unread: String = unread.collect();
         let mut toml = format!(
-            "# Imported from {} ({target}) by proofmass {}. White levels are two-sided random walks (N = n/√2).\n\n\
-             [sensor]\nsample_rate_hz = {:?}\n",
+            "# Imported from {} ({target}) by proofmass {}. White levels are two-sided random walks (N = n/√2).\n\
+             {unread}\n[sensor]\nsample_rate_hz = {:?}\n",
             proofmass_base::escape::line(&self.source),
             env!("CARGO_PKG_VERSION"),
             self.rate_hz

@@ -32,18 +32,22 @@ pub(super) fn fields(imu: &Imu, sheet: &mut Sheet) {
 
 pub(super) fn read(name: &str, text: &str) -> Result<Imu> {
     let number = |key: &str| -> Result<f64> {
-        let line = text.lines().enumerate().find_map(|(i, line)| {
+        let mut lines = text.lines().enumerate().filter_map(|(i, line)| {
             let (found, rest) = line.split('#').next()?.split_once(':')?;
             (found.trim() == key).then(|| (i + 1, rest.trim().to_owned()))
         });
         let fail = |cause: String, hint: String| Error::new(format!("could not import {name}"), cause, hint);
-        let Some((line, value)) = line else {
+        let Some((line, value)) = lines.next() else {
             let keys = text.lines().filter_map(|line| line.split_once(':')).map(|(found, _)| found.trim());
             return Err(fail(
                 format!("it has no `{key}`"),
                 nearest(key, keys).map_or("is this an imu.yaml of Kalibr?".into(), |k| format!("it has `{k}`")),
             ));
         };
+        if let Some((again, _)) = lines.next() {
+            let cause = format!("{name}:{again}: {key} stands in line {line} already");
+            return Err(fail(cause, "give the lines of one IMU, each key once".into()));
+        }
         let read = value.parse().ok().filter(|v: &f64| v.is_finite() && *v >= 0.0);
         read.ok_or_else(|| {
             fail(format!("{name}:{line}: {key}: need a number, zero or more, got `{value}`"), "correct it".into())

@@ -56,13 +56,16 @@ pub(super) fn read(name: &str, text: &str) -> Result<Imu> {
     let rate = code.iter().find_map(|line| line.split_once("\"SampleRate\",")).map(|(_, rest)| rest);
     let rate = rate.and_then(|rest| rest.split([',', ')']).next()?.trim().parse::<f64>().ok());
     let rate_hz = rate.filter(|r| r.is_finite() && *r > 0.0);
-    let imu = Imu::new(name, rate_hz.ok_or_else(|| fail("it sets no \"SampleRate\" of an imuSensor".into()))?);
+    let mut imu = Imu::new(name, rate_hz.ok_or_else(|| fail("it sets no \"SampleRate\" of an imuSensor".into()))?);
     let mut senses = [[imu.accelerometer; 3], [imu.gyro; 3]];
     for (class, errors) in ["accelparams", "gyroparams"].into_iter().zip(&mut senses) {
-        let variable =
-            code.iter().find_map(|line| line.strip_suffix(';')?.split_once('=').filter(|(_, c)| c.trim() == class));
-        let Some((variable, _)) = variable else { return Err(fail(format!("it makes no {class}"))) };
-        properties(&code, variable.trim(), errors).map_err(fail)?;
+        let mut variables =
+            code.iter().filter_map(|line| line.strip_suffix(';')?.split_once('=').filter(|(_, c)| c.trim() == class));
+        let Some((variable, _)) = variables.next() else { return Err(fail(format!("it makes no {class}"))) };
+        if variables.next().is_some() {
+            return Err(fail(format!("it makes more than one {class}")));
+        }
+        imu.unread.extend(properties(&code, variable.trim(), errors).map_err(fail)?);
     }
     let [accelerometers, gyros] = senses;
     let axes = [0, 1, 2].map(|axis| [accelerometers[axis], gyros[axis]]);
@@ -72,9 +75,11 @@ pub(super) fn read(name: &str, text: &str) -> Result<Imu> {
     })
 }
 
-/// Reads the numbers set for one variable, axis by axis; the cause where one cannot be read.
-fn properties(code: &[&str], variable: &str, axes: &mut [Errors; 3]) -> Result<(), String> {
+/// Reads the numbers set for one variable, axis by axis, and returns the settings that have no
+/// place here; the cause where one cannot be read.
+fn properties(code: &[&str], variable: &str, axes: &mut [Errors; 3]) -> Result<Vec<String>, String> {
     let mut one_sided = false;
+    let mut unread = Vec::new();
     for line in code {
         let set =
             line.strip_prefix(variable).and_then(|rest| rest.strip_prefix('.')).and_then(|rest| rest.split_once('='));
@@ -90,10 +95,18 @@ fn properties(code: &[&str], variable: &str, axes: &mut [Errors; 3]) -> Result<(
             "ConstantBias" => |errors, number| errors.bias = Value { mean: number, sd: 0.0 },
             "Resolution" => |errors, number| errors.step = number,
             "MeasurementRange" => |errors, number| errors.range = number,
-            _ => continue,
+            _ => {
+                if three(value) != Some([0.0; 3]) {
+                    unread.push(format!("{variable}.{property} = {value}"));
+                }
+                continue;
+            }
         };
         let numbers = three(value)
             .ok_or_else(|| format!("{variable}.{property}: need one number or three in brackets, got `{value}`"))?;
+        if property != "ConstantBias" && numbers.iter().any(|number| *number < 0.0) {
+            return Err(format!("{variable}.{property}: need zero or more, got `{value}`"));
+        }
         axes.iter_mut().zip(numbers).for_each(|(errors, number)| set(errors, number));
     }
     if one_sided {
@@ -104,7 +117,7 @@ fn properties(code: &[&str], variable: &str, axes: &mut [Errors; 3]) -> Result<(
             errors.walk.mean *= std::f64::consts::SQRT_2;
         }
     }
-    Ok(())
+    Ok(unread)
 }
 
 /// One number for all axes, or x, y and z in brackets.

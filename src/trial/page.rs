@@ -1,4 +1,5 @@
-//! What a blind trial found: on the terminal, as a page, and as a short summary to be committed.
+//! States what a blind trial found: on the terminal, as a page, and as a short summary to be
+//! committed.
 
 pub mod book;
 pub mod figures;
@@ -13,6 +14,7 @@ use crate::judge::{self, Covered};
 use crate::outcome::{Confusion, FALLBACK_LIMIT, Limit, Outcome};
 use crate::plan::Plan;
 use crate::real::Found;
+use crate::said::Ending;
 use proofmass_base::number::{duration, significant};
 use proofmass_diagnosis::candidate::Kind;
 use proofmass_numerics::numerics::order;
@@ -70,7 +72,10 @@ pub fn recordings(found: &[Found]) -> Table {
     for real in found {
         let groups: Vec<String> = real.said.groups.iter().map(|g| g.join(" or ")).collect();
         let known = if real.truth.is_empty() { "nothing to be named".to_owned() } else { real.truth.join(", ") };
-        let said = format!("{}: {}", real.said.outcome.name(), groups.join(", "));
+        let said = match real.said.outcome {
+            Ending::Error => format!("error: {}", real.said.words),
+            outcome => format!("{}: {}", outcome.name(), groups.join(", ")),
+        };
         table.row([
             real.name.clone(),
             format!("{known} ({})", real.source),
@@ -81,7 +86,7 @@ pub fn recordings(found: &[Found]) -> Table {
     table
 }
 
-/// Errors on samples that were not fitted beside the best published ones.
+/// Errors on samples that were not fitted next to the best published ones.
 pub fn scores(found: &[Found]) -> Table {
     let headings = ["recording", "validated on", "unit", "base model", "with the named physics", "published", "by"];
     let mut table = Table::new(&headings);
@@ -227,7 +232,7 @@ pub fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], verdicts: &Verdicts,
     let mut page = Page::new("Proof of the diagnosis", &lede);
     page.paragraph(&how(plan, outcome));
     page.callout(&format!(
-        "SHA-256 of the sealed truth, printed before the first verdict: {}. truth.json beside this page has it.",
+        "SHA-256 of the sealed truth, printed before the first verdict: {}. truth.json next to this page has it.",
         outcome.truth_sha256
     ));
     page.table(&headline(outcome));

@@ -5,6 +5,7 @@
 //! another source. The diagnosis gets the (cut) recording and the model; the truth stays in the
 //! recipe until the verdict is there.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -14,8 +15,9 @@ use super::independent::truth::{Effect, Family, Truth};
 use super::said::Said;
 use super::scratch::Scratch;
 use super::workers::side_by_side;
-use proofmass_base::document::read_toml;
-use proofmass_base::error::{Error, Result};
+use proofmass_base::document::{read_text, read_toml};
+use proofmass_base::error::{Error, Result, nearest};
+use proofmass_diagnosis as diagnosis;
 use proofmass_diagnosis::verdict::Verdict;
 
 /// A list of real recordings with their models and known effects.
@@ -43,14 +45,14 @@ pub struct Real {
     pub rows: Option<[usize; 2]>,
     /// Every k-th of these rows; absent means all.
     pub every: Option<usize>,
-    /// What is left out of the base model, as far as another source knows; names of which any one is
-    /// right, joined by "|".
+    /// Holds what is left out of the base model, as far as another source knows; names of which any
+    /// one is right, joined by "|".
     pub truth: Vec<String>,
     /// Names that are right as well, by the same source or by the nature of the sensor.
     #[serde(default)]
     pub also: Vec<String>,
-    /// How it is judged: to the letter where something is known to be left out, else as physics that
-    /// no name is known for.
+    /// States how it is judged: to the letter where something is known to be left out, else as
+    /// physics that no name is known for.
     pub family: Option<Family>,
     /// Source of the known effects.
     pub source: String,
@@ -72,7 +74,7 @@ pub struct Score {
     pub file: Option<PathBuf>,
     /// One of several judging ranges of the model file; absent means all that judge.
     pub range: Option<[usize; 2]>,
-    /// Whether the relative error of the force is meant, not that of free simulation.
+    /// States whether the relative error of the force is meant, not that of free simulation.
     #[serde(default)]
     pub force: bool,
     /// Factor from our unit to the published one.
@@ -93,8 +95,8 @@ impl Real {
         words.collect::<Vec<_>>().join("-")
     }
 
-    /// Returns how it is judged, and against what. Recordings are listed because of what is in them:
-    /// what is known to be left out can be seen.
+    /// Returns how it is judged, and against what. Recordings are listed because of what is in
+    /// them: what is known to be left out can be seen.
     pub fn judged(&self) -> (Family, Truth) {
         let seen = |names: &String| Effect {
             right: names.split('|').map(str::to_owned).collect(),
@@ -129,7 +131,7 @@ impl Real {
     }
 }
 
-/// An error found beside a published one, in the unit of the latter.
+/// An error found next to a published one, in the unit of the latter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scored {
     /// Name of the test data in tables.
@@ -189,7 +191,7 @@ pub struct Found {
     pub truth: Vec<String>,
     /// Source of that knowledge.
     pub source: String,
-    /// What the diagnosis said.
+    /// Holds what the diagnosis said.
     pub said: Said,
     /// Known effects that were named.
     pub named: Vec<String>,
@@ -197,11 +199,11 @@ pub struct Found {
     pub more: Vec<String>,
     /// "beta 7.3e5, found 7.21e5 [7.1e5, 7.4e5]" for each known number.
     pub numbers: Vec<String>,
-    /// Errors beside published ones.
+    /// Errors next to published ones.
     pub scores: Vec<Scored>,
 }
 
-/// The folder of recordings: `PROOFMASS_DATA`, else `../shared/data` beside the working directory.
+/// The folder of recordings: `PROOFMASS_DATA`, else `../shared/data` next to the working directory.
 pub fn folder() -> Option<PathBuf> {
     let folder = std::env::var_os("PROOFMASS_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
     folder.is_dir().then_some(folder)
@@ -210,11 +212,37 @@ pub fn folder() -> Option<PathBuf> {
 /// Reads a recipe; models become paths that can be opened.
 ///
 /// # Errors
-/// As `document::read_toml`.
+/// As `document::read_toml`; a name that two recordings have, an effect that the library does not
+/// have, a number that is none, and a model that cannot be read. These would be marks against the
+/// diagnosis otherwise.
 pub fn read(path: &Path) -> Result<Recipe> {
     let mut recipe: Recipe = read_toml(path)?;
     let home = path.parent().unwrap_or(Path::new("."));
-    recipe.recording.iter_mut().for_each(|r| r.model = home.join(&r.model));
+    let mut names = BTreeSet::new();
+    for real in &mut recipe.recording {
+        real.model = home.join(&real.model);
+        read_text(&real.model)?;
+        let fail = |cause: String, hint: String| {
+            Error::new(format!("could not use {}", path.display()), format!("recording `{}`: {cause}", real.name), hint)
+        };
+        if !names.insert(real.id()) || real.id().is_empty() {
+            let cause = "its name is another's too, or has neither letters nor digits";
+            return Err(fail(cause.into(), "give each recording a name of its own".into()));
+        }
+        let known: Vec<&str> = diagnosis::library().map(|candidate| candidate.id).collect();
+        let ids = real.truth.iter().chain(&real.also).flat_map(|names| names.split('|'));
+        if let Some(id) = ids.chain(real.numbers.iter().map(|n| n.id.as_str())).find(|id| !known.contains(id)) {
+            let near = nearest(id, known.iter().copied());
+            let hint = near.map_or("`proofmass candidates` lists them".into(), |id| format!("did you mean `{id}`?"));
+            return Err(fail(format!("`{id}` is no effect that can be named"), hint));
+        }
+        if let Some(number) = real.numbers.iter().find(|n| !n.value.is_finite()) {
+            return Err(fail(format!("{} is {}", number.name, number.value), "give a number".into()));
+        }
+        if real.rows.is_some_and(|[from, to]| from >= to) {
+            return Err(fail("its rows end before they begin".into(), "give rows = [from, to], counted from 0".into()));
+        }
+    }
     Ok(recipe)
 }
 

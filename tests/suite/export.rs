@@ -2,9 +2,11 @@
 //! the exported file alone, gives back the noise of `study`.
 //!
 //! `generators`: simulators. `estimators`: filters. `messages`: covariances at a rate, behind a filter.
+//! `imports`: configurations that others wrote.
 
 mod estimators;
 mod generators;
+mod imports;
 mod messages;
 
 use libtest_mimic::{Failed, Trial};
@@ -35,6 +37,7 @@ pub fn tests() -> Vec<Trial> {
     all.extend(messages::tests());
     all.push(test("export: estimators form the study's covariance per step", estimators::covariances));
     all.push(test("export: importing what was exported changes no digit", round_trip));
+    all.push(test("export: an import chooses nothing without a word", imports::made_by_others));
     all.push(test("export: axes that differ are kept apart where the tool has them, and come back", by_axis));
     all.push(test("export: each number has its unit, convention and source beside it", commented));
     all.push(test("export: what a tool cannot represent is said, with the error of what stands for it", said));

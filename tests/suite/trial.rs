@@ -17,6 +17,7 @@ use proofmass::trial::case::{Case, Family};
 use proofmass::trial::outcome::Outcome;
 use proofmass::trial::physics::Physics;
 use proofmass::trial::plan::Plan;
+use proofmass::trial::real;
 use proofmass::trial::said::{Ending, Said};
 use rand::RngExt;
 
@@ -29,6 +30,7 @@ pub fn tests() -> Vec<Trial> {
         test("trial: the diagnosis gets a recording and a base model, no truth", files_tell_nothing),
         test("trial: an oracle scores full marks and a coin does not", controls),
         test("trial: a stopped trial resumes with what it has, on the same seal only", resume),
+        test("trial: a list of recordings that would count against the diagnosis is refused", recipes),
     ]
 }
 
@@ -188,4 +190,31 @@ fn resume() -> Result<(), Failed> {
     check(blind::earlier(&state, &sealed)?.0.len() == cases.len(), "the state file lost a verdict")?;
     let (other, _) = blind::prepare(Plan { seed: 9, ..plan }, tempfile::tempdir()?.path(), false, &Control::silent())?;
     check(blind::earlier(&state, &other)?.0.is_empty(), "verdicts of another truth were taken")
+}
+
+fn recipes() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let [recipe, model] = ["list.toml", "model.toml"].map(|name| folder.path().join(name));
+    std::fs::write(&model, "kind = \"driven\"\n")?;
+    let one = "[[recording]]\nname = \"a\"\nfile = \"a.csv\"\nmodel = \"model.toml\"\n\
+               truth = [\"cubic-stiffness|power-law-stiffness\"]\nsource = \"me\"\n";
+    let read = |text: &str| -> Result<String, Failed> {
+        std::fs::write(&recipe, text)?;
+        Ok(real::read(&recipe).map_or_else(|error| error.to_string(), |_| "read".into()))
+    };
+    // Control: as it stands it is read.
+    check(read(one)? == "read", read(one)?)?;
+    for (text, words) in [
+        (one.replace("cubic-stiffness", "cubic-stifness"), "did you mean `cubic-stiffness`?"),
+        (format!("{one}also = [\"nothing-like-it\"]\n"), "`nothing-like-it` is no effect"),
+        (format!("{one}numbers = [{{ id = \"cubic-stiffness\", name = \"beta\", value = nan }}]\n"), "beta is NaN"),
+        (format!("{one}rows = [50, 20]\n"), "end before they begin"),
+        (format!("{one}{one}"), "a name of its own"),
+        (one.replace("\"a\"", "\"…\""), "a name of its own"),
+        (one.replace("model.toml", "absent.toml"), "absent.toml"),
+    ] {
+        let said = read(&text)?;
+        check(said.contains(words), format!("{words}: {said}"))?;
+    }
+    Ok(())
 }

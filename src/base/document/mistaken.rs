@@ -1,5 +1,5 @@
-//! Documents that are taken for another kind of file, and numbers as other countries write them: the
-//! one sentence that helps.
+//! Documents that are taken for another kind of file, and numbers as other countries write them:
+//! the one sentence that helps.
 
 /// The hint for a document that could not be read, where it is known what was meant: `line` is the
 /// one at fault, counted from one; `name` stands for the file.
@@ -27,7 +27,11 @@ pub(super) fn hint(name: &str, text: &str, line: Option<usize>, message: &str) -
         ));
     }
     let value = text.lines().nth(line?.checked_sub(1)?)?.split_once('=')?.1;
-    let value = value.split('#').next().unwrap_or_default();
+    number_advice(value.split('#').next().unwrap_or_default())
+}
+
+/// Returns how to write a number that stands in `value` as other countries or word processors do.
+pub fn number_advice(value: &str) -> Option<String> {
     if value.contains('−') {
         return Some("write the minus sign as - (a hyphen)".to_owned());
     }

@@ -104,8 +104,10 @@ fn covered(found: &[Found], part: usize) -> Vec<(Range<u64>, &Found)> {
 }
 
 const ATTEMPT: &str = "could not merge";
+/// States belong to the version that wrote them.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Refuses files that are not all of one run, or hold a unit twice.
+/// Refuses files that are not all of one run of this version, or hold a unit twice.
 ///
 /// # Errors
 /// The first file that is in the way, by its name.
@@ -143,6 +145,11 @@ pub fn belong_together(found: &[Found], places: &[PathBuf]) -> Result<()> {
             cause,
             "leave that file out, or run that shard again with the same study and seed",
         ));
+    }
+    let version = &found[0].header.run.version;
+    if version != VERSION {
+        let cause = format!("the shards were written by version {version}, and this is {VERSION}");
+        return Err(Error::new(ATTEMPT, cause, "merge them with that version, or run all shards again with this one"));
     }
     for part in 0..found[0].header.run.parts.len() {
         for pair in covered(found, part).windows(2) {
@@ -216,7 +223,7 @@ mod tests {
     fn found(identity: &str, shard: &str, units: Range<u64>, next: u64) -> Found {
         let run = Run {
             command: "study".into(),
-            version: "1".into(),
+            version: VERSION.into(),
             identity: identity.into(),
             unit: "members".into(),
             parts: vec![100],
@@ -246,5 +253,9 @@ mod tests {
         assert_eq!(cause(&[wide.clone(), b, c.clone()]), words);
         assert_eq!(cause(&[wide, c]), "missing: members 50 to 59");
         assert!(cause(&[]).contains("no file shard-K-of-N.state"));
+        let mut older = found("x", "1/1", 0..100, 100);
+        assert_eq!(cause(std::slice::from_ref(&older)), "whole");
+        older.header.run.version = "0.0.9".into();
+        assert_eq!(cause(&[older]), format!("the shards were written by version 0.0.9, and this is {VERSION}"));
     }
 }

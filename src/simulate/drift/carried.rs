@@ -126,6 +126,10 @@ pub fn study(found: &[Found], control: &Control) -> Result<Study> {
 pub fn identity(study: &Study, parts: &[Part], found: &[Found]) -> Result<String> {
     let run = run(study, parts);
     if found.iter().any(|file| file.header.run != run) {
+        if study.reads.is_empty() {
+            let cause = format!("{} is not the study that their results are of", study.name);
+            return Err(refuse(cause, "run the shards again"));
+        }
         let reads: Vec<String> = study.reads.iter().map(|path| path.display().to_string()).collect();
         let cause = format!("{} reads other data than its shards did: {}", study.name, reads.join(", "));
         return Err(refuse(cause, "merge where the same recordings are at the same paths, or run the shards again"));
