@@ -34,16 +34,16 @@ pub struct Repair {
     pub temperature: Temperature,
     /// Keys with a number for each axis, SI: with any, the study has six axes.
     pub by_axis: Vec<(&'static Key, [Drawn; 3])>,
-    /// Whether the recording's units are those of an inertial sensor: a position error has no meaning for
-    /// volts.
+    /// States whether the recording's units are those of an inertial sensor: a position error has
+    /// no meaning for volts.
     pub is_inertial: bool,
-    /// How the recording's units became metres and m/s², in a sentence: "1 V of input is taken as 1
-    /// m/s²".
+    /// States how the recording's units became metres and m/s², in a sentence: "1 V of input is
+    /// taken as 1 m/s²".
     pub relation: String,
     /// Named terms that the study does not hold; written as comments.
     pub not_expressible: Vec<String>,
-    /// As strong as the recording's own excitation, so that the sensor is used where it was
-    /// identified.
+    /// A vibration as strong as the recording's own excitation, so that the sensor is used where it
+    /// was identified.
     pub vibration: Vibration,
     /// Drift that the omission costs, computed by the kind itself because no study expresses the
     /// term.
@@ -106,7 +106,7 @@ pub(super) fn study_document(repair: &Repair, verdict: &Verdict) -> String {
     let _ = write!(
         text,
         "\nname = {}\nseed = 1\nmembers = 4096\nduration_s = {duration_s:?}\nstep_s = {:?}\n",
-        toml_string(&name(verdict)),
+        toml_string(&name(verdict, "repaired")),
         1.0 / rate_hz
     );
     text += &section("sensor", &(lines(&sensor_keys(&repair.after, rate_hz)) + &law_lines(&repair.after)));
@@ -134,21 +134,21 @@ pub(super) fn study_document(repair: &Repair, verdict: &Verdict) -> String {
     text + &format!("\n[report]\ntimes_s = {times_s:?}\n")
 }
 
-/// As long as the temperature is known, to a hundredth of a second: a whole number of samples at
-/// every round rate. It stays beyond its last point, so that a minute is no loss.
+/// Returns a time as long as the temperature is known, to a hundredth of a second: a whole number
+/// of samples at every round rate. It stays beyond its last point, so that a minute is no loss.
 fn duration_s(temperature: &Temperature) -> f64 {
     let end_s = temperature.points.last().map_or(USUAL_S, |[time_s, _]| (time_s * 100.0).round() / 100.0);
     end_s.clamp(USUAL_S, LONGEST_S)
 }
 
-/// Name of the repaired sensor: its recording's.
-pub(super) fn name(verdict: &Verdict) -> String {
+/// Name of a sensor's study: its recording's, and what the sensor is.
+pub(super) fn name(verdict: &Verdict, what: &str) -> String {
     let path = Path::new(&verdict.recording.file);
-    format!("{}-repaired", name_for(&path.file_stem().unwrap_or_default().to_string_lossy()))
+    format!("{}-{what}", name_for(&path.file_stem().unwrap_or_default().to_string_lossy()))
 }
 
-/// What was found, as comments: the verdict, every named effect with its numbers, and what a study
-/// cannot run.
+/// Returns what was found, as comments: the verdict, every named effect with its numbers, and what
+/// a study cannot run.
 pub(super) fn preamble(verdict: &Verdict, relation: &str, not_expressible: &[String]) -> String {
     let mut text = String::new();
     let mut comment = |line: &str| {

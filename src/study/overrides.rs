@@ -4,6 +4,7 @@
 use toml::{Table, Value};
 
 use super::preset::Preset;
+use crate::document::number_advice;
 use crate::error::{Error, Result};
 
 /// Changes to a study, made before it is checked.
@@ -85,7 +86,8 @@ impl std::str::FromStr for Assignment {
             return Err(format!("need a dotted path of study.toml before the `=`, {EXAMPLE}"));
         }
         let document: Table = toml::from_str(&format!("value = {}", value.trim())).map_err(|_| {
-            format!("`{}` is not a TOML value: words and file names need quotes, {EXAMPLE}", value.trim())
+            let advice = number_advice(value).unwrap_or_else(|| format!("words and file names need quotes, {EXAMPLE}"));
+            format!("`{}` is not a TOML value: {advice}", value.trim())
         })?;
         let mut values = document.into_iter();
         match (values.next(), values.next()) {
@@ -151,6 +153,8 @@ mod tests {
         for wrong in ["gyro.bias_deg_h", "=4", "gyro..bias=4", "name=mine", "seed=", "seed=1\nname=2"] {
             assert!(wrong.parse::<Assignment>().is_err(), "{wrong}");
         }
+        let comma = "gyro.bias_deg_h=3,5".parse::<Assignment>().expect_err("no number");
+        assert!(comma.contains("write a decimal point, not a comma: 3.5"), "{comma}");
         assert!(after("name = \"a\"", &["name.more=2"]).is_err_and(|e| e.contains("not a section")));
     }
 }

@@ -1,4 +1,4 @@
-//! The sensor as diagnosed, as a study along the reference that it was diagnosed beside.
+//! The sensor as diagnosed, as a study along the reference that it was diagnosed next to.
 //!
 //! A number that was fitted is drawn about its value with its standard error. A study has one
 //! number for each axis of the gyro's misalignment and g-sensitivity, drawn for each element of
@@ -29,7 +29,7 @@ const NOTHING: f64 = 1e-9;
 /// the offset, which holds while the motion is even.
 const LATEST_S: f64 = 0.02;
 
-/// Where the study goes: a stretch of the reference.
+/// States where the study goes: a stretch of the reference.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Along {
     /// The file, and how it is read.
@@ -40,14 +40,14 @@ pub struct Along {
     pub ends_s: [f64; 2],
     /// Latitude, °, and height, m, where the model states them.
     pub place: Option<(f64, f64)>,
-    /// Whether the Earth's rotation was named.
+    /// States whether the Earth's rotation was named.
     pub earth_turns: bool,
 }
 
 /// A sensor on a body that moves. What was not named is zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Repaired {
-    /// Where the study goes.
+    /// States where the study goes.
     pub along: Along,
     /// Biases of the gyro, rad/s.
     pub gyro_bias: [Drawn; 3],
@@ -61,7 +61,7 @@ pub struct Repaired {
     pub g_sensitivity: [[f64; 3]; 3],
     /// By how much its stamps are late in the middle of the recording, s.
     pub time_offset: Drawn,
-    /// What its clock gains on the reference's, 1.
+    /// Holds what its clock gains on the reference's, 1.
     pub clock_drift: Drawn,
     /// The middle of the recording, s after the reference's first pose.
     pub middle_s: f64,
@@ -94,8 +94,8 @@ impl Repaired {
         }
     }
 
-    /// As a study.
-    pub(crate) fn document(&self, verdict: &Verdict) -> String {
+    /// Writes it as a study; `what` it is stands in the name.
+    pub(crate) fn document(&self, verdict: &Verdict, what: &str) -> String {
         let [from_s, to_s] = self.along.ends_s;
         let from_s = (from_s * 100.0).ceil() / 100.0;
         let mut lacking = self.not_expressible.clone();
@@ -108,7 +108,7 @@ impl Repaired {
         let _ = write!(
             text,
             "\nname = {}\nseed = 1\nmembers = 4096\nduration_s = {duration_s:?}\n",
-            toml_string(&name(verdict))
+            toml_string(&name(verdict, what))
         );
         text += &self.along.section(from_s);
         text += &self.sensor(round_rate(verdict.recording.rate_hz), from_s);

@@ -49,7 +49,7 @@ pub fn worded(answer: Answer) -> Diagnosis {
     let (calibration, told) = match &answer.detail {
         Detail::Tumble(detail) => (detail.published.clone(), tumble::findings(&detail.account)),
         Detail::Trajectory(detail) => (detail.published.clone(), trajectory::findings(&detail.account)),
-        Detail::Static(detail) => (None, rest::statements(&detail.statements, &detail.unit)),
+        Detail::Static(detail) => (None, rest::statements(&detail.statements, &detail.unit, detail.channels.len())),
         Detail::Driven(_) | Detail::Response(_) => (None, Vec::new()),
     };
     let Answer {

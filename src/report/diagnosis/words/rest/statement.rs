@@ -5,33 +5,37 @@ use std::f64::consts::{PI, TAU};
 use proofmass_base::number::{duration, short, significant, with_uncertainty};
 use proofmass_diagnosis::rest::statement::{Difference, Earth, Filter, Statement};
 
-/// All of them in sentences; `unit` is that of the channels. Many bad readings of a channel are
-/// told together.
-pub(crate) fn statements(all: &[Statement], unit: &str) -> Vec<String> {
-    let mut out = Vec::new();
-    let mut rest = all;
+use crate::grouped::{Said, grouped};
+
+/// Returns all of them in sentences; `unit` is that of the `channels`. What is alike of several
+/// channels is stated once, and so are many bad readings of one.
+pub(crate) fn statements(all: &[Statement], unit: &str, channels: usize) -> Vec<String> {
+    let alike: Vec<Said> = all.iter().filter_map(of_noise).collect();
+    let mut out = grouped(&alike, channels);
+    let others: Vec<&Statement> = all.iter().filter(|one| of_noise(one).is_none()).collect();
+    let mut rest = &others[..];
     while let Some(first) = rest.first() {
         let channel = |s: &Statement| match s {
             Statement::BadReading { channel, .. } => Some(channel.clone()),
             _ => None,
         };
         let bad = channel(first).map_or(0, |own| rest.iter().take_while(|s| channel(s).as_ref() == Some(&own)).count());
-        let (told, others) = rest.split_at(bad.max(1));
+        let (now, later) = rest.split_at(bad.max(1));
         if bad > ONE_BY_ONE {
-            out.push(bad_readings(told));
+            out.push(bad_readings(now));
         } else {
-            out.extend(told.iter().map(|s| statement(s, unit)));
+            out.extend(now.iter().map(|s| statement(s, unit)));
         }
-        rest = others;
+        rest = later;
     }
     out
 }
 
-/// Bad readings of a channel that are told one by one, at most.
+/// Bad readings of a channel that are stated one by one, at most.
 const ONE_BY_ONE: usize = 3;
 
 /// Many bad readings of one channel.
-fn bad_readings(all: &[Statement]) -> String {
+fn bad_readings(all: &[&Statement]) -> String {
     let mut places = Vec::new();
     let (mut name, mut largest) = ("", 0.0f64);
     for one in all {
@@ -49,7 +53,7 @@ fn bad_readings(all: &[Statement]) -> String {
     )
 }
 
-/// One of them in a sentence.
+/// States one of them that is not of a channel's noise.
 fn statement(statement: &Statement, unit: &str) -> String {
     match statement {
         Statement::BadReading { channel, row, time_s, value, deviations } => {
@@ -63,24 +67,36 @@ fn statement(statement: &Statement, unit: &str) -> String {
                 short(*deviations)
             )
         }
-        Statement::HeavyTails { channel, kurtosis } => format!(
-            "`{channel}`: its noise has heavier tails than normal noise (kurtosis {}, normal 3); no test used here \
-            relies on normal noise",
-            short(*kurtosis)
-        ),
-        Statement::Filtered { channel, filter, lost, rate_hz } => format!(
-            "`{channel}`: the noise loses {:.0} % of its power towards {} Hz, as with {} in the sensor; the white \
-            level stated is that at lower frequencies",
-            100.0 * lost,
-            short(rate_hz / 2.0),
-            shape(*filter, *rate_hz)
-        ),
         Statement::Mean { channel, value, of_recording, of_bias } => format!(
             "`{channel}`: mean {} {unit}; the bias drifts, which does not average out: at the first sample it is {} {unit}",
             with_uncertainty(*value, *of_recording),
             with_uncertainty(*value, *of_bias)
         ),
-        Statement::Reference { .. } => reference(statement, unit),
+        _ => reference(statement, unit),
+    }
+}
+
+/// Returns what is stated of a channel's noise, which others may have alike; `None` for all else.
+fn of_noise(statement: &Statement) -> Option<Said> {
+    let (channel, sentence) = match statement {
+        Statement::HeavyTails { channel, kurtosis } => (
+            channel,
+            format!(
+                "its noise has heavier tails than normal noise (kurtosis {}, normal 3); no test used here relies on \
+                 normal noise",
+                short(*kurtosis)
+            ),
+        ),
+        Statement::Filtered { channel, filter, lost, rate_hz } => (
+            channel,
+            format!(
+                "the noise loses {:.0} % of its power towards {} Hz, as with {} in the sensor; the white level stated is \
+                 that at lower frequencies",
+                100.0 * lost,
+                short(rate_hz / 2.0),
+                shape(*filter, *rate_hz)
+            ),
+        ),
         Statement::Uneven { channel, power, creep } => {
             let [low, high] = power.map(short);
             let how = match creep {
@@ -91,12 +107,16 @@ fn statement(statement: &Statement, unit: &str) -> String {
                 ),
                 None => format!("its power is {low} to {high} times its mean"),
             };
-            format!("`{channel}`: the noise is uneven, {how}; stated levels are means over the recording")
+            (channel, format!("the noise is uneven, {how}; stated levels are means over the recording"))
         }
-    }
+        Statement::BadReading { .. } | Statement::Mean { .. } | Statement::Reference { .. } => return None,
+    };
+    // A power that is a range already does not become one of ranges.
+    let ranges = !matches!(statement, Statement::Uneven { .. });
+    Some(Said { of: format!("`{channel}`"), sentence, ranges })
 }
 
-/// The length of the three means beside what the Earth shows.
+/// The length of the three means next to what the Earth shows.
 fn reference(of: &Statement, unit: &str) -> String {
     let Statement::Reference { earth, length, ci95, expected, latitude_deg, height_m, difference } = of else {
         return String::new();
