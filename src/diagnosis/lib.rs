@@ -105,6 +105,8 @@ pub fn diagnose_all(recordings: Recordings<'_>, model: &Model, control: &Control
     };
     recordings.check_distinct()?;
     recordings.all().try_for_each(|recording| stated_units::check(recording, model))?;
+    // What the work says of itself where none of its parts does.
+    let _work = control.stage("diagnosing", 0);
     let mut answer = match model {
         Model::Driven(model) => driven::diagnose_all(recordings, model, control)?,
         Model::Static(model) => {

@@ -159,14 +159,18 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
     let means: Vec<f64> = channels.iter().map(|c| c.mean).collect();
     findings.extend(plausible::gravity(&means, &model.unit));
     let stopped = |s: Stopped| s.during(format!("could not diagnose {}", recording.path.display()), "start it again");
+    let work = control.stage("searching the laws of each channel", channels.len() as u64);
     let followed = shared_lag::find(&channels, &environment, control).map_err(stopped)?;
     let select = |(channel, following): (&Channel, &Vec<Following>)| {
         let surroundings = Surroundings { columns: &environment, following };
-        selection::select(channel, &surroundings, channels.len(), control)
+        let selected = selection::select(channel, &surroundings, channels.len(), control);
+        work.step();
+        selected
     };
     let asked: Vec<_> = channels.iter().zip(&followed).collect();
     let selected: Result<Vec<_>, Stopped> = parallel::map(&asked, |of| select(*of)).into_iter().collect();
     let mut selected = selected.map_err(stopped)?;
+    work.rename("comparing the channels");
     agreement::agree(&channels, &mut selected, &environment, control).map_err(stopped)?;
     rival_column::tie(&channels, &mut selected, &environment, control).map_err(stopped)?;
     let common = if environment.is_empty() { common::find(&channels, &selected) } else { None };

@@ -21,6 +21,7 @@ mod near;
 mod place;
 mod plant;
 mod recordings;
+mod watched;
 
 fn diagnose(recording: &Recording, model: &Static) -> proofmass::error::Result<Diagnosis> {
     rest::diagnose(recording, model, &Control::silent()).map(worded)
@@ -50,6 +51,7 @@ pub fn tests() -> Vec<Trial> {
         test("static: physics outside the library is unexplained and gets no name", foreign),
         test("static: a bias that jumps, in one channel or in all, is not called drift", jumps),
         test("static: popcorn noise is told from a Gauss–Markov process of the same spectrum", popcorn),
+        test("static: long work says what it does, as many steps as there are channels", watched::told),
         data_test(
             "static: the ADIS16405's vibration is located, not named, and its roll-off is a finding",
             recordings::adis,
@@ -60,7 +62,7 @@ pub fn tests() -> Vec<Trial> {
 
 const RATE_HZ: f64 = 50.0;
 
-fn judged(channels: Vec<Vec<f64>>, density: Option<f64>) -> Result<Verdict, Failed> {
+fn asked(channels: Vec<Vec<f64>>, density: Option<f64>) -> (Recording, Static) {
     let names: Vec<String> = (0..channels.len()).map(|i| format!("c{i}")).collect();
     let columns = names.iter().cloned().zip(channels).map(|(name, values)| Column { name, values }).collect();
     let recording = Recording { path: "planted.csv".into(), rate_hz: RATE_HZ, columns, ..Recording::default() };
@@ -77,6 +79,11 @@ fn judged(channels: Vec<Vec<f64>>, density: Option<f64>) -> Result<Verdict, Fail
         noise,
         split: Default::default(),
     };
+    (recording, model)
+}
+
+fn judged(channels: Vec<Vec<f64>>, density: Option<f64>) -> Result<Verdict, Failed> {
+    let (recording, model) = asked(channels, density);
     Ok(diagnose(&recording, &model)?.verdict)
 }
 
