@@ -1,4 +1,4 @@
-//! What a computation gives to Python.
+//! States what a computation gives to Python.
 
 use pyo3::prelude::*;
 

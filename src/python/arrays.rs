@@ -24,7 +24,7 @@ pub(super) enum Given<'py> {
 pub(super) struct Recorded {
     /// The file, or a name for messages.
     pub path: PathBuf,
-    /// What is read in place of a file.
+    /// Holds what is read in place of a file.
     pub memory: Option<Memory>,
 }
 

@@ -36,7 +36,7 @@ pub(super) fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
     py.detach(|| std::panic::catch_unwind(|| cli::main(words)).unwrap_or(101))
 }
 
-/// What changes a study.
+/// Holds what changes a study.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(super) struct Changes<'py> {
@@ -73,7 +73,7 @@ enum Source {
     Table(Table),
 }
 
-/// What is to be read, with its changes.
+/// Returns what is to be read, with its changes.
 fn source(given: Option<Document<'_>>, changes: &Changes<'_>) -> Result<(Source, Overrides)> {
     let source = match given {
         None => Source::Default,

@@ -17,16 +17,23 @@ pub(super) enum Document<'py> {
     Path(PathBuf),
 }
 
+/// So deep may values lie in each other, as in a file of TOML; what holds itself lies deeper.
+const DEEPEST: usize = 80;
+
 /// A dictionary as a table; a key without a value (`None`) is left out.
 ///
 /// # Errors
-/// A value that TOML has no word for, with its key.
+/// A value that TOML has no word for, with its key; one that holds itself.
 pub(super) fn table(dictionary: &Bound<'_, PyDict>, within: &str) -> Result<Table> {
+    table_within(dictionary, within, 0)
+}
+
+fn table_within(dictionary: &Bound<'_, PyDict>, within: &str, depth: usize) -> Result<Table> {
     let mut table = Table::new();
     for (key, value) in dictionary.iter().filter(|(_, value)| !value.is_none()) {
         let key: String = key.extract().map_err(|_| refused(within, &format!("the key {key} is not a word")))?;
         let whole = if within.is_empty() { key.clone() } else { format!("{within}.{key}") };
-        table.insert(key, one(&value, &whole)?);
+        table.insert(key, value_within(&value, &whole, depth + 1)?);
     }
     Ok(table)
 }
@@ -36,8 +43,16 @@ pub(super) fn table(dictionary: &Bound<'_, PyDict>, within: &str) -> Result<Tabl
 /// # Errors
 /// As [`table`].
 pub(super) fn one(value: &Bound<'_, PyAny>, key: &str) -> Result<Value> {
+    value_within(value, key, 0)
+}
+
+fn value_within(value: &Bound<'_, PyAny>, key: &str, depth: usize) -> Result<Value> {
+    if depth > DEEPEST {
+        let top = key.split('.').next().unwrap_or_default();
+        return Err(refused(top, &format!("values lie in each other more than {DEEPEST} deep: does one hold itself?")));
+    }
     if let Ok(dictionary) = value.cast::<PyDict>() {
-        return Ok(Value::Table(table(dictionary, key)?));
+        return Ok(Value::Table(table_within(dictionary, key, depth)?));
     }
     if value.is_instance_of::<PyBool>() {
         return value.extract().map(Value::Boolean).map_err(|e| refused(key, &e.to_string()));
@@ -50,13 +65,13 @@ pub(super) fn one(value: &Bound<'_, PyAny>, key: &str) -> Result<Value> {
     }
     // Arrays and scalars of NumPy.
     if let Ok(plain) = value.call_method0("tolist") {
-        return one(&plain, key);
+        return value_within(&plain, key, depth + 1);
     }
     if let Ok(whole) = value.extract::<i64>() {
         return Ok(Value::Integer(whole));
     }
     if let Ok(items) = value.try_iter() {
-        let items = items.map(|item| one(&item.map_err(|e| refused(key, &e.to_string()))?, key));
+        let items = items.map(|item| value_within(&item.map_err(|e| refused(key, &e.to_string()))?, key, depth + 1));
         return Ok(Value::Array(items.collect::<Result<_>>()?));
     }
     if let Ok(path) = value.extract::<PathBuf>() {

@@ -1,4 +1,4 @@
-//! Long work beside Python: without its lock, on a thread of its own, stopped by Ctrl-C; errors as
+//! Long work next to Python: without its lock, on a thread of its own, stopped by Ctrl-C; errors as
 //! its exceptions.
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,7 +13,7 @@ use proofmass_base::control::{Control, Stage, Watcher};
 use proofmass_base::error::{Error, Kind, Result};
 use proofmass_base::signal::Signal;
 
-/// How often Python is asked whether a signal has come.
+/// States how often Python is asked whether a signal has come.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Stops when told to, and keeps remarks until Python can be given them.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import Any
 
 from ._error import Error
@@ -19,10 +20,16 @@ def names(columns: Any) -> list[str]:
 
 
 def _array(value: Any) -> Any:
-    """An array that can be read where it lies. Copied are arrays with gaps between their numbers, and other dtypes."""
+    """An array that can be read where it lies. Copied are arrays with gaps between their numbers, masked ones, whose
+    hidden numbers are NaN, dates, which become nanoseconds since 1970, and other dtypes."""
     import numpy
 
-    array = numpy.asarray(value)
+    array = numpy.asanyarray(value)
+    if isinstance(array, numpy.ma.MaskedArray):
+        array = array.astype(float).filled(numpy.nan) if numpy.ma.is_masked(array) else array.data
+    array = numpy.asarray(array)
+    if array.dtype.kind == "M":
+        array = array.astype("datetime64[ns]").astype("int64")
     if (array.dtype.kind, array.dtype.itemsize) not in _READ:
         try:
             array = array.astype(float)
@@ -34,19 +41,34 @@ def _array(value: Any) -> Any:
     return array
 
 
-def _columns(table: Any, keys: Any) -> list[tuple[list[str], Any]]:
-    """The columns of numbers of a table, one array each."""
+def _values(column: Any) -> Any:
+    """The values of a column of a table; where pandas has a missing number, NaN."""
     import numpy
 
-    arrays = []
+    dtype = getattr(column, "dtype", None)
+    if getattr(dtype, "na_value", None) is not None and getattr(dtype, "kind", "O") in "fiub":
+        return column.to_numpy(dtype=float, na_value=numpy.nan)
+    return column.to_numpy() if hasattr(column, "to_numpy") else numpy.asanyarray(column)
+
+
+def _columns(table: Any, keys: Any) -> list[tuple[list[str], Any]]:
+    """The columns of numbers of a table, one array each; a warning names the others."""
+    arrays, unread = [], []
     for key in keys:
-        column = table[key]
-        values = column.to_numpy() if hasattr(column, "to_numpy") else numpy.asarray(column)
-        if values.dtype.kind in "fiub":
-            if values.ndim == 1:
-                arrays.append(([str(key)], _array(values)))
-            else:
-                arrays.append(([f"{key}.{n + 1}" for n in range(values.shape[1])], _array(values)))
+        try:
+            values = _array(_values(table[key]))
+        except (Error, TypeError, ValueError):
+            unread.append(str(key))
+            continue
+        if values.ndim == 0:
+            cause = f"`{key}` is {values}, not a column"
+            raise Error("could not use the recording", cause, "give as many values as there are samples")
+        if values.ndim == 1:
+            arrays.append(([str(key)], values))
+        else:
+            arrays.append(([f"{key}.{n + 1}" for n in range(values.shape[1])], values))
+    if unread:
+        warnings.warn(f"not read, because they are no numbers: {', '.join(unread)}", stacklevel=4)
     return arrays
 
 
