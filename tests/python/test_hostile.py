@@ -55,3 +55,9 @@ def test_a_column_that_is_not_read_is_named(noise):
         proofmass.allan(table, RATE_HZ)
     with pytest.raises(proofmass.Error, match="not a column"):
         proofmass.allan({"1": noise, "rate": 100.0}, RATE_HZ)
+
+
+@pytest.mark.parametrize("wrong", [[[1.0, 2.0], [3.0]], numpy.ones(9) * 1j, None, b"log.csv", numpy.ones((2, 2, 2))])
+def test_what_is_no_table_of_numbers_is_refused_in_words(wrong):
+    with pytest.raises(proofmass.Error, match="cause"):
+        proofmass.allan(wrong, RATE_HZ)

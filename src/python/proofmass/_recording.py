@@ -21,20 +21,29 @@ def names(columns: Any) -> list[str]:
 
 def _array(value: Any) -> Any:
     """An array that can be read where it lies. Copied are arrays with gaps between their numbers, masked ones, whose
-    hidden numbers are NaN, dates, which become nanoseconds since 1970, and other dtypes."""
+    hidden numbers are NaN, dates, which become nanoseconds since 1970, times, which become seconds, and other dtypes."""
     import numpy
 
-    array = numpy.asanyarray(value)
+    hint = "give numbers; a missing one is NaN"
+    try:
+        array = numpy.asanyarray(value)
+    except ValueError as error:
+        raise Error("could not use the array", str(error), hint) from None
     if isinstance(array, numpy.ma.MaskedArray):
         array = array.astype(float).filled(numpy.nan) if numpy.ma.is_masked(array) else array.data
     array = numpy.asarray(array)
+    if array.dtype.kind in "mM" and numpy.isnat(array).any():
+        raise Error("could not use the array", "a date or time is missing (NaT)", "leave its rows out")
     if array.dtype.kind == "M":
         array = array.astype("datetime64[ns]").astype("int64")
+    elif array.dtype.kind == "m":
+        array = array / numpy.timedelta64(1, "s")
+    elif array.dtype.kind == "c":
+        raise Error("could not use the array", "its numbers are complex", "give array.real, array.imag or abs(array)")
     if (array.dtype.kind, array.dtype.itemsize) not in _READ:
         try:
             array = array.astype(float)
         except (TypeError, ValueError) as error:
-            hint = "give numbers; a missing one is NaN"
             raise Error("could not use the array", f"{error} (dtype {array.dtype})", hint) from None
     if not (array.flags.c_contiguous or array.flags.f_contiguous):
         array = numpy.ascontiguousarray(array)
