@@ -52,11 +52,11 @@ pub enum Family {
     WithheldColumn,
     /// At rest, physics that no candidate describes.
     StillUnknown,
-    /// Turned by hand, nothing planted.
+    /// Hand-rotated, nothing planted.
     TurnedNull,
-    /// Turned by hand, one fault.
+    /// Hand-rotated, one fault.
     TurnedPlanted,
-    /// Turned by hand, something that no candidate describes.
+    /// Hand-rotated, something that no candidate describes.
     TurnedUnknown,
     /// One law in a form that the library holds and does not search for: a second mass that pulls
     /// back, friction that differs by direction.
