@@ -17,6 +17,7 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("several recordings: a spring is found in both together and predicts a third", together),
         test("several recordings: what does not belong together is refused by name", refused),
+        test("several recordings: one in another unit than the other ends unexplained", contradicting),
     ]
 }
 
@@ -88,6 +89,18 @@ fn together() -> Result<(), Failed> {
     let floor = both["fit"]["noise_floor"].as_f64().unwrap_or(0.0);
     let error = entry["rmse_after"].as_f64().or(entry["rmse_before"].as_f64()).unwrap_or(0.0);
     check(error > 5.0 * floor, format!("{entry}, floor {floor}"))
+}
+
+// No law has two strengths at once, and laws with memory begin anew in each recording.
+fn contradicting() -> Result<(), Failed> {
+    let (bench, planted) = (Bench::new()?, planted()?);
+    let mut small = self::planted()?;
+    small.reading.iter_mut().for_each(|y| *y *= 0.3);
+    let first = bench.file("first.csv", &csv(&planted, 0..2000, 0.0))?;
+    let second = bench.file("second.csv", &csv(&small, 4000..6000, 0.0))?;
+    let model = bench.file("model.toml", MODEL)?;
+    let verdict = diagnose(&[&first, &second], &model, &[])?.json()?;
+    check(verdict["verdict"] == "unexplained", format!("{}: {}", verdict["verdict"], verdict["sentence"]))
 }
 
 fn refused() -> Result<(), Failed> {

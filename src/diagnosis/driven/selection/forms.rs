@@ -102,9 +102,12 @@ fn sizes(data: &Data, model: &Fit, law: Freed, stated: &[f64]) -> Option<(f64, f
 pub(super) fn with_instead(model: &Fit, index: usize, term: Term, values: &[f64]) -> (ModelStructure, Vec<f64>) {
     let mut terms = model.structure.terms.clone();
     terms[index] = term;
+    let structure = ModelStructure::over(&terms, model.structure.further);
+    // In every recording its states begin at zero.
+    let own = values.iter().copied().chain(std::iter::repeat(0.0)).take(structure.block(index).len());
     let mut point = model.point.clone();
-    point.splice(model.structure.block(index), values.iter().copied());
-    (ModelStructure::over(&terms, model.structure.further), point)
+    point.splice(model.structure.block(index), own);
+    (structure, point)
 }
 
 /// What one linear step from the stated form promises, as a log-likelihood; unknown for laws with a
