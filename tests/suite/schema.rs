@@ -57,7 +57,7 @@ const SLIPS: &[(&str, &[(&str, &str)])] = &[
             ("kind = \"traj", "kind = \"Traj"),
         ],
     ),
-    ("limits", &[("largest_input_m_s2 = 20.0", ""), ("\"chirp\"", "\"chirps\"")]),
+    ("limits", &[("largest_input_m_s2 = 20.0", ""), ("rate_hz = 500.0", "rate_hz = \"500\"")]),
     ("map", &[("cubic_n_m3 = 0.3", ""), ("quantity = \"amplitude_n\"", "quantity = \"amplitude\"")]),
 ];
 
