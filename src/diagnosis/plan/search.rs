@@ -238,15 +238,12 @@ impl Look<'_> {
 
     /// The limit that, doubled, helps most, and by how much it would have to grow.
     fn binding(&self, best: &Proposal) -> Result<Binding, Stopped> {
-        let shapes = experiment::all(self.limits, self.question.sensor.resonance_hz(), self.question.sensor.base[ZETA]);
         let progress = self.control.stage("limits doubled", 3 + DOUBLINGS as u64);
+        let Experiment { shape, level, .. } = best.experiment;
         let with = |limit: Limit, factor: f64| -> Result<Option<Proposal>, Stopped> {
             let limits = self.limits.with(limit, factor);
             let look = Look { limits: &limits, ..*self };
-            let grown: Vec<(Shape, f64)> = match limit {
-                Limit::Input => shapes.iter().map(|(shape, level)| (*shape, factor * level)).collect(),
-                Limit::Length | Limit::Rate => shapes.clone(),
-            };
+            let grown = [(shape, if limit == Limit::Input { factor * level } else { level })];
             progress.step();
             let Some(seconds) = lengths(&limits, &self.question.sensor).last().copied() else { return Ok(None) };
             Ok(look.all(&grown, seconds, false)?.into_iter().next())

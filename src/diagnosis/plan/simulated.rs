@@ -13,6 +13,7 @@ use crate::driven::intake::stretches::{interleaved, loudest};
 use crate::driven::intake::work::Work;
 use crate::driven::selection::earned::ITERATIONS;
 use crate::driven::selection::judged::{Trial, judge};
+use crate::driven::selection::rivals::alike;
 use crate::driven::selection::round::{round, screen};
 use crate::driven::simulation::run::{Run, trace};
 use crate::driven::simulation::structure::ModelStructure;
@@ -189,13 +190,20 @@ impl Motion {
         let open = |t: &Term| t.noise().is_none() && t.role() != Role::Lattice && Some(t.id()) != own && !has(t);
         let laws: Vec<Term> = Term::tried(0, true).into_iter().filter(open).collect();
         let model = judge(&self.data, self.common.clone(), &self.scales);
-        let tried = round(&self.data, &model, &laws, &self.scales, 3, &control.without_stages())?;
+        // Those that the law can be mistaken for are fitted apart from the others, as a diagnosis does: where
+        // there is no noise, what one step of another promises would keep them out.
+        let mistaken = |t: &Term| self.own.as_ref().is_some_and(|k| alike(t, &k.term));
+        let (near, far): (Vec<Term>, Vec<Term>) = laws.into_iter().partition(mistaken);
+        let mut tried = Vec::new();
+        for laws in [near, far] {
+            tried.extend(round(&self.data, &model, &laws, &self.scales, laws.len(), &control.without_stages())?);
+        }
         let rows = self.rows();
         // One that ends at a bound without noise need not with it: it stays a rival.
         let rival = |t: &Trial| {
             let found = &t.judged.as_ref()?.fit;
-            let further = fit(&self.data, &found.structure, &found.point, &self.scales, ITERATIONS);
-            let variance = further.map_or(found.variance, |f| f.variance.min(found.variance));
+            let further = || fit(&self.data, &found.structure, &found.point, &self.scales, ITERATIONS);
+            let variance = (!found.converged).then(further).flatten().map_or(found.variance, |f| f.variance);
             Some(Rival { id: t.term.id(), values: t.term.values(), fitted: variance * rows / self.variance })
         };
         Ok(parallel::filter_map(&tried, rival))
