@@ -26,9 +26,10 @@
 //! let values = (0..8192).map(|_| reading()).collect();
 //! let columns = vec![Column { name: "ax".into(), values }];
 //! let recording = Recording { rows: 8192, rate_hz: 100.0, columns, ..Recording::default() };
-//! let model = model::parse("model.toml", "kind = \"static\"\nrate_hz = 100.0\n[columns]\nchannels
-//! = [\"ax\"]\n")?; let answer = diagnose(&recording, &model, &Control::silent())?;
-//! assert_eq!(answer.outcome, Outcome::Explained); assert_eq!(answer.effects[0].id, "random-walk");
+//! let model = model::parse("model.toml", "kind = \"static\"\nrate_hz = 100.0\n[columns]\nchannels = [\"ax\"]\n")?;
+//! let answer = diagnose(&recording, &model, &Control::silent())?;
+//! assert_eq!(answer.outcome, Outcome::Explained);
+//! assert_eq!(answer.effects[0].id, "random-walk");
 //! # Ok::<(), proofmass_base::error::Error>(())
 //! ```
 
