@@ -30,7 +30,7 @@ def _array(value: Any) -> Any:
     except ValueError as error:
         raise Error("could not use the array", str(error), hint) from None
     if isinstance(array, numpy.ma.MaskedArray):
-        array = array.astype(float).filled(numpy.nan) if numpy.ma.is_masked(array) else array.data
+        array = numpy.ma.filled(array.astype(float), numpy.nan) if numpy.ma.is_masked(array) else array.data
     array = numpy.asarray(array)
     if array.dtype.kind in "mM" and numpy.isnat(array).any():
         raise Error("could not use the array", "a date or time is missing (NaT)", "leave its rows out")
