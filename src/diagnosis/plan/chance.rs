@@ -82,7 +82,7 @@ mod tests {
             let lambda: f64 = (0..rows).map(|k| delta(k).powi(2)).sum();
             let mut rng = Philox::new(7, 0, Stream::Host);
             let ratio = |rng: &mut Philox| -> f64 {
-                (0..rows).map(|k| rng.normal()).enumerate().map(|(k, e)| 0.5 * ((e + delta(k)).powi(2) - e * e)).sum()
+                (0..rows).map(|_| rng.normal()).enumerate().map(|(k, e)| 0.5 * ((e + delta(k)).powi(2) - e * e)).sum()
             };
             let drawn = (0..4000).filter(|_| ratio(&mut rng) > threshold).count() as f64 / 4000.0;
             assert!(
