@@ -23,8 +23,8 @@ const EDGE: f64 = 6.0;
 pub enum Shape {
     /// One sine.
     Sine { hz: f64 },
-    /// A sine whose amplitude goes up in equal rungs to the level.
-    Levels { hz: f64 },
+    /// Sines from one frequency to another, whose amplitude goes up in equal rungs to the level.
+    Levels { from_hz: f64, to_hz: f64 },
     /// Sines of one amplitude, from one frequency to another in equal ratios.
     Frequencies { from_hz: f64, to_hz: f64 },
     /// A sine whose frequency rises exponentially.
@@ -76,9 +76,8 @@ pub fn all(limits: &Limits, resonance_hz: f64, zeta: f64) -> Vec<(Shape, f64)> {
     let [below, above] = [within(resonance_hz / width), within(resonance_hz * width)];
     let mut shapes: Vec<Shape> =
         [0.5, 1.0 / width, 1.0, width].map(|r| Shape::Sine { hz: within(r * resonance_hz) }).to_vec();
-    shapes.push(Shape::Levels { hz: within(resonance_hz) });
-    shapes.push(Shape::Levels { hz: within(0.5 * resonance_hz) });
     for [from_hz, to_hz] in [[low, high], [below, above]].into_iter().filter(|[a, b]| a < b) {
+        shapes.push(Shape::Levels { from_hz, to_hz });
         shapes.push(Shape::Frequencies { from_hz, to_hz });
         shapes.push(Shape::Chirp { from_hz, to_hz });
         shapes.push(Shape::Multisine { from_hz, to_hz });
@@ -107,6 +106,7 @@ impl Experiment {
         let (count, dt) = (self.samples(), 1.0 / self.rate_hz);
         let part = |k: usize| k as f64 / count.max(1) as f64;
         let rung = |k: usize| ((part(k) * RUNGS as f64) as usize).min(RUNGS - 1) as f64;
+        let stepped = |k, from_hz: f64, to_hz: f64| from_hz * (to_hz / from_hz).powf(rung(k) / (RUNGS - 1) as f64);
         let mut phase = 0.0;
         let mut swept = |hz: &dyn Fn(usize) -> f64| -> Vec<f64> {
             let turned = |k| {
@@ -118,13 +118,11 @@ impl Experiment {
         };
         let mut values = match self.shape {
             Shape::Sine { hz } => swept(&|_| hz),
-            Shape::Levels { hz } => {
+            Shape::Levels { from_hz, to_hz } => {
                 let level = |k| (rung(k) + 1.0) / RUNGS as f64;
-                swept(&|_| hz).iter().enumerate().map(|(k, v)| level(k) * v).collect()
+                swept(&|k| stepped(k, from_hz, to_hz)).iter().enumerate().map(|(k, v)| level(k) * v).collect()
             }
-            Shape::Frequencies { from_hz, to_hz } => {
-                swept(&|k| from_hz * (to_hz / from_hz).powf(rung(k) / (RUNGS - 1) as f64))
-            }
+            Shape::Frequencies { from_hz, to_hz } => swept(&|k| stepped(k, from_hz, to_hz)),
             Shape::Chirp { from_hz, to_hz } => swept(&|k| from_hz * (to_hz / from_hz).powf(part(k))),
             Shape::Multisine { from_hz, to_hz } => self.multisine(from_hz, to_hz),
             Shape::Steps { every_s } => {

@@ -141,8 +141,9 @@ impl Look<'_> {
         for truth in self.truths() {
             self.control.go_on()?;
             let Some(motion) = Motion::of(&truth, &experiment, self.limits) else { return Ok(None) };
+            let tells = truth.own.is_some() && motion.tells_apart();
             let rivals = match truth.own {
-                Some(_) if closely => motion.best(self.control)?,
+                Some(_) if closely && tells => motion.best(self.control)?,
                 _ => motion.nearly(&self.question.rivals),
             };
             let comparisons = Comparisons {
@@ -152,7 +153,11 @@ impl Look<'_> {
                 rivals: &rivals,
                 tried: Motion::tried(),
             };
-            each.push(if truth.own.is_some() { comparisons.named() } else { comparisons.silent() });
+            each.push(match truth.own {
+                Some(_) if tells => comparisons.named(),
+                Some(_) => 0.0,
+                None => comparisons.silent(),
+            });
             let asks_width = matches!(self.question.purpose, Purpose::Narrow(_)) && truth.own.is_some();
             half_width = half_width.or(if asks_width { motion.half_width() } else { None });
         }

@@ -12,6 +12,7 @@ use crate::driven::intake::observed::Observed;
 use crate::driven::intake::stretches::{interleaved, loudest};
 use crate::driven::intake::work::Work;
 use crate::driven::selection::earned::ITERATIONS;
+use crate::driven::selection::identifiability::Reach;
 use crate::driven::selection::judged::{Trial, judge};
 use crate::driven::selection::rivals::alike;
 use crate::driven::selection::round::{round, screen};
@@ -22,6 +23,7 @@ use crate::parallel;
 use crate::physics::law::Role;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
+use crate::rng::{Philox, Stream};
 use crate::trace::Trace;
 
 use super::experiment::Experiment;
@@ -155,6 +157,17 @@ impl Motion {
     /// Number of fitted samples.
     pub(super) fn rows(&self) -> f64 {
         self.data.train.iter().map(|r| r.len()).sum::<usize>() as f64
+    }
+
+    /// Returns whether the input tells laws apart at all: under one line or two a diagnosis holds every law
+    /// against the free forms of the others, and so leaves the question open.
+    pub(super) fn tells_apart(&self) -> bool {
+        let mut rng = Philox::new(1, 0, Stream::Host);
+        let deviation = self.variance.sqrt();
+        let reading = self.data.reading.iter().map(|y| y + deviation * rng.normal()).collect();
+        let common = Fit { variance: self.common.variance + self.variance, ..self.common.clone() };
+        let reach = Reach::of(&Data { reading, ..self.data.clone() }, &common);
+        reach.few_cycles.is_none() && !reach.tells_nothing_linear_apart()
     }
 
     /// Returns what the model without the law leaves.

@@ -53,8 +53,9 @@ pub fn document(planned: &Planned, wish: f64, confirmed: &[Confirmed], files: &[
 fn proposal(planned: &Planned, p: &Proposal) -> Value {
     let e = &p.experiment;
     let frequencies = match e.shape {
-        Shape::Sine { hz } | Shape::Levels { hz } => json!([hz, hz]),
-        Shape::Frequencies { from_hz, to_hz }
+        Shape::Sine { hz } => json!([hz, hz]),
+        Shape::Levels { from_hz, to_hz }
+        | Shape::Frequencies { from_hz, to_hz }
         | Shape::Chirp { from_hz, to_hz }
         | Shape::Multisine { from_hz, to_hz } => {
             json!([from_hz, to_hz])

@@ -11,7 +11,9 @@ pub(super) fn experiment(e: &Experiment) -> String {
     let hz = |hz: f64| short(hz);
     let said = match e.shape {
         Shape::Sine { hz: f } => format!("a sine of {} Hz and {at}", hz(f)),
-        Shape::Levels { hz: f } => format!("a sine of {} Hz whose amplitude goes up in eight rungs to {at}", hz(f)),
+        Shape::Levels { from_hz, to_hz } => {
+            format!("a ladder of eight sines from {} to {} Hz that rises to {at}", hz(from_hz), hz(to_hz))
+        }
         Shape::Frequencies { from_hz, to_hz } => {
             format!("a ladder of eight sines from {} to {} Hz at {at}", hz(from_hz), hz(to_hz))
         }
