@@ -99,7 +99,7 @@ fn decayed(recording: &Recording, taken: &Taken, model: &model::Driven) -> Optio
     let Taken { prepared, pieces, judging } = taken;
     let is_displacement = model.output_is == model::Output::Displacement;
     let is_driven = prepared.data.input.is_some();
-    if (is_driven && is_displacement) || prepared.own_test || pieces.len() != 1 {
+    if (is_driven && is_displacement) || prepared.data.own_test || pieces.len() != 1 {
         return None;
     }
     let decay = match is_driven {
@@ -127,16 +127,17 @@ fn by_likelihood(recording: &Recording, taken: Taken, model: &model::Driven, con
     if course.follows
         && let Some(turns) = free_body::turns_if_free(&course.data, &base)
         && course.data.trace.acts(Step::of(Gate::FreeBody, "oscillator", "free body").measured(turns, free_body::TURNS))
-        && let Some(answer) = free_body::conclusion::answer(&asked, &course.data, course.own_test, course.notes.clone())
+        && let Some(answer) = free_body::conclusion::answer(&asked, &course.data, course.notes.clone())
     {
         return Ok(answer);
     }
     let selection = course.select(base, &scales, control).map_err(|s| Refusal::from(s).of(recording))?;
+    let _stage = control.stage("intervals, forms and limits of detection", 0);
     let conclusion = course.conclude(&selection, &scales);
     let (selection, conclusion, simulation) = course.simulated(selection, conclusion, &scales);
     let Course { data, notes, .. } = course;
     let mut answer = answer::answer(&asked, &data, &scales, &selection, &conclusion, notes);
-    simulation.told(&mut answer, &conclusion);
+    simulation.told(&mut answer, &conclusion, data.own_test);
     Ok(answer)
 }
 
@@ -148,8 +149,6 @@ struct Course {
     narrow: Data,
     /// Hints that can be right.
     start: model::Start,
-    /// Whether the model file named its own test samples.
-    own_test: bool,
     /// Whether the reading follows a linear oscillator at all.
     follows: bool,
     /// Samples that were not recorded.
@@ -161,7 +160,7 @@ struct Course {
 
 impl Course {
     fn begin(prepared: Prepared) -> Self {
-        let Prepared { data, start, own_test, filled, mut notes, .. } = prepared;
+        let Prepared { data, start, filled, mut notes, .. } = prepared;
         let narrow = stretches::loudest(&data).unwrap_or_else(|| data.clone());
         if narrow.hull != data.hull {
             notes.findings.push(format!(
@@ -171,7 +170,7 @@ impl Course {
             ));
         }
         let budget = narrow.work.budget(Stage::Search, narrow.hull.len());
-        Self { data, narrow, start, own_test, follows: true, filled, notes, budget }
+        Self { data, narrow, start, follows: true, filled, notes, budget }
     }
 
     /// Whether terms are chosen on all of the recording.
@@ -287,12 +286,12 @@ impl Course {
             return None;
         }
         let mut narrow = self.narrow.clone();
-        chaos.in_windows(&mut narrow, self.own_test);
+        chaos.in_windows(&mut narrow);
         let (base, scales) = start::base_from(&narrow, &chaos.force.base)?;
         if self.is_whole() {
             self.data = narrow.clone();
         } else {
-            chaos.in_windows(&mut self.data, self.own_test);
+            chaos.in_windows(&mut self.data);
         }
         self.narrow = narrow;
         let scales = refined(&self.narrow, &base, &scales);
@@ -383,7 +382,7 @@ impl Course {
     /// keeps for the test.
     fn conclude(&mut self, selection: &Selection, scales: &Scales) -> Conclusion {
         let data = &mut self.data;
-        if self.own_test {
+        if data.own_test {
             data.train.extend(data.validation.iter().cloned());
             order::sort_by_key(&mut data.train, |r| r.start as f64);
         }

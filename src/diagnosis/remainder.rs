@@ -83,6 +83,15 @@ impl Remainder {
         })
     }
 
+    /// The worse of both in each respect.
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            p_value: self.p_value.min(other.p_value),
+            size: self.size.max(other.size),
+            white: self.white && other.white,
+        }
+    }
+
     /// The test as the verdict states it.
     pub fn whiteness(&self) -> Whiteness {
         Whiteness { white: self.white, p_value: self.p_value }

@@ -229,6 +229,17 @@ pub struct Score {
     pub share: Option<Share>,
 }
 
+impl Score {
+    /// Part of the base model's error over this noise that is gone, from the errors alone; `None`
+    /// where nothing is named or the base model errs by no more than the noise.
+    pub(crate) fn share_over(&self, noise: f64) -> Option<Share> {
+        let excess = self.rmse_before.powi(2) - noise.powi(2);
+        let part = |after: f64| 1.0 - (after.powi(2) - noise.powi(2)).max(0.0) / excess;
+        let [low, high] = self.ratio_ci95?.map(|ratio| part(ratio * self.rmse_before));
+        (excess > 0.0).then_some(Share { value: part(self.rmse_after?), ci95: [high, low] })
+    }
+}
+
 /// Root-mean-square error of free simulation on one range of samples.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RangeScore {

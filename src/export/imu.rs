@@ -46,8 +46,8 @@ pub struct Other {
     pub key: &'static Key,
     /// The term, unless it belongs to the proof mass.
     pub term: Option<SensorTerm>,
-    /// Mean of each axis, in the key's unit.
-    pub means: [f64; 3],
+    /// Number of each axis, in the key's unit.
+    pub values: [Value; 3],
 }
 
 /// An inertial measurement unit.
@@ -256,8 +256,11 @@ fn others(axes: &[Tolerances; 3]) -> Vec<Other> {
     let is_given = |key: &&Key| axes.iter().any(|numbers| numbers[*key].is_some_and(|n| !n.is_zero()));
     let other = |key: &'static Key| {
         let term = SensorTerm::ALL.into_iter().find(|term| term.row().keys.iter().any(|k| k.slot == key.slot));
-        let means = axes.each_ref().map(|numbers| numbers.moments(key).0 / key.factor);
-        (!term.is_some_and(|t| noise(t.law()))).then_some(Other { key, term, means })
+        let values = axes.each_ref().map(|numbers| {
+            let (mean, variance) = numbers.moments(key);
+            Value { mean: mean / key.factor, sd: variance.sqrt() / key.factor.abs() }
+        });
+        (!term.is_some_and(|t| noise(t.law()))).then_some(Other { key, term, values })
     };
     keys().filter(of_a_sensor).filter(is_given).filter_map(other).collect()
 }

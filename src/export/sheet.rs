@@ -2,7 +2,7 @@
 //! convention and source.
 
 use super::drift::Process;
-use super::imu::{Errors, Imu, Other};
+use super::imu::{Errors, Imu, Other, Value};
 use proofmass_base::number::short;
 use proofmass_scenario::sensor::{SensorTerm, coupling};
 
@@ -123,11 +123,15 @@ impl Sheet {
         let ranges = keeps.contains(&SensorTerm::Range);
         let kept = |o: &&Other| o.term.is_some_and(|t| keeps.contains(&t)) || ranges && *o.key == coupling::GYRO_RANGE;
         for other in imu.others.iter().filter(|o| !kept(o)) {
-            let [x, y, z] = other.means;
+            let [x, y, z] = other.values;
+            let said = |value: Value| match value.sd {
+                0.0 => short(value.mean),
+                sd => format!("{} (sd {})", short(value.mean), short(sd)),
+            };
             head.push(format!(
                 "not represented, and not replaced: {} = {} {} ({})",
                 other.key.path,
-                if x == y && x == z { short(x) } else { format!("[{}]", other.means.map(short).join(", ")) },
+                if x == y && x == z { said(x) } else { format!("[{}]", other.values.map(said).join(", ")) },
                 other.key.unit,
                 other.key.name
             ));

@@ -134,6 +134,7 @@ fn data(reading: Vec<f64>, input: Vec<f64>) -> Data {
         train: vec![inner],
         validation: Vec::new(),
         test: Vec::new(),
+        own_test: false,
         windows: None,
         clock_s: Vec::new(),
         work: Default::default(),

@@ -16,6 +16,7 @@ use super::world::{check, near, program, test};
 pub fn tests() -> Vec<Trial> {
     vec![
         test("several recordings: a spring is found in both together and predicts a third", together),
+        test("several recordings: a spring that another sensor does not have explains nothing there", elsewhere),
         test("several recordings: what does not belong together is refused by name", refused),
         test("several recordings: one in another unit than the other ends unexplained", contradicting),
     ]
@@ -41,9 +42,13 @@ fn diagnose(train: &[&PathBuf], model: &PathBuf, test: &[&PathBuf]) -> Result<An
 }
 
 fn planted() -> Result<Planted, Failed> {
+    of_strength(0.05)
+}
+
+fn of_strength(strength: f64) -> Result<Planted, Failed> {
     plant(&Plan {
         physics: Some(Physics::CubicStiffness),
-        size: Size::Raw(0.05),
+        size: Size::Raw(strength),
         samples: 9000,
         rate_hz: 1000.0,
         resonance_hz: 60.0,
@@ -89,6 +94,26 @@ fn together() -> Result<(), Failed> {
     let floor = both["fit"]["noise_floor"].as_f64().unwrap_or(0.0);
     let error = entry["rmse_after"].as_f64().or(entry["rmse_before"].as_f64()).unwrap_or(0.0);
     check(error > 5.0 * floor, format!("{entry}, floor {floor}"))
+}
+
+// The control is the validation recording of `together`, of the same sensor: explained.
+fn elsewhere() -> Result<(), Failed> {
+    let (bench, planted, other) = (Bench::new()?, planted()?, of_strength(0.06)?);
+    let first = bench.file("first.csv", &csv(&planted, 0..3000, 0.0))?;
+    let others = bench.file("others.csv", &csv(&other, 7500..9000, 0.0))?;
+    let model = bench.file("model.toml", MODEL)?;
+    let verdict = diagnose(&[&first], &model, &[&others])?.json()?;
+    let sentence = verdict["sentence"].as_str().unwrap_or_default();
+    check(verdict["verdict"] == "unexplained", format!("{}: {sentence}", verdict["verdict"]))?;
+    check(verdict["effects"][0]["id"] == "cubic-stiffness", format!("{sentence} {}", verdict["findings"]))?;
+    check(sentence.contains("on the validation recording") && !sentence.contains("remains is noise"), sentence)?;
+    // The share is of the errors over the noise that stand next to it.
+    let test = &verdict["fit"]["test"];
+    let [before, after, share] = [&test["rmse_before"], &test["rmse_after"], &test["share"]["value"]]
+        .map(|number| number.as_f64().unwrap_or(f64::NAN));
+    let noise = verdict["fit"]["noise_floor"].as_f64().unwrap_or(f64::NAN);
+    let excess = |error: f64| error.powi(2) - noise.powi(2);
+    near("share", share, 1.0 - excess(after) / excess(before), 1e-9)
 }
 
 // No law has two strengths at once, and laws with memory begin anew in each recording.

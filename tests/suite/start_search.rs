@@ -62,6 +62,7 @@ fn data(interpolation: Interpolation) -> Data {
         train: vec![24..700, 900..samples - 24],
         validation: vec![700..800, 800..900],
         test: Vec::new(),
+        own_test: false,
         windows: None,
         clock_s: Vec::new(),
         work: Default::default(),

@@ -10,6 +10,7 @@ mod detectable;
 mod draft;
 pub mod dropped;
 pub mod effects;
+mod elsewhere;
 pub mod findings;
 pub mod form;
 pub(in crate::driven) mod isolation;

@@ -100,6 +100,7 @@ fn unread(experiment: &Experiment) -> Data {
         train,
         test: validation.clone(),
         validation,
+        own_test: false,
         windows: None,
         clock_s: Vec::new(),
         work: Work::default(),

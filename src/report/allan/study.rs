@@ -9,6 +9,7 @@ use std::path::Path;
 use super::fragment::{keys, to_five_digits};
 use proofmass_base::document::toml_string;
 use proofmass_base::escape::line;
+use proofmass_base::number::rounded;
 use proofmass_base::units::{DEGREE, MILLI_G};
 use proofmass_numerics::numerics::allan::law::Term;
 use proofmass_recording::finding::Finding;
@@ -35,7 +36,8 @@ pub fn study(path: &Path, noise: &Noise) -> Option<String> {
     if accelerometers.is_empty() && gyros.is_empty() {
         return None;
     }
-    let rate_hz = noise.source.rate_hz;
+    // A clock says so many digits, and no more.
+    let rate_hz = rounded(noise.source.rate_hz, 12);
     let name = name_for(&path.file_stem().unwrap_or_default().to_string_lossy());
     let path = path.canonicalize().unwrap_or_else(|_| path.into());
     let samples = (LASTS_S * rate_hz).round().max(LEAST_SAMPLES);
@@ -46,7 +48,7 @@ pub fn study(path: &Path, noise: &Noise) -> Option<String> {
          minimum of the Allan deviation is 0.664 B.\nname = {}\nseed = 1\nmembers = 4096\n\
          duration_s = {:?}\n\n[sensor]\nsample_rate_hz = {rate_hz:?}\n",
         toml_string(&name),
-        samples / rate_hz
+        rounded(samples / rate_hz, 12)
     );
     for (sense, channels) in [(Sense::Accelerometer, &accelerometers), (Sense::Gyro, &gyros)] {
         if !channels.is_empty() {

@@ -48,12 +48,12 @@ struct Models<'a> {
 }
 
 /// The answer; `None` where the force cannot be fitted at all.
-pub fn answer(asked: &Asked<'_>, data: &Data, own_test: bool, mut notes: Notes) -> Option<Answer> {
+pub fn answer(asked: &Asked<'_>, data: &Data, mut notes: Notes) -> Option<Answer> {
     let motion = MotionAndForce::of(data, asked.pieces)?;
     let selection = if notes.broken.is_some() { None } else { Some(search(data, &motion)?) };
     let selection = selection.unwrap_or(Selection { chosen: Vec::new(), alone: Vec::new() });
     let fitted: Vec<Range<usize>> =
-        if own_test { data.train.iter().chain(&data.validation).cloned().collect() } else { data.train.clone() };
+        if data.own_test { data.train.iter().chain(&data.validation).cloned().collect() } else { data.train.clone() };
     let base = last(&motion, &[], &fitted)?;
     let model = last(&motion, &selection.chosen, &fitted)?;
     let models = Models { data, motion: &motion, base, model, selection };

@@ -94,9 +94,9 @@ pub(crate) fn chaos(data: &Data) -> Option<Chaos> {
 impl Chaos {
     /// Divides the recording into windows, each with its own initial state; every third one is for
     /// validation, unless the model file names the test samples.
-    pub(crate) fn in_windows(&self, data: &mut Data, own_test: bool) {
+    pub(crate) fn in_windows(&self, data: &mut Data) {
         let length = ((self.window_s * data.rate_hz) as usize).max(FEWEST);
-        if !own_test {
+        if !data.own_test {
             let known = merged({
                 let mut all: Stretches = data.train.iter().chain(&data.validation).cloned().collect();
                 all.sort_by_key(|r| r.start);
@@ -313,6 +313,7 @@ mod tests {
             train,
             test: validation.clone(),
             validation,
+            own_test: false,
             windows: None,
             clock_s: Vec::new(),
             work: Work::default(),

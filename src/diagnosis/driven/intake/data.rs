@@ -57,6 +57,8 @@ pub struct Data {
     pub validation: Vec<Range<usize>>,
     /// Samples that judge the model chosen, inside or outside the hull.
     pub test: Vec<Range<usize>>,
+    /// States whether somebody named the samples that judge, which then choose nothing.
+    pub own_test: bool,
     /// Where simulations are begun anew, where the response is chaotic.
     pub windows: Option<Arc<Windows>>,
     /// Time of each sample, s, where they do not follow one another at the sampling rate; else empty.

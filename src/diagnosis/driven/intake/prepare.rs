@@ -45,8 +45,6 @@ pub struct Prepared {
     pub data: Data,
     /// Hints that can be right.
     pub start: model::Start,
-    /// Whether the model file named its own test samples.
-    pub own_test: bool,
     /// Samples that were not recorded.
     pub filled: Stretches,
     /// By how much the input was moved, where it looks misaligned.
@@ -145,6 +143,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven, control: &Control) 
         train: fitted,
         validation,
         test,
+        own_test,
         windows: None,
         clock_s: Vec::new(),
         work: Work::default(),
@@ -157,7 +156,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven, control: &Control) 
             "widen [split] train",
         ));
     }
-    Ok(Prepared { data, start, own_test, filled, shift, notes })
+    Ok(Prepared { data, start, filled, shift, notes })
 }
 
 /// Hints that this recording could show; what could not be is said and left out.

@@ -134,6 +134,7 @@ fn joined(recordings: Recordings<'_>, model: &model::Driven, settle: Settle, con
         train: all.train,
         validation: all.validation,
         test: all.test,
+        own_test,
         windows: None,
         clock_s: Vec::new(),
         work: first.work.clone(),
@@ -148,7 +149,7 @@ fn joined(recordings: Recordings<'_>, model: &model::Driven, settle: Settle, con
     said += "; times count through the recordings in this order";
     all.notes.findings.insert(0, said);
     let start = parts[0].prepared.start;
-    let prepared = Prepared { data, start, own_test, filled: all.filled, shift: None, notes: all.notes };
+    let prepared = Prepared { data, start, filled: all.filled, shift: None, notes: all.notes };
     Ok(Taken { prepared, pieces, judging: Vec::new() })
 }
 

@@ -153,6 +153,7 @@ mod tests {
             train: Vec::new(),
             validation: Vec::new(),
             test: Vec::new(),
+            own_test: false,
             windows: None,
             clock_s: Vec::new(),
             work: Work::default(),

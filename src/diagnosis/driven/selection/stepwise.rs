@@ -78,7 +78,9 @@ pub(crate) fn search(
     // What is far from explained needs no rivals: it will not be named.
     let no_rivals = || Step::of(Gate::NoRivals, "compared", "not compared").measured(rest, FAR_FROM_DONE);
     let hopeless = chosen.fit.structure.terms.len() > 2 && rest > FAR_FROM_DONE && data.trace.acts(no_rivals());
-    let (alone, tried) = (steps.alone, steps.tried);
+    let Stepwise { alone, tried, progress, .. } = steps;
+    drop(progress);
+    let _stage = control.stage("rivals and other forms", 0);
     let mut selection = Selection {
         base,
         chosen,

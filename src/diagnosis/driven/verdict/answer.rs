@@ -19,6 +19,7 @@ use crate::driven::simulation::run::{Run, trace};
 use crate::numerics::moments;
 use crate::physics::library::{CANDIDATES, Term};
 use crate::physics::scales::Scales;
+use crate::remainder::Size;
 use crate::verdict::{
     Fit as Fitted, Form, LogScore, Noise, Outcome, RangeScore, RecordingInfo, RecordingScore, Role, Score, WithUnnamed,
 };
@@ -94,6 +95,7 @@ pub fn answer(
         predictable: c.after.r_squared,
         neighbour: c.noise.memory.map(|m| m.neighbour),
         is_structured: c.after.r_squared >= WHITE,
+        strays_elsewhere: c.elsewhere > Size::Negligible && c.after.r_squared < WHITE,
         detectable_r_squared: c.after.detectable_r_squared,
         lines_hz: selection.reach.lines_hz.clone(),
         is_linear_class: !selection.reach.class(&c.model.fit.structure.terms).is_empty(),

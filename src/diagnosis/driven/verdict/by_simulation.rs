@@ -20,6 +20,7 @@ use crate::ruling::{self, rule};
 use crate::verdict::{DependsOn, Outcome, Share};
 
 use super::conclude::Conclusion;
+use super::elsewhere;
 
 /// What may be said of a conclusion besides.
 #[derive(Debug, Clone, Default)]
@@ -118,17 +119,20 @@ fn named(
     if named.iter().any(|n| n.worsens(&model)) {
         return None;
     }
+    let left = departing.as_ref().map_or(&model.fit, |d| &d.judged.fit);
+    let elsewhere = elsewhere::left(data, left, scales);
+    let at_noise = Test { p_value: 0.0, size: Size::of(excess, AT_NOISE, FAINT) };
     let outcome = rule(&ruling::Evidence {
         named: named.len(),
         departs: departing.is_some(),
         tied: rivals.iter().filter(|r| !r.is_empty()).count(),
-        remainder: Remainder::of([Test { p_value: 0.0, size: Size::of(excess, AT_NOISE, FAINT) }]).size,
+        remainder: Remainder::of([at_noise]).and(elsewhere).size,
         ..ruling::Evidence::default()
     });
-    let left = departing.as_ref().map_or(&model.fit, |d| &d.judged.fit);
     let after = residual_structure_of_noise(data, left).structure;
     let conclusion = Conclusion {
         outcome,
+        elsewhere: elsewhere.size,
         spread: interval::spread(&model.fit),
         model,
         named,
@@ -143,7 +147,7 @@ fn named(
 
 impl Simulation {
     /// Writes the shares into an answer.
-    pub(crate) fn told(self, answer: &mut Answer, c: &Conclusion) {
+    pub(crate) fn told(self, answer: &mut Answer, c: &Conclusion, own_test: bool) {
         let Self { worth, imitations, noise } = self;
         // What a model leaves that does not explain everything is no noise.
         answer.fit.noise_floor = noise.unwrap_or(answer.fit.noise_floor);
@@ -156,7 +160,9 @@ impl Simulation {
         }
         // Noise removes nothing of an error of free simulation.
         if worth.each.len() == c.named.len() {
-            answer.fit.test.share = worth.together.map(share);
+            // A share of the recording that was fitted is none of another's error.
+            answer.fit.test.share =
+                if own_test { answer.fit.test.share_over(answer.fit.noise_floor) } else { worth.together.map(share) };
         }
         let argument = worth.rest.first();
         answer.places.argument =

@@ -29,6 +29,7 @@ use crate::trace::Step;
 use crate::verdict::Outcome;
 
 use super::draft::Draft;
+use super::elsewhere;
 
 /// Share of the innovations' variance that may be predicted before they are no longer called white.
 pub const WHITE: f64 = 0.02;
@@ -60,6 +61,8 @@ pub struct Conclusion {
     pub after: Structure,
     /// All tests of what is left, in the vocabulary of every kind.
     pub remainder: Remainder,
+    /// What the model leaves of samples outside the recordings fitted, where such judge it.
+    pub elsewhere: Size,
     /// What kind of noise it is, where nothing else is left.
     pub noise: NoiseCharacter,
     /// Coarse rounding, where it explains the remainder.
@@ -94,7 +97,9 @@ pub(crate) fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> C
     };
     let lattice = rounding(data, &draft.model).filter(named);
     draft.departing = draft.departing.take().filter(|d| draft.names(d));
-    let remainder = remainder(data, draft.departing.as_ref().map_or(&draft.model, |d| &d.judged), &draft.after);
+    let left = draft.departing.as_ref().map_or(&draft.model, |d| &d.judged);
+    let elsewhere = elsewhere::left(data, &left.fit, &draft.scales);
+    let remainder = remainder(data, left, &draft.after).and(elsewhere);
     let outcome = rule(&draft.evidence(nameless, followed || twins, lattice.is_some(), remainder));
     if outcome == Outcome::Unexplained {
         draft.settle_unexplained(r_squared, WHITE);
@@ -121,6 +126,7 @@ pub(crate) fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> C
         dropped,
         departing,
         remainder,
+        elsewhere: elsewhere.size,
         noise,
         after: after.structure,
         lattice,
@@ -151,13 +157,15 @@ pub(crate) fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion
     if !finished {
         left_out.push(LeftOut::Profiles);
     }
-    let remainder = remainder(data, &model, &after);
+    let elsewhere = elsewhere::left(data, &model.fit, scales);
+    let remainder = remainder(data, &model, &after).and(elsewhere);
     let noise = if remainder.size == Size::Negligible {
         character(data, &model.fit, after.coloured.as_ref())
     } else {
         NoiseCharacter::default()
     };
-    Conclusion { base, model, after: after.structure, remainder, noise, spread, budget, left_out, ..c }
+    let elsewhere = elsewhere.size;
+    Conclusion { base, model, after: after.structure, remainder, elsewhere, noise, spread, budget, left_out, ..c }
 }
 
 /// What kind of noise a model leaves; `coloured` is its memory.

@@ -72,6 +72,8 @@ pub struct Account {
     pub neighbour: Option<f64>,
     /// Whether that is too much to be called white.
     pub is_structured: bool,
+    /// Whether only samples outside the recordings fitted are not followed.
+    pub strays_elsewhere: bool,
     /// Smallest such fraction that would have been seen.
     pub detectable_r_squared: f64,
     /// Frequencies of the input's lines, Hz, where they are few.

@@ -4,7 +4,7 @@ use proofmass_base::number::{short, with_uncertainty};
 use proofmass_diagnosis::answer::Answer;
 use proofmass_diagnosis::driven::intake::notes::Broken;
 use proofmass_diagnosis::driven::verdict::detail::{Account, Detail};
-use proofmass_diagnosis::verdict::{DependsOn, Effect, Estimate, Outcome};
+use proofmass_diagnosis::verdict::{DependsOn, Effect, Estimate, Outcome, Role};
 
 /// One or two plain sentences.
 pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
@@ -73,6 +73,12 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
         Outcome::Unexplained if answer.repair.is_none() => "The mismatch is real: the recording follows no linear \
              oscillator, and no candidate that was tried explains it down to the noise."
             .to_owned(),
+        Outcome::Unexplained if named.is_empty() && account.strays_elsewhere => format!(
+            "The base model leaves only noise in what was fitted, but errs by {} times the noise ({} {unit}) in what \
+             validates it: another sensor, unit or setting there, or a motion that shows more.",
+            short(before / answer.fit.noise_floor.max(1e-300)),
+            short(before)
+        ),
         Outcome::Unexplained if named.is_empty() && !account.is_structured => format!(
             "The mismatch is real, and no candidate in the library explains it{}.",
             answer.fit.noise.as_ref().filter(|n| before > 1.2 * n.value).map_or(String::new(), |n| format!(
@@ -163,10 +169,15 @@ fn shares(answer: &Answer, laws: &[String], unit: &str) -> String {
         });
         format!("; what remains is {} times the noise{depends}", short(after / floor.max(1e-300)))
     };
+    let judged = match answer.fit.recordings.iter().filter(|r| r.role == Role::Test).count() {
+        0 => "held-out error",
+        1 => "error on the validation recording",
+        _ => "error on the validation recordings",
+    };
     let forms: Vec<String> = answer.effects.iter().filter(|e| departs(e)).filter_map(form).collect();
     let forms = if forms.is_empty() { String::new() } else { format!("; {}", listed(&forms, "and")) };
     format!(
-        "{} {verb} {share:.1} % of the base model's held-out error ({} → {} {unit}){rest}{forms}.",
+        "{} {verb} {share:.1} % of the base model's {judged} ({} → {} {unit}){rest}{forms}.",
         listed(laws, "and"),
         short(test.rmse_before),
         short(after)
