@@ -151,7 +151,8 @@ pub fn judge(question: &Question<'_>, survey: &Survey) -> Result<Clock> {
         Kind::Even => (whole.span / whole.ticks, Count::Ticks),
         Kind::Uneven { .. } => (whole.span / whole.steps, Count::Steps),
     };
-    let rate_hz = 1.0 / (tick * seconds);
+    // Stamps say so many digits, and no more.
+    let rate_hz = rounded(1.0 / (tick * seconds), 12);
     if !RATES_HZ.contains(&rate_hz) {
         return Err(question.refuse(
             format!("the stamps in `{}` are {:?} {} apart", question.heading, tick, unit.name()),

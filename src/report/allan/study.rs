@@ -36,8 +36,7 @@ pub fn study(path: &Path, noise: &Noise) -> Option<String> {
     if accelerometers.is_empty() && gyros.is_empty() {
         return None;
     }
-    // A clock says so many digits, and no more.
-    let rate_hz = rounded(noise.source.rate_hz, 12);
+    let rate_hz = noise.source.rate_hz;
     let name = name_for(&path.file_stem().unwrap_or_default().to_string_lossy());
     let path = path.canonicalize().unwrap_or_else(|_| path.into());
     let samples = (LASTS_S * rate_hz).round().max(LEAST_SAMPLES);
