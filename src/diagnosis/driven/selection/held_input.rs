@@ -13,13 +13,13 @@ use crate::physics::readout_lowpass::{Poles, ReadoutLowpass};
 use crate::physics::scales::Scales;
 use crate::trace::Step;
 
+use super::candidates_round::round;
+use super::deferred_linear::worth;
 use super::earned::earned;
-use super::forms::LEAST_LEAD;
+use super::free_forms::LEAST_LEAD;
 use super::identifiability::is_linear;
 use super::judged::{Judged, Rival, Selection, Trial};
-use super::kept_back::worth;
 use super::rivals::TIE;
-use super::round::round;
 
 /// The recording with a smooth input, where one that is taken otherwise is late, or read late, in the
 /// model chosen: what is held acts late by half a sample, and may have been taken for a reading that

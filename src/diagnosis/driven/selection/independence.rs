@@ -1,5 +1,5 @@
 //! Whether noise that a model names is independent of what is known. Its innovations are tested
-//! for what the input, the motion, time and the environment would make of them (`score_test`), and
+//! for what the input, the motion, time and the environment would make of them (`lagrange_multiplier`), and
 //! the power of the disturbance that the filter estimates is regressed on functions of the input
 //! and the motion. Noise follows none of them; a law that is missing does, if only by acting where
 //! the mass turns or the input reverses.
@@ -22,9 +22,9 @@ use crate::physics::law::Noise;
 use crate::remainder::REAL;
 
 use super::known::{Known, Regressors};
+use super::lagrange_multiplier::{Entry, Filter, Score, Tested};
 use super::pumped::Pumped;
 use super::residual_structure::EVEN;
-use super::score_test::{Entry, Filter, Score, Tested};
 
 /// Blocks that are predicted in turn.
 const BLOCKS: usize = 24;

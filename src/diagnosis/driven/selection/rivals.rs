@@ -11,9 +11,9 @@ use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 use crate::trace::Step;
 
+use super::candidates_round::round;
 use super::earned::{pruned, without};
 use super::judged::{Judged, Rival, Selection, Trial};
-use super::round::round;
 
 /// Times that a better stand-in may take a term's place.
 const SWAPS: usize = 1;

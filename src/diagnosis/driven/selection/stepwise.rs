@@ -10,16 +10,16 @@ use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 use crate::trace::Step;
 
+use super::candidates_round::{SURE, round};
+use super::deferred_linear::settle_kept_back;
 use super::earned::{earned, pruned};
-use super::forms;
+use super::exponent_forms::settle_shape;
+use super::free_forms;
 use super::identifiability::Reach;
 use super::judged::{Judged, Selection, Trial};
-use super::kept_back::settle_kept_back;
-use super::kept_shape::settle_shape;
-use super::other_power::settle_power;
 use super::residual_structure::residual_structure;
 use super::rivals::Look;
-use super::round::{SURE, round};
+use super::stop_or_spring::settle_power;
 
 /// Most terms in a model.
 const MOST_TERMS: usize = 6;
@@ -104,7 +104,7 @@ pub(crate) fn search(
         let budget = data.work.budget(Stage::KeptBack, data.hull.len());
         settle_kept_back(data, &mut selection, scales, budget, control)?;
         let budget = data.work.budget(Stage::Forms, data.hull.len());
-        forms::settle(data, &mut selection, scales, budget);
+        free_forms::settle(data, &mut selection, scales, budget);
         settle_power(data, &mut selection, scales, budget);
         let budget = data.work.budget(Stage::KeptShapes, data.hull.len());
         settle_shape(data, &mut selection, scales, budget);

@@ -4,7 +4,7 @@
 //! Not what follows from that (`conclude`).
 
 use crate::driven::intake::data::Data;
-use crate::driven::selection::lattice::{Lattice, lattice};
+use crate::driven::selection::quantisation_grid::{Lattice, lattice};
 use crate::parallel;
 use crate::physics::scales::Scales;
 

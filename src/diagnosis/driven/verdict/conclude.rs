@@ -9,11 +9,11 @@ use crate::driven::intake::work::{Budget, Stage};
 use crate::driven::selection::coloured_noise::Coloured;
 use crate::driven::selection::held_out::held_out;
 use crate::driven::selection::judged::{Departing, Judged, Selection};
-use crate::driven::selection::lattice::Lattice;
 use crate::driven::selection::noise_character::{
     LoudStretch, NoiseCharacter, ReadoutMemory, disturbance_by_chance, noise_character,
 };
 use crate::driven::selection::noise_scale::MassMotion;
+use crate::driven::selection::quantisation_grid::Lattice;
 use crate::driven::selection::residual_structure::{EVEN, Residual, power_structure, residual_structure_of_noise};
 use crate::driven::selection::term_worth::{LEAST_ROUNDING_GAIN, Named, rounding};
 use crate::driven::simulation::run::trace;

@@ -1,5 +1,5 @@
 //! A conclusion in the making: models, what is left of them, and the terms that still have a name.
-//! Not for what speaks against a term (`objection`, `standing`, `unexplained`).
+//! Not for what speaks against a term (`objection`, `naming_rules`, `unexplained`).
 
 use crate::driven::identification::fit::{Fit, fit};
 use crate::driven::identification::local_minima::deepest;

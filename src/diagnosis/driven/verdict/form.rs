@@ -4,7 +4,7 @@
 use crate::driven::identification::fit::Fit;
 use crate::driven::identification::interval;
 use crate::driven::intake::data::Data;
-use crate::driven::selection::forms::{freed, visits};
+use crate::driven::selection::free_forms::{freed, visits};
 use crate::driven::selection::judged::Judged;
 use crate::numerics::moments::rms;
 use crate::numerics::order;

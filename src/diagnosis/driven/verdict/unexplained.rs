@@ -10,7 +10,7 @@ use crate::driven::verdict::dropped::Dropped;
 use crate::gate::Gate;
 
 use super::draft::{Draft, UNMEASURED};
-use super::standing::FAR_ABOVE;
+use super::naming_rules::FAR_ABOVE;
 
 impl Draft<'_> {
     /// Leaves the names that hold by themselves, in the model that holds them and nothing else. In

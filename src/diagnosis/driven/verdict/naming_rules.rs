@@ -1,4 +1,4 @@
-//! Which terms keep a name beside what is left and beside each other.
+//! Naming rules: they decide which terms keep a name next to the residual and next to each other.
 
 use crate::driven::identification::fit::{Fit, fit as refitted};
 use crate::driven::selection::earned::{ITERATIONS, without};

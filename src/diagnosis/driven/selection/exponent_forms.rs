@@ -1,7 +1,7 @@
-//! Laws with a shape of their own that the search keeps back: a spring and a damping of one power,
-//! and hysteresis with an exponent. Beside the stated law each would fit whatever departs from it a
-//! little; it is looked for only where a law that was chosen departs from its form, and takes its
-//! place only where the data tell the shape: where its own free form gains nothing over it, and no
+//! Laws whose form has an exponent, which the search defers: a spring and a damping of one power,
+//! and hysteresis with an exponent. Next to the stated law each would fit whatever departs from it a
+//! little; it is tried only where a law that was chosen departs from its form, and takes its place
+//! only where the data determine the exponent: where its own free form gains nothing over it, and no
 //! other departure of one number does as well.
 
 use crate::driven::identification::fit::{Fit, fit};
@@ -20,7 +20,7 @@ use crate::physics::scales::Scales;
 use crate::trace::Step;
 
 use super::earned::{ITERATIONS, earned};
-use super::forms::{LEAST_LEAD, UNDONE, with_instead};
+use super::free_forms::{LEAST_LEAD, UNDONE, with_instead};
 use super::judged::{Departing, Judged, Selection, judge};
 use super::residual_structure::residual_structure;
 use super::rivals::TIE;

@@ -1,7 +1,7 @@
-//! Linear laws that the search keeps back, because beside a simpler one that does as well they would
-//! only make undecidable what is decided: a low-pass with a second pole, and a second mass on the
-//! first. Where nothing simpler ends the matter, they are looked for in the place of all linear
-//! terms together: what one of them takes up is no delay, no lag and no second effect.
+//! Deferred linear laws: a low-pass with a second pole, and a second mass on the first. The search
+//! defers them, because next to a simpler law that does as well they would only make undecidable
+//! what is decided. Where nothing simpler ends the matter, they are tried in the place of all linear
+//! terms together: what one of them absorbs is no delay, no lag and no second effect.
 
 use crate::control::{Control, Stopped};
 use crate::driven::identification::fit::{Fit, GAIN, OMEGA, ZETA, fit as fitted};
@@ -17,13 +17,13 @@ use crate::physics::readout_lowpass::{Poles, ReadoutLowpass};
 use crate::physics::scales::Scales;
 use crate::trace::Step;
 
+use super::candidates_round::round;
 use super::earned::{ITERATIONS, earned, without};
-use super::forms::{LEAST_LEAD, UNDONE, with_instead};
+use super::free_forms::{LEAST_LEAD, UNDONE, with_instead};
 use super::identifiability::is_linear;
 use super::judged::{Judged, Rival, Selection, judge};
 use super::residual_structure::residual_structure;
 use super::rivals::TIE;
-use super::round::round;
 
 const TWO_POLES: Term = Term::ReadoutLowpass(ReadoutLowpass(Poles::Two));
 const MODE: Term = Term::ParasiticMode(ParasiticMode);

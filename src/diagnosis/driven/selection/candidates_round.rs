@@ -1,4 +1,4 @@
-//! One round of candidates on top of a model: each screened by one linear step, the most promising
+//! Runs one round of candidates on top of a model: each screened by one linear step, the most promising
 //! fitted together with the base and judged. Not the order of rounds (`stepwise`) and not what
 //! makes a term worth its place (`earned`).
 

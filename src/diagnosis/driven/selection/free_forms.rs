@@ -1,5 +1,5 @@
-//! Laws that are near the library's and not it: each law that was chosen is given freedom in its
-//! form, and what that takes up is no second effect. A law whose free form predicts samples better
+//! Free forms, for laws that are near the library's and not it: each law that was chosen is given
+//! freedom in its form, and what that absorbs is no second effect. A law whose free form predicts samples better
 //! that were not fitted departs from its name.
 //!
 //! Not for how far it departs (`verdict::form`) and not for what follows for the verdict
@@ -164,7 +164,7 @@ pub(crate) fn freed(data: &Data, model: &Fit, index: usize, scales: &Scales, scr
 fn may_be_another(selection: &Selection) -> bool {
     match selection.chosen.fit.structure.terms.as_slice() {
         [Term::ReadoutSaturation(_)] => true,
-        // Springs and stops are told apart elsewhere (`other_power`).
+        // Springs and stops are distinguished elsewhere (`stop_or_spring`).
         [Term::EndStop(_)] => false,
         [term] => selection.reach.tells_nothing_linear_apart() && term.noise().is_none() && !is_linear(term),
         _ => false,

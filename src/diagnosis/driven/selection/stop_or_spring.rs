@@ -1,4 +1,4 @@
-//! Tells a stop from a spring of another power than the library's.
+//! Decides between a stop and a spring of another power than the library's.
 
 use crate::driven::identification::fit::{Fit, OMEGA, ZETA, fit};
 use crate::driven::intake::data::Data;
@@ -13,7 +13,7 @@ use crate::physics::scales::Scales;
 use crate::trace::Step;
 
 use super::earned::{ITERATIONS, earned};
-use super::forms::{IMMATERIAL, LEAST_LEAD, MANY, UNDONE, visits, with_instead};
+use super::free_forms::{IMMATERIAL, LEAST_LEAD, MANY, UNDONE, visits, with_instead};
 use super::held_out::compare;
 use super::judged::{Departing, Judged, Rival, Selection, judge};
 use super::residual_structure::residual_structure;
