@@ -1,5 +1,5 @@
-//! Which terms a model needs: each candidate fitted and judged on samples that were not fitted,
-//! against all others that might do as well.
+//! Chooses the terms that a model needs: each candidate is fitted and judged on samples that were
+//! not fitted, against all others that might do as well.
 
 pub mod base_model;
 pub mod candidates_round;

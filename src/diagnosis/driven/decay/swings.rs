@@ -30,7 +30,7 @@ struct Swing {
     to: usize,
     /// Row of the largest displacement.
     peak: usize,
-    /// That displacement, without its sign.
+    /// Absolute value of that displacement.
     size: f64,
 }
 
@@ -41,7 +41,7 @@ pub(crate) struct Motion {
     pub cycle: f64,
     /// Stretches of free motion, ascending.
     pub stretches: Vec<Range<usize>>,
-    /// Whether the mass is held before the first stretch.
+    /// States whether the mass is held before the first stretch.
     pub is_released: bool,
     /// Rows at which it is knocked again.
     pub knocks: Vec<usize>,

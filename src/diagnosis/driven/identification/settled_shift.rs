@@ -1,4 +1,4 @@
-//! Whether an input that was moved in time stays where it was moved to.
+//! Decides whether an input that was moved in time stays where it was moved to.
 //!
 //! A lag is seen in the spectra, where a mass that rings for longer than they are long looks out of
 //! step with its input. What counts is whether the base model, started from the same places, follows

@@ -42,7 +42,7 @@ pub struct Data {
     pub environment: Vec<f64>,
     /// Number of environment columns.
     pub environments: usize,
-    /// Which columns they are; empty where nobody asks.
+    /// Columns of the environment, by heading and mean; empty where nobody asks.
     pub followed: Vec<Followed>,
     /// Sampling rate, Hz.
     pub rate_hz: f64,
@@ -59,13 +59,13 @@ pub struct Data {
     pub test: Vec<Range<usize>>,
     /// States whether somebody named the samples that judge, which then choose nothing.
     pub own_test: bool,
-    /// Where simulations are begun anew, where the response is chaotic.
+    /// Places where simulations are begun anew, where the response is chaotic.
     pub windows: Option<Arc<Windows>>,
     /// Time of each sample, s, where they do not follow one another at the sampling rate; else empty.
     pub clock_s: Vec<f64>,
     /// Computing work spent on it so far.
     pub work: Work,
-    /// What the rules changed so far.
+    /// Changes that the rules made so far.
     pub trace: Trace,
 }
 

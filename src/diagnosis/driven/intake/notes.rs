@@ -1,4 +1,4 @@
-//! What is found about a recording apart from its physics.
+//! Notes on a recording apart from its physics.
 
 use super::data::Data;
 use super::defects;
@@ -32,15 +32,16 @@ pub enum Broken {
 pub struct Notes {
     /// Findings, one sentence each.
     pub findings: Vec<String>,
-    /// What a reader of the verdict must know, as clauses.
+    /// Doubts that a reader of the verdict must know, as clauses.
     pub doubts: Vec<String>,
     /// Why the columns do not belong together as they stand, so that no physics may be blamed, if they
     /// do not.
     pub broken: Option<Broken>,
-    /// How the reading depends on its input without a linear law that can be seen, as a clause; a
-    /// doubt only where the base model bears it out.
+    /// States how the reading depends on its input without a linear law that can be seen, as a
+    /// clause; a doubt only where the base model bears it out.
     pub bent: Option<String>,
-    /// Where the reading jumps; only worth a word where the final model does not predict it.
+    /// Samples at which the reading jumps; only worth a word where the final model does not predict
+    /// it.
     pub jumps: Vec<usize>,
 }
 

@@ -38,7 +38,7 @@ const PIECE: usize = 20;
 /// squared and summed.
 const LARGEST: f64 = 1e100;
 
-/// What can be fitted, and what was noticed on the way.
+/// Data that can be fitted, and what was noticed on the way.
 #[derive(Debug)]
 pub struct Prepared {
     /// The recording as fits see it.
@@ -184,7 +184,7 @@ fn hints(recording: &Recording, start: &model::Start, findings: &mut Vec<String>
     model::Start { resonance_hz, damping_ratio }
 }
 
-/// An input beside the reading that it may have moved.
+/// The model and the reading for which an input, which may have been moved, is checked.
 struct Columns<'a> {
     model: &'a model::Driven,
     reading: &'a [f64],
@@ -192,8 +192,8 @@ struct Columns<'a> {
 }
 
 impl Columns<'_> {
-    /// Whether input and output belong together as they stand; an input that is far early or late is
-    /// moved.
+    /// Checks that input and output belong together as they stand; an input that is far early or
+    /// late is moved.
     ///
     /// # Errors
     /// Where the two have nothing to do with each other, by a linear law or any other; when stopped.
@@ -245,7 +245,7 @@ impl Columns<'_> {
     }
 }
 
-/// Where the reading jumps, apart from gaps that are known.
+/// Returns where the reading jumps, apart from gaps that are known.
 fn jumps(input: Option<&Input>, reading: &[f64], hull: &Range<usize>, filled: &[Range<usize>]) -> Vec<usize> {
     let mut places = defects::jumps(input.map(Input::samples), reading, hull);
     places.retain(|k| !filled.iter().any(|r| r.start <= k + REACH && *k <= r.end + REACH));

@@ -1,11 +1,11 @@
 //! The noise of a reading, measured without any model: what "at the noise" is held against, so that
-//! nothing a fit takes up can pass for noise.
+//! nothing that a fit absorbs can pass for noise.
 //!
 //! Two kinds of measure. What does not repeat, under an input that does or where nothing moves, is
 //! noise of any colour, but also whatever else does not repeat (a drift, a chaotic response). What
-//! differences of high order or the quietest part of the spectrum hold is white noise, but also
-//! what is left of the motion there. Either errs upwards, so that the smaller is the better one;
-//! what repeats is believed while both agree. Coloured noise is measured by what repeats alone.
+//! differences of high order or the quietest part of the spectrum hold is white noise, but also the
+//! rest of the motion there. Either errs upwards, so that the smaller is the better one; what
+//! repeats is believed while both agree. Coloured noise is measured by what repeats alone.
 
 use std::ops::Range;
 
@@ -64,7 +64,7 @@ pub(crate) struct ReadingNoise {
     pub how: How,
 }
 
-/// What is measured on.
+/// Readings on which the noise is measured.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sample<'a> {
     pub reading: &'a [f64],

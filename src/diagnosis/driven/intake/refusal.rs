@@ -22,7 +22,7 @@ impl From<Stopped> for Refusal {
 }
 
 impl Refusal {
-    /// As the error of this recording's diagnosis.
+    /// Returns the error of this recording's diagnosis.
     pub(crate) fn of(self, recording: &Recording) -> Error {
         let attempt = format!("could not diagnose {}", recording.path.display());
         match self {

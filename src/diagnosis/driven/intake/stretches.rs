@@ -40,7 +40,7 @@ pub(crate) fn merged(sorted: Vec<Range<usize>>) -> Vec<Range<usize>> {
     all
 }
 
-/// What of `from` lies outside `take`.
+/// Returns the part of `from` that lies outside `take`.
 pub(crate) fn minus(from: &[Range<usize>], take: &[Range<usize>]) -> Vec<Range<usize>> {
     let mut remaining = from.to_vec();
     for t in take {

@@ -123,18 +123,18 @@ struct Stepwise<'a> {
     budget: Budget,
     /// Every candidate alone, once it has been tried.
     alone: Vec<Trial>,
-    /// Whether the last step left an oscillation that the input may cause.
+    /// States whether the last step left an oscillation that the input may cause.
     follows_input: bool,
 }
 
-/// Where a walk ended.
+/// End of a walk.
 struct Way {
     chosen: Judged,
     /// Share of its variance that can still be predicted.
     predictable: f64,
-    /// Whether it ended because the work was spent.
+    /// States whether it ended because the work was spent.
     cut_short: bool,
-    /// Whether it left an oscillation that the input may cause.
+    /// States whether it left an oscillation that the input may cause.
     follows_input: bool,
 }
 
@@ -162,12 +162,12 @@ impl Stepwise<'_> {
         Ok(Way { predictable, chosen, cut_short, follows_input })
     }
 
-    /// Whether next to nothing is left of the base model's error.
+    /// Returns whether next to nothing is left of the base model's error.
     fn is_nearly_done(&self, chosen: &Judged) -> bool {
         chosen.held_out.free() < NEARLY_NOTHING * self.base.held_out.free()
     }
 
-    /// Whether more terms will not explain what this model leaves.
+    /// Returns whether more terms will not explain what this model leaves.
     fn is_hopeless(&self, chosen: &Judged) -> bool {
         if chosen.fit.structure.terms.len() < MANY || self.is_nearly_done(chosen) {
             return false;
@@ -220,7 +220,7 @@ impl Stepwise<'_> {
     }
 }
 
-/// That a gate keeps a candidate from being added to a model.
+/// Records that a gate keeps a candidate from being added to a model.
 fn not_added(gate: Gate, chosen: &Judged, with: &Judged) -> Step {
     let added = with.fit.structure.terms.iter().find(|t| !chosen.has(t.id()));
     Step::keeps_out(gate, added.map(Term::id))

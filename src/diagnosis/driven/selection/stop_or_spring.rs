@@ -124,7 +124,7 @@ fn in_place(data: &Data, model: &Fit, index: usize, scales: &Scales) -> Option<F
 /// Displacements from which a force is known well enough.
 const ENOUGH: usize = 4096;
 
-/// As many of these as are enough, evenly spread.
+/// Returns as many of these as are enough, evenly spread.
 fn thinned(visits: Vec<f64>) -> Vec<f64> {
     let every = visits.len() / ENOUGH + 1;
     visits.into_iter().step_by(every).collect()
@@ -141,7 +141,7 @@ fn as_cube(data: &Data, power: &Departing, scales: &Scales) -> Option<Judged> {
     Some(judge(data, fit(data, &structure, &point, scales, ITERATIONS)?, scales))
 }
 
-/// What a law pushes at the displacements that were visited.
+/// Force of a law at the displacements that were visited.
 struct Force<'a> {
     at: &'a [f64],
     force: Vec<f64>,
@@ -153,7 +153,7 @@ struct Nearest {
     /// Power beyond the cube.
     further: f64,
     linear: f64,
-    /// What is left, as a sum of squares.
+    /// Sum of squares of the residual.
     rest: f64,
 }
 
@@ -206,7 +206,7 @@ impl Nearest {
 mod tests {
     use super::*;
 
-    // The force of x |x|^0.7 beside 0.3 x is found again: power, strength and linear spring.
+    // The force of x |x|^0.7 next to 0.3 x is found again: power, strength and linear spring.
     #[test]
     fn a_power_beside_a_linear_spring_is_its_own_nearest() {
         let at: Vec<f64> = (0..400).map(|i| f64::from(i) / 100.0 - 2.0).collect();
