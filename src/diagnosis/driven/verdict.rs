@@ -1,5 +1,5 @@
-//! What may be said: which terms hold, what is left, where the base model errs, and the public
-//! document made of it.
+//! States what the diagnosis concludes: which terms hold, the residual, where the base model errs,
+//! and the public document made of it.
 
 pub mod answer;
 pub mod asked;

@@ -18,7 +18,7 @@ const LET_GO: f64 = 0.9;
 const KNOCKED: [f64; 2] = [1.5, 0.2];
 /// Swings of a stretch at least.
 const FEWEST: usize = 4;
-/// Cycles that are kept after the last swing: where the mass comes to rest tells of friction.
+/// Cycles that are kept after the last swing: where the mass comes to rest shows friction.
 const AT_REST: f64 = 4.0;
 
 /// One swing to one side.

@@ -27,7 +27,7 @@ use super::regression::Regression;
 use super::selection::{Law, Selection, last, search};
 use super::windows;
 
-/// A residual of this fraction of the variance, when it can be predicted, says that something is
+/// A residual of this fraction of the variance, when it can be predicted, shows that something is
 /// missing.
 const FAINT: f64 = 0.05;
 /// Every twelfth sample is examined for structure: at that spacing the low-pass of the force leaves

@@ -51,7 +51,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// From coordinates to parameters.
+    /// Converts coordinates to parameters.
     pub fn point(&self, z: &[f64]) -> Vec<f64> {
         let mut point = self.point.clone();
         for (i, z) in self.free.iter().zip(z) {
@@ -64,7 +64,7 @@ impl<'a> Search<'a> {
         point
     }
 
-    /// From parameters to coordinates.
+    /// Converts parameters to coordinates.
     pub fn z(&self, point: &[f64]) -> Vec<f64> {
         self.free
             .iter()

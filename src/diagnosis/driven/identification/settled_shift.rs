@@ -29,7 +29,8 @@ const CLEARLY: f64 = 0.9;
 /// Iterations of a fit with such a delay.
 const DELAY_ITERATIONS: usize = 25;
 
-/// A recording whose input is where the base model follows it; where it was moved, that is said.
+/// Moves the input back where the base model follows it there; where it stays moved, the notes
+/// report it.
 pub(crate) fn settled(mut prepared: Prepared) -> Prepared {
     let Some(shift) = prepared.shift.take() else { return prepared };
     let narrow = stretches::loudest(&prepared.data);

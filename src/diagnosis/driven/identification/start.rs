@@ -125,7 +125,7 @@ pub fn base(data: &Data, hints: &model::Start) -> Option<(Fit, Scales)> {
         found.into_iter().flatten().min_by(|(a, _), (b, _)| a.variance.total_cmp(&b.variance))
     };
     let best = best_of(&places)?;
-    // Under few lines the response says little of the resonance; the transient rings at it.
+    // Under few lines the response shows little of the resonance; the transient rings at it.
     let ringing = data.input.as_ref().map_or(Vec::new(), |input| {
         let (errors, _) = trace(data, &best.0.structure, &best.0.point, &best.0.run(data, false));
         let mut places = by_ringing(data, input.samples(), &best.0, &errors, &RINGING_ZETAS);
@@ -176,7 +176,7 @@ fn looks(values: &[f64]) -> impl Iterator<Item = &[f64]> {
 struct Line {
     /// Angular frequency of the resonance, rad/s.
     omega: f64,
-    /// Of all power, what it and two ordinates to each side hold.
+    /// Share of all power that it and two ordinates to each side hold.
     fraction: f64,
 }
 

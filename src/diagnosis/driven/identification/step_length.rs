@@ -16,7 +16,7 @@ const TRIED: [f64; 9] = [0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0];
 /// The finest for laws without a corner, whose errors are of fourth order; a corner's are of
 /// second.
 const SMOOTH: f64 = 2.0;
-/// By how much of its standard deviation, all parameters taken together, integration may move the
+/// Part of its standard deviation, all parameters taken together, by which integration may move the
 /// answer.
 const SHIFT: f64 = 0.2;
 /// Share of the innovations' variance that it may make up: a tenth of the smallest gain that earns

@@ -17,14 +17,14 @@ use crate::parallel;
 
 /// Longest stretch that is looked at.
 const LOOKED_AT: usize = 8192;
-/// Fewest samples that say anything about a lag.
+/// Fewest samples that show anything of a lag.
 const FEWEST: usize = 256;
 const ZETAS: [f64; 4] = [0.01, 0.05, 0.2, 0.8];
 /// Ratio of neighbouring natural frequencies tried.
 const RATIO: f64 = 1.06;
-/// From this many samples on, a lag is one of the recording and not of the sensor.
+/// Number of samples from which on a lag is one of the recording and not of the sensor.
 const LATE: isize = 10;
-/// From as many on, the other way, a lead is one of the recording and not of the chain that
+/// The same for a lead, the other way, which is then one of the recording and not of the chain that
 /// measures the input.
 const EARLY: isize = -LATE;
 /// Part of the cause's power that must lie well below half the rate of what is compared.

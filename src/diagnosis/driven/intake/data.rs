@@ -46,7 +46,7 @@ pub struct Data {
     pub followed: Vec<Followed>,
     /// Sampling rate, Hz.
     pub rate_hz: f64,
-    /// From the first to the last sample that is fitted.
+    /// Range from the first to the last sample that is fitted.
     pub hull: Range<usize>,
     /// First samples of the further recordings within the hull, ascending: there the mass begins
     /// anew.

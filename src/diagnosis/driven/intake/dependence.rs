@@ -93,7 +93,7 @@ fn enters_anywhere(
     Ok(entered.contains(&true))
 }
 
-/// Without mean and of unit size.
+/// Returns the values without their mean and of unit size.
 fn unit(values: &[f64]) -> Vec<f64> {
     let (mean, size) = mean_sd(values);
     values.iter().map(|v| (v - mean) / size.max(1e-300)).collect()
@@ -125,7 +125,7 @@ fn enters(u: &[f64], y: &[f64], side: usize, asked: Asked, control: &Control) ->
     }
     let around = within(rest(&force, &granted));
     let of_state: f64 = rest(&around, &granted).iter().map(|r| r * r).sum();
-    // Where a reading does not tell on which side of the middle the mass is, the input pushes it up
+    // Where a reading does not show on which side of the middle the mass is, the input pushes it up
     // as often as down, and shows in the size of the residual alone.
     let sizes: Vec<f64> = around.iter().map(|r| r.abs()).collect();
     let constant = vec![1.0; sizes.len()];
@@ -287,7 +287,7 @@ mod tests {
         assert!(!depends(&u, &noise, &whole));
     }
 
-    // A reading that is the size of the displacement: on which side the mass is cannot be told.
+    // A reading that is the size of the displacement: on which side the mass is cannot be known.
     #[test]
     fn a_reading_without_a_sign_depends_on_its_input() {
         let (u, y) = moved(|x| 4.0 * x);

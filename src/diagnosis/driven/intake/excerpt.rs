@@ -1,5 +1,5 @@
 //! A recording too long to be fitted at once: its loudest stretch stands for the whole, and that is
-//! said.
+//! reported.
 //!
 //! A model's errors and their derivatives are held in memory, some kilobytes per sample; and what
 //! half a million samples cannot show, more of the same will hardly show. Ranges that a model file

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::OnceLock;
 
-/// Course of the input from one sample to the next.
+/// Interpolation of the input from one sample to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Interpolation {
     /// Nothing above half the sampling rate: windowed sinc.

@@ -1,5 +1,5 @@
-//! From a recording and its model to what can be fitted: columns found, ranges checked, defects
-//! said.
+//! Arranges a recording and its model into what can be fitted: columns found, ranges checked,
+//! defects reported.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -30,7 +30,7 @@ use super::work::Work;
 /// Fewer samples than this cannot carry a base model and a judgement on it.
 const FEWEST: usize = 20 * BASE;
 
-/// Fewest samples of a range apart that judge: its first ones only tell in which state it begins.
+/// Fewest samples of a range apart that judge: its first ones only show in which state it begins.
 pub(super) const FEWEST_JUDGES: usize = 200;
 /// Fewest samples in a row that are worth judging on.
 const PIECE: usize = 20;
@@ -47,7 +47,7 @@ pub struct Prepared {
     pub start: model::Start,
     /// Samples that were not recorded.
     pub filled: Stretches,
-    /// By how much the input was moved, where it looks misaligned.
+    /// Shift of the input, where it looks misaligned.
     pub(crate) shift: Option<Shift>,
     /// Defects and choices that the verdict must mention.
     pub notes: Notes,
@@ -159,7 +159,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven, control: &Control) 
     Ok(Prepared { data, start, filled, shift, notes })
 }
 
-/// Hints that this recording could show; what could not be is said and left out.
+/// Hints that this recording could show; what could not be is reported and left out.
 fn hints(recording: &Recording, start: &model::Start, findings: &mut Vec<String>) -> model::Start {
     let (half_hz, slowest_hz) = (0.5 * recording.rate_hz, OMEGAS_PER_SAMPLE[0] / TAU * recording.rate_hz);
     let [least, most] = ZETAS;

@@ -1,11 +1,11 @@
-//! Why a diagnosis ends before it has a verdict: what is wrong with the recording, or somebody
-//! stopped it.
+//! States why a diagnosis ends before it has a verdict: something is wrong with the recording, or
+//! somebody stopped it.
 
 use crate::control::Stopped;
 use crate::error::Error;
 use crate::recording::Recording;
 
-/// Why there is no verdict.
+/// Reason why there is no verdict.
 #[derive(Debug)]
 pub(crate) enum Refusal {
     /// Input and output have nothing to do with each other, or no oscillator can be fitted; in

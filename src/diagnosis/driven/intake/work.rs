@@ -4,7 +4,7 @@
 //! Each stage has a budget of its own: the search for terms, the look for others that would do as
 //! well, the conclusion with its intervals. It is looked at where all fits begun have ended; what
 //! has been begun is finished, so that a stage overruns its budget by at most the fits of one step.
-//! What a stage had to leave out is said in the verdict.
+//! The verdict reports what a stage had to leave out.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};

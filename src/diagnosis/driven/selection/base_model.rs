@@ -49,7 +49,7 @@ pub(crate) enum NoOscillator {
 }
 
 impl NoOscillator {
-    /// Why the recording is refused, in words.
+    /// Returns why the recording is refused, in words.
     pub(crate) fn cause(&self) -> String {
         match self {
             Self::None => "no oscillator, at any resonance or damping, can be fitted to it".to_owned(),

@@ -1,6 +1,6 @@
 //! Readout noise with a short memory: what a sigma-delta converter, an anti-alias filter or a
-//! moving average leaves of white noise. It says nothing about the physics, and all of it goes
-//! when each reading is compared with the few before it.
+//! moving average leaves of white noise. It shows nothing of the physics, and all of it goes when
+//! each reading is compared with the few before it.
 //!
 //! The errors are taken for an autoregressive process of low order (Yule–Walker equations). Errors
 //! that physics leaves remember for a good part of a cycle, or until a free oscillation has died

@@ -34,8 +34,8 @@ const HEAT: usize = 3 * ITERATIONS;
 const HEATS: usize = 4;
 
 /// Looks for them where the chosen model leaves something, or is made of several linear terms, or
-/// of a low-pass that a second pole may extend; and for a second mass next to a mode, which another
-/// sharing of the damping alone tells from it.
+/// of a low-pass that a second pole may extend; and for a second mass next to a mode, which only
+/// the way the two share the damping distinguishes from it.
 ///
 /// # Errors
 /// Stopped.
@@ -221,9 +221,9 @@ fn masses(modes: &Fit, index: usize) -> Option<([f64; 3], [f64; 5])> {
     (ratio > 0.0).then_some(([gain, omega, zeta], [ratio, own, (0.5 * slows / own).clamp(1e-4, 0.6), 0.0, 0.0]))
 }
 
-/// Log-likelihood less the penalty of the parameters, without that of initial values: a second
-/// state's fades, so that more samples do not tell more of it, and Schwarz's penalty is of what they
-/// do.
+/// Returns the log-likelihood less the penalty of the parameters, without that of initial values: a
+/// second state's fades, so that more samples show no more of it, and Schwarz's penalty is of what
+/// they do.
 pub(super) fn worth(model: &Judged) -> f64 {
     let fit = &model.fit;
     let beginnings = fit.structure.all_beginnings();

@@ -38,7 +38,7 @@ const SAME: f64 = 2.0;
 const MEMORIES: [f64; 4] = [0.7, 1.0, 1.6, 2.6];
 
 /// Puts a law with its own exponent in the place of one that departs from its form, where the data
-/// tell that shape from others.
+/// distinguish that form from others.
 pub(super) fn settle_shape(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let search = Search { data, scales, tried: selection.tried, budget };
     let departing = selection.departing.as_ref().filter(|_| data.trace.is_on(Gate::OwnPower));
@@ -101,8 +101,8 @@ fn damping(exponent: Exponent) -> Term {
 }
 
 impl Power {
-    /// Of a free form with these values: c a³ s^d of a spring is (c size²) s^(2 + d) a, and c |a|a s^d
-    /// of a drag (c size) s^(1 + d) a.
+    /// Returns the law of a free form with these values: c a³ s^d of a spring is (c size²) s^(2 +
+    /// d) a, and c |a|a s^d of a drag (c size) s^(1 + d) a.
     fn of(form: &FreeForm, values: &[f64]) -> Option<Self> {
         let (size, beyond) = (form.size, values.get(1).copied().unwrap_or(0.0));
         let spring = Self {
@@ -196,7 +196,8 @@ impl Search<'_> {
         found <= UNDONE || found <= left(than)
     }
 
-    /// A law of one power in the place of the law that departs, where the data tell that it is one.
+    /// Fits a law of one power in the place of the law that departs, where the data show that it is
+    /// one.
     fn power(&self, stated: &Judged, departing: &Departing) -> Option<Judged> {
         let (free, index) = (&departing.judged, departing.index);
         let Term::FreeForm(form) = free.fit.structure.terms[index] else { return None };

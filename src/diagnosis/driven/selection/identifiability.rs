@@ -41,7 +41,7 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// Of a recording and its base model.
+    /// Finds the limits of a recording and its base model.
     pub fn of(data: &Data, base: &Fit) -> Self {
         let cycles = base.point[OMEGA] * data.hull.len() as f64 * data.interval_s() / TAU;
         // A chaotic response is seen at all frequencies, whatever the input.
@@ -54,7 +54,7 @@ impl Reach {
 
     /// Returns the ids of the laws that answer this input alike next to these terms: all that is
     /// linear, where the terms among them have as many parameters as the lines have amplitudes and
-    /// phases. Empty where the input tells them apart.
+    /// phases. Empty where the input distinguishes them.
     pub fn class(&self, terms: &[Term]) -> Vec<&'static str> {
         let linear: Vec<&Term> = terms.iter().filter(|t| is_linear(t)).collect();
         let seen = |t: &Term| t.candidate().parameters.len();

@@ -69,7 +69,7 @@ impl Explained {
 }
 
 /// Returns how much is predicted of the disturbance that this noise stands for; `None` where the
-/// recording is too short to say.
+/// recording is too short.
 pub(crate) fn explained_by_known(data: &Data, fit: &Fit, noise: Noise) -> Option<Explained> {
     let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let breaks: Vec<usize> = data.breaks.iter().map(|b| b.saturating_sub(data.hull.start)).collect();

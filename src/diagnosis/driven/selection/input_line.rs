@@ -46,7 +46,7 @@ struct InputLines {
 }
 
 impl InputLines {
-    /// Of the recording's input; `None` where there is none.
+    /// Finds the lines of the recording's input; `None` where there is none.
     fn of(data: &Data) -> Option<Self> {
         let input = data.input.as_ref()?;
         Some(Self::of_samples(&Input::samples(input)[data.hull.clone()], data.rate_hz))

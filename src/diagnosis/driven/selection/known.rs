@@ -30,7 +30,7 @@ pub enum Known {
     Environment,
 }
 
-/// Without mean, of unit size; `None` for a constant.
+/// Returns the values without their mean, of unit size; `None` for a constant.
 pub(super) fn standard(values: &[f64]) -> Option<Vec<f64>> {
     let (mean, sd) = mean_sd(values);
     (sd > 1e-12 * mean.abs() && sd.is_finite() && sd > 0.0).then(|| values.iter().map(|v| (v - mean) / sd).collect())
@@ -137,7 +137,7 @@ impl Regressors {
         rings.collect()
     }
 
-    /// Returns how the input goes between samples: forces that say nothing of a law that is
+    /// Returns how the input goes between samples: forces that show nothing of a law that is
     /// missing.
     pub(super) fn between_samples(&self) -> Vec<Vec<f64>> {
         let Some((u, _)) = &self.input else { return Vec::new() };

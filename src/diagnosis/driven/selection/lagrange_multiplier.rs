@@ -26,7 +26,7 @@ const DISTINCT: f64 = 1e-9;
 pub(super) enum Entry {
     /// On the mass as a force, over one sample.
     Force,
-    /// In the reading.
+    /// At the reading.
     Reading,
 }
 
@@ -133,7 +133,7 @@ impl Tested {
     }
 
     /// Returns what the columns explain beyond what is granted: `None` where the recording is too
-    /// short to say or nothing is left of the columns.
+    /// short or nothing is left of the columns.
     pub(super) fn score(&self, columns: impl Iterator<Item = Vec<f64>>) -> Option<Score> {
         let mut columns = matrix(columns.filter_map(|c| standard(&c)).collect());
         if columns.nrows() < ROWS_PER_COLUMN * (columns.ncols() + self.granted.ncols()) {

@@ -25,8 +25,8 @@ pub(super) struct Pumped {
 }
 
 impl Pumped {
-    /// At the frequencies at which this disturbance follows this motion most; `None` where either
-    /// is too short to say.
+    /// Finds the frequencies at which this disturbance follows this motion most; `None` where
+    /// either is too short.
     pub(super) fn of(disturbance: &[f64], motion: &[f64]) -> Option<Self> {
         let rows = disturbance.len().min(motion.len());
         if rows < EVEN_BINS {

@@ -22,7 +22,7 @@ const LEAST_LEAD: f64 = 1.0;
 /// Log-likelihood by which a model must lead to be distinguished from another: odds of 400 to 1.
 pub(crate) const TIE: f64 = 6.0;
 
-/// Returns whether the library says that one can be mistaken for the other.
+/// Returns whether the library states that one can be mistaken for the other.
 pub(crate) fn alike(a: &Term, b: &Term) -> bool {
     a.candidate().confusable_with.contains(&b.id()) || b.candidate().confusable_with.contains(&a.id())
 }
@@ -37,7 +37,7 @@ pub(super) struct Look<'a> {
     pub budget: Budget,
     /// States whether something was not looked at because that was spent.
     pub left_out: bool,
-    /// Who may stop it.
+    /// Control that may stop it.
     pub control: &'a Control,
 }
 

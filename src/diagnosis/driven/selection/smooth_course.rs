@@ -107,7 +107,7 @@ mod tests {
         -0.5 * ROWS as f64 * (sum / ROWS as f64).ln() - 0.5 * log - penalty(ROWS)
     }
 
-    /// By how much the best polynomial is better than the best walk.
+    /// Returns by how much the best polynomial is better than the best walk.
     fn lead(course: &[f64]) -> f64 {
         let at: Vec<f64> = (0..ROWS).map(|i| (i as f64 + 0.5) / ROWS as f64).collect();
         let steps = (0..40).map(|i| 10f64.powf(-4.0 + 0.1 * f64::from(i)));

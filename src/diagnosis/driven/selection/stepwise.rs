@@ -139,7 +139,7 @@ struct Way {
 }
 
 impl Stepwise<'_> {
-    /// From the base model as far as these candidates lead.
+    /// Walks from the base model as far as these candidates lead.
     fn forward(&mut self, candidates: &[Term]) -> Result<Way, Stopped> {
         let (data, mut chosen, mut cut_short, mut follows_input) = (self.data, self.base.clone(), false, false);
         for _ in 0..=MOST_TERMS {
@@ -201,8 +201,8 @@ impl Stepwise<'_> {
         let mut qualifying = trials
             .iter()
             .filter_map(|t| t.judged.as_ref())
-            // At the end of its plausible range a law is not what its name says: the others answer
-            // without it.
+            // At the end of its plausible range a law is not what its name states: the others
+            // answer without it.
             .filter(|j| !(j.fit.at_bound(self.scales) && data.trace.acts(not_added(Gate::SearchBound, chosen, j))))
             .take(3)
             .filter(|j| {

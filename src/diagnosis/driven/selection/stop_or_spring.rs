@@ -29,7 +29,7 @@ const LONG: usize = 4 * ITERATIONS;
 /// A fit of the power that starts at the cube ends before it gets there, and a stop whose gap lies
 /// within the motion imitates it. Started where its force is nearest to the stop's, the fit gets
 /// there; where it then does better than the stop, the law is a spring, and where it does as well,
-/// the recording tells neither from the other.
+/// the two are indistinguishable.
 pub(super) fn settle_power(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let found = selection.departing.as_ref().map_or(&selection.chosen, |d| &d.judged);
     let terms = &found.fit.structure.terms;
@@ -165,7 +165,7 @@ impl<'a> Force<'a> {
         Self { at, force }
     }
 
-    /// By least squares over the visits, in units of the spring's size.
+    /// Finds the nearest power by least squares over the visits, in units of the spring's size.
     fn nearest(&self, spring: &FreeForm, further: f64) -> Option<Nearest> {
         let unit = spring.size.powi(3);
         let (mut pp, mut pl, mut ll, mut pf, mut lf, mut ff) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
