@@ -226,7 +226,7 @@ impl Fit {
     }
 
     /// Returns whether a law's parameter lies at the end of its plausible range, where the law is
-    /// not what its name says.
+    /// not what its name states.
     pub fn at_bound(&self, scales: &Scales) -> bool {
         (0..self.structure.terms.len()).any(|index| self.term_at_bound(index, scales))
     }

@@ -29,8 +29,8 @@ const CLEARLY: f64 = 0.9;
 /// Iterations of a fit with such a delay.
 const DELAY_ITERATIONS: usize = 25;
 
-/// Moves the input back where the base model follows it there; where it stays moved, the notes
-/// report it.
+/// Moves the input back unless the base model follows it far better where it was moved; the notes
+/// report a move that stays.
 pub(crate) fn settled(mut prepared: Prepared) -> Prepared {
     let Some(shift) = prepared.shift.take() else { return prepared };
     let narrow = stretches::loudest(&prepared.data);

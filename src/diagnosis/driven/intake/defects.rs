@@ -28,7 +28,7 @@ const SURPRISING: f64 = 15.0;
 const FEW: usize = 3;
 /// Surprises nearer to each other than this are one, which is where it is strongest.
 const APART: usize = 4 * LAGS;
-/// Share of the readings on either side of the range of which too few are known to know what is
+/// Share of the readings on either side of the range of which too few are known to learn what is
 /// usual there.
 const TAIL: f64 = 0.01;
 

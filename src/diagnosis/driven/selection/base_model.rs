@@ -152,8 +152,8 @@ pub(crate) fn interpolated(how: Interpolation) -> String {
     format!("the input is best interpolated by {} between samples", how.words())
 }
 
-/// Returns whether, and which of, steps or straight lines between the samples of the input do as
-/// well as the linear terms of `chosen` that they could be mistaken for: a held input looks late by
+/// Returns which of steps and straight lines between the samples of the input does as well as the
+/// linear terms of `chosen` that it could be mistaken for, if one does: a held input looks late by
 /// half a sample, straight lines look like a weak low-pass.
 pub(crate) fn other_input(data: &mut Data, chosen: &Judged, scales: &Scales) -> Option<Interpolation> {
     let mistaken = |t: &Term| {

@@ -1,6 +1,6 @@
-//! Runs one round of candidates on top of a model: each screened by one linear step, the most promising
-//! fitted together with the base and judged. Not the order of rounds (`stepwise`) and not what
-//! makes a term worth its place (`earned`).
+//! Runs one round of candidates on top of a model: each screened by one linear step, the most
+//! promising fitted together with the base and judged. Not the order of rounds (`stepwise`) and not
+//! what makes a term worth its place (`earned`).
 
 use crate::control::{Control, Stopped};
 use crate::driven::identification::fit::{Fit, Search, fit};

@@ -101,8 +101,8 @@ fn damping(exponent: Exponent) -> Term {
 }
 
 impl Power {
-    /// Returns the law of a free form with these values: c a³ s^d of a spring is (c size²) s^(2 +
-    /// d) a, and c |a|a s^d of a drag (c size) s^(1 + d) a.
+    /// Returns the law of a free form with these values. For a spring c a³ s^d is
+    /// (c size²) s^(2 + d) a; for a drag c |a|a s^d is (c size) s^(1 + d) a.
     fn of(form: &FreeForm, values: &[f64]) -> Option<Self> {
         let (size, beyond) = (form.size, values.get(1).copied().unwrap_or(0.0));
         let spring = Self {

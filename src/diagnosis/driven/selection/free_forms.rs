@@ -1,6 +1,6 @@
 //! Free forms, for laws that are near the library's and not it: each law that was chosen is given
-//! freedom in its form, and what that absorbs is no second effect. A law whose free form predicts samples better
-//! that were not fitted departs from its name.
+//! freedom in its form, and what that absorbs is no second effect. A law whose free form predicts
+//! samples better that were not fitted departs from its name.
 //!
 //! Not for how far it departs (`verdict::form`) and not for what follows for the verdict
 //! (`ruling`).

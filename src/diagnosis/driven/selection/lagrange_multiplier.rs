@@ -1,6 +1,6 @@
 //! The Lagrange multiplier (score) test: asks whether innovations follow from known quantities,
-//! each of which is passed through the model's own filter first, as the force or the change of the reading that a missing
-//! law would make of it.
+//! each of which is passed through the model's own filter first, as the force or the change of the
+//! reading that a missing law would make of it.
 //!
 //! Innovations of the right model are unpredictable from what came before, and so from what the
 //! filter makes of it, however slowly the mass answers. The statistic holds for noise of uneven

@@ -127,7 +127,7 @@ struct Stepwise<'a> {
     follows_input: bool,
 }
 
-/// End of a walk.
+/// Result of one walk forward.
 struct Way {
     chosen: Judged,
     /// Share of its variance that can still be predicted.

@@ -58,7 +58,7 @@ pub struct Cell {
     pub error: f64,
     /// Number of samples in the cell.
     pub samples: usize,
-    /// States whether noise alone hardly makes it.
+    /// States whether noise alone is unlikely to make it.
     pub found: bool,
 }
 
