@@ -1,6 +1,6 @@
 //! `proofmass adapters`: what could compute on this machine.
 
-use super::say::{say, sayln};
+use super::output::{say, sayln};
 use proofmass_base::error::Result;
 use proofmass_kernel::cpu::lanes::Level;
 use proofmass_report::table::Table;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::numbers;
-use super::say::{remark, say, sayln, screen};
+use super::output::{remark, say, sayln, screen};
 use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};
 use proofmass_base::progress;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::device::{backends, open};
 use super::numbers;
-use super::say::{remark, say, sayln};
+use super::output::{remark, say, sayln};
 use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};
 use proofmass_base::progress;

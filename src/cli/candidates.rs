@@ -1,6 +1,6 @@
 //! `proofmass candidates`: the physics that `diagnose` can name.
 
-use super::say::sayln;
+use super::output::sayln;
 use proofmass_base::document::to_json;
 use proofmass_base::error::Result;
 use proofmass_diagnosis as diagnosis;

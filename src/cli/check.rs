@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::diagnose::{Asked, model_for};
-use super::say::{remark, sayln, screen};
+use super::output::{remark, sayln, screen};
 use proofmass_base::document::to_json;
 use proofmass_base::error::Result;
 use proofmass_base::output::{self, Folder};

@@ -3,7 +3,7 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-use super::say::remark;
+use super::output::remark;
 use proofmass_base::error::Result;
 use proofmass_simulate::backend::gpu::Gpu;
 use proofmass_simulate::backend::orbits::Device;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::numbers;
-use super::say::{remark, sayln, screen};
+use super::output::{remark, sayln, screen};
 use proofmass_base::control::Control;
 use proofmass_base::document::to_json;
 use proofmass_base::error::Result;

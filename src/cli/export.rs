@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::say::{remark, say, sayln};
+use super::output::{remark, say, sayln};
 use proofmass_base::document::{read_text, to_json};
 use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};

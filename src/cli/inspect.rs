@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::say::{remark, sayln};
+use super::output::{remark, sayln};
 use proofmass_base::error::Result;
 use proofmass_base::progress;
 use proofmass_recording::Request;

@@ -16,22 +16,22 @@ pub mod adapters;
 pub mod allan;
 pub mod bench;
 pub mod candidates;
-mod changed;
 pub mod check;
 mod device;
 pub mod diagnose;
 pub mod export;
 pub mod import;
 pub mod inspect;
-mod launched;
+mod launcher;
 pub mod map;
 pub mod merge;
 mod numbers;
+pub mod output;
+mod overrides;
 pub mod paper;
 pub mod plan;
 pub mod require;
 mod samples;
-pub mod say;
 pub mod schema;
 mod sharded;
 pub mod shell;
@@ -151,7 +151,7 @@ pub fn not_understood(error: clap::Error) -> Error {
         let printed = error.print().and_then(|()| std::io::stdout().flush());
         match printed {
             Ok(()) => std::process::exit(0),
-            Err(e) => return say::not_printed(&e),
+            Err(e) => return output::not_printed(&e),
         }
     }
     let text = error.render().to_string();

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use super::device::{backends, on_device};
-use super::launched::refuse_ranks;
+use super::launcher::refuse_ranks;
 use super::numbers;
-use super::say::{remark, say, sayln};
+use super::output::{remark, say, sayln};
 use super::sharded::tell;
 use proofmass_base::document::{parse_toml, read_text};
 use proofmass_base::error::Result;

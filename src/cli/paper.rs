@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::device::{backends, on_device};
 use super::numbers;
-use super::say::{say, sayln};
+use super::output::{say, sayln};
 use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};
 use proofmass_base::progress;

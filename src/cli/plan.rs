@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::say::{sayln, screen};
+use super::output::{sayln, screen};
 use proofmass_base::document::to_json;
 use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};

@@ -3,8 +3,8 @@
 
 use std::path::PathBuf;
 
-use super::changed::Changed;
-use super::say::{say, sayln};
+use super::output::{say, sayln};
+use super::overrides::Changed;
 use proofmass_base::document::to_json;
 use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};

@@ -3,7 +3,7 @@
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
-use super::say::remark;
+use super::output::remark;
 use proofmass_base::columns::{Columns, Format, Values};
 use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};

@@ -6,7 +6,7 @@
 use schemars::{Schema, schema_for};
 use serde_json::json;
 
-use super::say::sayln;
+use super::output::sayln;
 use super::template::Kind;
 use proofmass_base::document::to_json;
 use proofmass_base::error::Result;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::json;
 
-use super::say::sayln;
+use super::output::sayln;
 use proofmass_base::error::Result;
 use proofmass_base::shard::file::Header;
 

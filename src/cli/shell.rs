@@ -3,7 +3,7 @@
 
 use clap_complete::Shell;
 
-use super::say::say;
+use super::output::say;
 use proofmass_base::error::{Error, Result};
 
 /// Arguments of `completions`.

@@ -11,12 +11,12 @@ mod shard;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use super::changed::Changed;
 use super::device::backends;
-use super::launched;
+use super::launcher;
 use super::numbers;
+use super::output::remark;
+use super::overrides::Changed;
 use super::samples;
-use super::say::remark;
 use super::sweep;
 use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};
@@ -106,7 +106,7 @@ pub struct Arguments {
 /// written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     #[cfg(feature = "mpi")]
-    if launched::ranks().is_some() && arguments.shard.is_none() && arguments.emit.is_none() {
+    if launcher::ranks().is_some() && arguments.shard.is_none() && arguments.emit.is_none() {
         let ready = || {
             let study = of_one_value(source(arguments)?.study()?)?;
             Ok(ranks::Asked { out: folder(arguments, &study), outputs: outputs(arguments, &study), study })
@@ -136,7 +136,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
             None => shard::run(&study, &request, json),
         };
     }
-    launched::refuse_ranks("study")?;
+    launcher::refuse_ranks("study")?;
     let asked = sweep::Asked {
         study: arguments.study.as_deref(),
         axes: &arguments.sweep,

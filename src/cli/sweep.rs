@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::say::{say, sayln};
+use super::output::{say, sayln};
 use proofmass_base::document::to_json;
 use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};

@@ -1,6 +1,6 @@
 //! `proofmass template`: a complete, commented file of each kind, to begin from.
 
-use super::say::{say, sayln};
+use super::output::{say, sayln};
 use proofmass_base::document::to_json;
 use proofmass_base::error::Result;
 

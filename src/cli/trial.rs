@@ -9,9 +9,9 @@ pub(super) mod shard;
 use std::path::{Path, PathBuf};
 
 use super::diagnose::gate;
-use super::launched::refuse_ranks;
+use super::launcher::refuse_ranks;
 use super::numbers;
-use super::say::{remark, say, sayln};
+use super::output::{remark, say, sayln};
 use answer::{FILES, Run, STATES};
 use proofmass_base::control::Control;
 use proofmass_base::document::to_json;

@@ -1,7 +1,7 @@
 //! `proofmass validate`: laws, closed forms, orders and parities on this machine.
 
 use super::device::backends;
-use super::say::{say, sayln};
+use super::output::{say, sayln};
 use proofmass_base::error::{Error, Result};
 use proofmass_base::number::significant;
 use proofmass_base::progress;

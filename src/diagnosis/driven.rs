@@ -1,4 +1,5 @@
-//! Input and output of one proof mass, or its free ring-down: which physics its model leaves out.
+//! Input and output of one proof mass, or its free ring-down: finds which physics its model leaves
+//! out.
 //!
 //! One room per stage, each of which imports only those before it: `intake` → `simulation` →
 //! `identification` → `selection` → `verdict`, over the laws in `physics`. A free decay goes its own way,
@@ -111,7 +112,7 @@ fn decayed(recording: &Recording, taken: &Taken, model: &model::Driven) -> Optio
     Some((answer, decay.leaves_noise_with_memory()))
 }
 
-/// Whether an answer names something, and noise alone.
+/// Returns whether an answer names something, and noise alone.
 fn names_noise_alone(answer: &Answer) -> bool {
     let is_noise = |id: &str| Term::all().iter().any(|t| t.id() == id && t.noise().is_some());
     !answer.effects.is_empty() && answer.effects.iter().all(|e| is_noise(&e.id))
@@ -145,16 +146,16 @@ fn by_likelihood(recording: &Recording, taken: Taken, model: &model::Driven, con
 /// it.
 struct Course {
     data: Data,
-    /// What terms are chosen on: the loudest stretch of a long recording, else all of it.
+    /// Data on which terms are chosen: the loudest stretch of a long recording, else all of it.
     narrow: Data,
     /// Hints that can be right.
     start: model::Start,
-    /// Whether the reading follows a linear oscillator at all.
+    /// States whether the reading follows a linear oscillator at all.
     follows: bool,
     /// Samples that were not recorded.
     filled: Stretches,
     notes: Notes,
-    /// What the search may cost.
+    /// Work that the search may spend.
     budget: Budget,
 }
 
@@ -173,7 +174,7 @@ impl Course {
         Self { data, narrow, start, follows: true, filled, notes, budget }
     }
 
-    /// Whether terms are chosen on all of the recording.
+    /// Returns whether terms are chosen on all of the recording.
     fn is_whole(&self) -> bool {
         self.narrow.hull == self.data.hull
     }
@@ -239,8 +240,8 @@ impl Course {
 
     /// An input that is held between its samples, or goes along straight lines, turns the phase by
     /// far where there are few samples to a cycle: the mean square `left` that the base model then
-    /// leaves is no physics. Whether the base model follows the reading on such an input, and no
-    /// other.
+    /// leaves is no physics. Returns whether the base model follows the reading on such an input,
+    /// and no other.
     fn settle_interpolation(&mut self, left: f64) -> bool {
         let least = start::POOR * self.power();
         let is_asked = left >= least && self.filled.is_empty() && self.data.trace.is_on(Gate::BaseInterpolation);
@@ -342,7 +343,7 @@ impl Course {
     /// Terms that can be tried on this recording.
     fn candidates(&self, scales: &Scales) -> Vec<Term> {
         let all = Term::tried(self.data.environments, self.data.input.is_some());
-        // A window begins from a displacement and a velocity: what has states beside them begins
+        // A window begins from a displacement and a velocity: what has states next to them begins
         // unknown each time.
         let begins = |t: &Term| self.data.windows.is_none() || (t.states() == 0 && t.noise().is_none());
         all.into_iter().filter(|t| self.notes.broken.is_none() && begins(t) && !t.starts(scales).is_empty()).collect()
@@ -355,7 +356,8 @@ impl Course {
         if self.narrow.windows.is_some() || settled || !self.data.trace.is_on(Gate::OtherInput) {
             return None;
         }
-        // A stated form that departs bends what stands beside it: half a sample is seen where it is free.
+        // A stated form that departs bends what stands next to it: half a sample is seen where it
+        // is free.
         let best = selection.departing.as_ref().map_or(&selection.chosen, |d| &d.judged);
         let how = base_model::other_input(&mut self.narrow, best, scales)?;
         self.data.trace.acts(Step::of(Gate::OtherInput, best.words(), how.words()));
@@ -378,8 +380,8 @@ impl Course {
         }
     }
 
-    /// What may be said of the model chosen, fitted to all samples but those that the model file
-    /// keeps for the test.
+    /// Concludes on the model chosen, fitted to all samples but those that the model file keeps for
+    /// the test.
     fn conclude(&mut self, selection: &Selection, scales: &Scales) -> Conclusion {
         let data = &mut self.data;
         if data.own_test {
@@ -402,7 +404,7 @@ impl Course {
         conclusion
     }
 
-    /// What free simulation adds to a conclusion.
+    /// Adds to a conclusion what free simulation shows.
     fn simulated(
         &self,
         selection: Selection,

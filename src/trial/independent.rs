@@ -7,35 +7,35 @@
 //! with events; how much of an effect can be seen is found by an oracle of its own.
 //!
 //! Imports run `draw` → `wave` → `law` → `readout` → `oscillator` → `motion` → `simulate` →
-//! `driven` → `stage` → `piece` → `letter` → `near` → `case` → `stated` → `judge` → `run` → `score`.
+//! `driven` → `stage` → `sizing` → `exact` → `near_miss` → `case` → `stated` → `judge` → `run` → `score`.
 
-mod beside;
 pub mod case;
 pub mod columns;
 pub mod draw;
 pub mod driven;
-pub mod foreign;
+pub mod exact;
 pub mod integrate;
 pub mod judge;
 pub mod law;
-pub mod letter;
 pub mod linear;
+mod masking;
 pub mod motion;
-pub mod near;
+pub mod near_miss;
 pub mod null;
 mod octave;
 pub mod oscillator;
-pub mod piece;
 mod posed;
 pub mod readout;
 pub mod rest;
 pub mod run;
 pub mod score;
 pub mod simulate;
+pub mod sizing;
 pub mod stage;
 mod stated;
 pub mod still;
 pub mod truth;
 pub mod tumble;
 pub mod turned;
+pub mod unmodelled;
 pub mod wave;

@@ -364,8 +364,8 @@ fn replaced(text: &str) -> Vec<String> {
 }
 
 fn one_word_for_one_thing() -> Result<(), Failed> {
-    for (path, text) in sources().iter().filter(|(path, _)| !is_driven(path)) {
-        let wrong = replaced(text);
+    for (path, text) in sources() {
+        let wrong = replaced(&text);
         check(wrong.is_empty(), format!("{}: {}", path.display(), wrong.join("; ")))?;
     }
     // Negative controls.
@@ -373,14 +373,9 @@ fn one_word_for_one_thing() -> Result<(), Failed> {
     check(replaced(bad).len() == 2, format!("{:?}", replaced(bad)))
 }
 
-/// Returns whether a file is of the diagnosis of driven recordings, whose comments are older.
-fn is_driven(path: &Path) -> bool {
-    path.with_extension("").starts_with("src/diagnosis/driven")
-}
-
 fn docs_begin_well() -> Result<(), Failed> {
     for (path, text) in sources() {
-        let wrong = if is_driven(&path) { Vec::new() } else { clauses(&text) };
+        let wrong = clauses(&text);
         check(wrong.is_empty(), format!("{}: {}", path.display(), wrong.join("; ")))?;
     }
     // Negative controls: a clause is seen in both kinds of doc, at the beginning alone, and a question

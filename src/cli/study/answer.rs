@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::numbers;
-use crate::say::{sayln, screen};
+use crate::output::{sayln, screen};
 use proofmass_base::document::to_json;
 use proofmass_base::error::Result;
 use proofmass_base::output::Folder;

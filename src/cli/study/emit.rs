@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
-use crate::say::{say, sayln};
+use crate::output::{say, sayln};
 use proofmass_base::error::Result;
 use proofmass_base::output::{self, Folder};
 use proofmass_simulate::ensemble::Choice;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::shard;
-use crate::say::{say, sayln};
+use crate::output::{say, sayln};
 use crate::sharded::tell;
 use proofmass_base::document::to_json;
 use proofmass_base::error::Result;

@@ -1,7 +1,7 @@
 //! The outcome of a trial, whoever ran it: on stdout, and as files.
 
 use crate::numbers;
-use crate::say::{say, sayln};
+use crate::output::{say, sayln};
 use proofmass_base::document::to_json;
 use proofmass_base::error::Result;
 use proofmass_base::output::Folder;

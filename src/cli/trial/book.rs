@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::say::{remark, say, sayln};
+use crate::output::{remark, say, sayln};
 use proofmass_base::control::Control;
 use proofmass_base::document::to_json;
 use proofmass_base::error::{Error, Result};

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use super::super::numbers;
 use super::answer::{self, FILES, Run, STATES};
-use crate::say::remark;
+use crate::output::remark;
 use crate::sharded::tell;
 use proofmass_base::control::Control;
 use proofmass_base::error::{Error, Result};

@@ -13,8 +13,8 @@ pub const ZETA: usize = 2;
 pub const OFFSET: usize = 3;
 /// Index of the displacement at the beginning; its velocity follows.
 pub const INITIAL: usize = 4;
-/// What each further recording of the same sensor brings with it: an offset, and the displacement
-/// and velocity at its beginning, in this order after the base parameters.
+/// Parameters that each further recording of the same sensor brings with it: an offset, and the
+/// displacement and velocity at its beginning, in this order after the base parameters.
 pub(super) const PER_RECORDING: usize = 3;
 /// Natural frequencies that a fit can reach, rad per sample.
 pub(super) const OMEGAS_PER_SAMPLE: [f64; 2] = [1e-4, 20.0];

@@ -1,9 +1,9 @@
 //! A free decay: a recording of one proof mass without an input, from where it is let go until it
 //! rests; or one under an input whose velocity or acceleration is read.
 //!
-//! Intake finds the motion (`swings`) and its rows (`rows`); the engine searches the laws of a proof
-//! mass (`simulated`) by free simulation from the base model (`base_model`, `searched`, under an input
-//! `driven`); `answer` says what was found, in the units of what was read (`read`).
+//! Intake finds the motion (`swings`) and its rows (`rows`); the engine searches the laws of a
+//! proof mass (`simulated`) by free simulation from the base model (`base_model`, `searched`, under
+//! an input `driven`); `answer` reports what was found, in the units of what was read (`read`).
 
 pub mod answer;
 mod base_model;

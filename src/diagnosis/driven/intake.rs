@@ -1,5 +1,5 @@
-//! From a recording to what fits see: its columns, gaps and glitches mended, the input aligned, the
-//! samples shared out among fitting and judging.
+//! Prepares what fits see from a recording: its columns, gaps and glitches mended, the input
+//! aligned, the samples shared out among fitting and judging.
 
 pub mod alignment;
 pub mod data;

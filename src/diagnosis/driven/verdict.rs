@@ -1,5 +1,5 @@
-//! What may be said: which terms hold, what is left, where the base model errs, and the public
-//! document made of it.
+//! States what the diagnosis concludes: which terms hold, the residual, where the base model errs,
+//! and the public document made of it.
 
 pub mod answer;
 pub mod asked;
@@ -14,13 +14,13 @@ mod elsewhere;
 pub mod findings;
 pub mod form;
 pub(in crate::driven) mod isolation;
+mod naming_rules;
 pub(in crate::driven) mod noise_words;
 mod objection;
 mod product;
 mod readout_memory;
 mod second_resonance;
 pub(in crate::driven) mod sensor;
-mod standing;
 mod stated;
 pub mod surface;
 mod unexplained;

@@ -9,7 +9,7 @@ use super::stage::Size;
 use super::still::Still;
 use super::truth::{Family, Kind, Truth};
 use super::turned::Turned;
-use super::{foreign, letter, near, null, rest, tumble};
+use super::{exact, near_miss, null, rest, tumble, unmodelled};
 
 /// States how a case is linked to another: the same recording, written otherwise. Their verdicts
 /// must agree.
@@ -151,9 +151,9 @@ impl Place {
         }
         let (kind, family, nth) = slot(number % LINKED);
         let sub = match (kind, family) {
-            (Kind::Driven, Family::Letter) => letter::sub(nth),
-            (Kind::Driven, Family::Near) => near::sub(nth),
-            (Kind::Driven, Family::Foreign) => foreign::sub(nth),
+            (Kind::Driven, Family::Letter) => exact::sub(nth),
+            (Kind::Driven, Family::Near) => near_miss::sub(nth),
+            (Kind::Driven, Family::Foreign) => unmodelled::sub(nth),
             (Kind::Driven, Family::Null) => null::sub(nth),
             (Kind::Static, _) => rest::sub(family, nth),
             (Kind::Tumble, _) => tumble::sub(family, nth),
@@ -185,9 +185,9 @@ impl Case {
         let (kind, family, nth) = slot(origin);
         let mut draw = Draw::new(seed, origin as u64, 1);
         let (sub, body, truth) = match (kind, family) {
-            (Kind::Driven, Family::Letter) => boxed(letter::draw(nth, &mut draw, size)),
-            (Kind::Driven, Family::Near) => boxed(near::draw(nth, &mut draw, size)),
-            (Kind::Driven, Family::Foreign) => boxed(foreign::draw(nth, &mut draw, size)),
+            (Kind::Driven, Family::Letter) => boxed(exact::draw(nth, &mut draw, size)),
+            (Kind::Driven, Family::Near) => boxed(near_miss::draw(nth, &mut draw, size)),
+            (Kind::Driven, Family::Foreign) => boxed(unmodelled::draw(nth, &mut draw, size)),
             (Kind::Driven, Family::Null) => boxed(null::draw(nth, &mut draw, size)),
             (Kind::Static, _) => {
                 let (sub, still, truth) = rest::draw(family, nth, &mut draw, size);
@@ -290,7 +290,7 @@ fn rewrite_still(still: &mut Still, change: Change) -> Option<()> {
     Some(())
 }
 
-fn boxed((sub, driven, truth): letter::Made) -> (String, Body, Truth) {
+fn boxed((sub, driven, truth): exact::Made) -> (String, Body, Truth) {
     (sub, Body::Driven(Box::new(driven)), truth)
 }
 

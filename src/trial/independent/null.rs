@@ -1,7 +1,7 @@
 //! Driven nulls: the base model is right, and the noise is as noise is.
 
 use super::draw::Draw;
-use super::letter::Made;
+use super::exact::Made;
 use super::readout::Noise;
 use super::stage::{Size, Wish, stage};
 use super::truth::Truth;

@@ -2,7 +2,7 @@
 //! orthonormal, so white noise has the same variance in every octave, and 1/f noise twice that of
 //! the next finer one (Wornell, *Signal Processing with Fractals*, ch. 3: 2^γ for f^−γ).
 
-use super::piece::octaves;
+use super::sizing::octaves;
 
 /// Variance of the octave `n` of 1/f noise over that of the finest.
 fn of_flicker(n: usize) -> f64 {

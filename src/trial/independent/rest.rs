@@ -3,12 +3,12 @@
 
 use std::f64::consts::TAU;
 
-use super::beside;
 use super::draw::Draw;
 use super::linear::left_by;
+use super::masking;
 use super::octave::departure_from_flicker;
-use super::piece::coloured_evidence;
 use super::readout::Noise;
+use super::sizing::coloured_evidence;
 use super::stage::Size;
 use super::still::{Filter, Process, Still};
 use super::truth::{Effect, Family, Truth};
@@ -343,7 +343,7 @@ pub(crate) fn draw(family: Family, nth: usize, draw: &mut Draw, size: Size) -> M
     // That something is there is seen in all together; what it is, next to the others.
     if still.processes.len() > 1 {
         for (n, effect) in truth.effects.iter_mut().enumerate() {
-            effect.evidence = beside::evidence(&still, n);
+            effect.evidence = masking::evidence(&still, n);
         }
     }
     truth.parameters = still.parameters();

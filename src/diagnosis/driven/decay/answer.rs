@@ -37,7 +37,7 @@ use super::searched::Decay;
 
 /// Cycles that a look at both models spans.
 const SHOWN: f64 = 8.0;
-/// Own past that is looked at for the colour of what is left, in rows.
+/// Own past that is examined for the colour of the residual, in rows.
 const LAGS: usize = 12;
 /// Cells of the restoring-force surface that the verdict lists.
 const CELLS: usize = 32;
@@ -187,9 +187,9 @@ impl Decay {
         structure(&counted.collect::<Vec<f64>>(), LAGS, &[])
     }
 
-    /// What the final model leaves over the noise: real where it depends on an argument, or grows with
-    /// the motion; noise of some colour keeps its size while the motion dies away. Beside named laws
-    /// what is clearly more than the noise is real: they are near, and not exact.
+    /// Judges what the final model leaves over the noise: real where it depends on an argument, or
+    /// grows with the motion; noise of some colour keeps its size while the motion dies away. Next
+    /// to named laws, what is clearly more than the noise is real: they are near, and not exact.
     fn remainder(&self) -> Remainder {
         let (found, model) = (&self.found, &self.found.model);
         let excess = model.variance / self.variance - 1.0;
@@ -279,8 +279,8 @@ impl Decay {
         }
     }
 
-    /// Whether nothing is named, and what is left is more than the noise that was measured and does not
-    /// follow the motion.
+    /// Returns whether nothing is named, and the residual is more than the noise that was measured
+    /// and does not follow the motion.
     pub(crate) fn leaves_noise_with_memory(&self) -> bool {
         let left = self.found.model.variance;
         let is_more = left > (1.0 + AT_NOISE) * self.variance;

@@ -1,4 +1,4 @@
-//! The oscillator alone, fitted to a decay, and the sizes by which laws beside it are measured.
+//! The oscillator alone, fitted to a decay, and the sizes by which laws added to it are measured.
 
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
@@ -68,7 +68,8 @@ pub(super) fn base(rows: Rows, cycle: f64, begins: &[[f64; 3]]) -> Option<(Syste
     Some((system, fitted))
 }
 
-/// Where the base model begins: each segment from the sine through its first half cycle.
+/// Returns the point where the base model begins: each segment from the sine through its first half
+/// cycle.
 fn beginning(system: &System) -> Point {
     let (s, rows) = (&system.scales, &system.rows);
     let coordinates = system.shared_coordinates(&[]);

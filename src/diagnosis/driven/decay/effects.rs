@@ -1,4 +1,5 @@
-//! What was found in a decay in public numbers: effects, base model, every candidate's standing.
+//! States in public numbers the findings of a decay: effects, base model, every candidate's
+//! standing.
 
 use crate::driven::base::OFFSET;
 use crate::driven::verdict::effects::{BASE_NUMBERS, Channels, interval_about, parameter_unit, unit};

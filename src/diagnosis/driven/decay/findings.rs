@@ -1,4 +1,4 @@
-//! What is found about a decay besides its physics, in sentences.
+//! Writes the findings about a decay other than its physics, in sentences.
 
 use crate::driven::intake::data::Data;
 use crate::driven::selection::base_model::interpolated;
@@ -6,7 +6,7 @@ use crate::number::short;
 
 use super::searched::Decay;
 
-/// Where it begins and ends, how it was thinned, what was tried and holds no name.
+/// States where the motion begins and ends, how it was thinned, what was tried and holds no name.
 pub(super) fn findings(decay: &Decay, data: &Data, unit: &str) -> Vec<String> {
     let (motion, rows) = (&decay.motion, &decay.system.rows);
     let second = |row: usize| short(row as f64 / data.rate_hz);

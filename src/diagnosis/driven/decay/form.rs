@@ -1,4 +1,4 @@
-//! How far a named law of a decay departs from the form that its name states.
+//! Measures how far a named law of a decay departs from the form that its name states.
 
 use crate::driven::verdict::form::Split;
 use crate::engine::evidence::Gain;

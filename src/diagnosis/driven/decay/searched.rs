@@ -64,7 +64,8 @@ pub(super) fn seen(data: &Data, omega_rad_s: f64) -> Data {
     Data { observed, reading, ..data.clone() }
 }
 
-/// Fits the base model from the places where it may begin, and searches the laws beside it if `tries_laws`.
+/// Fits the base model from the places where it may begin, and searches the laws added to it if
+/// `tries_laws`.
 pub(super) fn searched(data: Data, rows: Rows, motion: Motion, begins: &[[f64; 3]], tries_laws: bool) -> Option<Decay> {
     if rows.layout.segments.is_empty() {
         return None;

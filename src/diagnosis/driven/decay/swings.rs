@@ -18,7 +18,7 @@ const LET_GO: f64 = 0.9;
 const KNOCKED: [f64; 2] = [1.5, 0.2];
 /// Swings of a stretch at least.
 const FEWEST: usize = 4;
-/// Cycles that are kept after the last swing: where the mass comes to rest tells of friction.
+/// Cycles that are kept after the last swing: where the mass comes to rest shows friction.
 const AT_REST: f64 = 4.0;
 
 /// One swing to one side.
@@ -30,7 +30,7 @@ struct Swing {
     to: usize,
     /// Row of the largest displacement.
     peak: usize,
-    /// That displacement, without its sign.
+    /// Absolute value of that displacement.
     size: f64,
 }
 
@@ -41,7 +41,7 @@ pub(crate) struct Motion {
     pub cycle: f64,
     /// Stretches of free motion, ascending.
     pub stretches: Vec<Range<usize>>,
-    /// Whether the mass is held before the first stretch.
+    /// States whether the mass is held before the first stretch.
     pub is_released: bool,
     /// Rows at which it is knocked again.
     pub knocks: Vec<usize>,

@@ -1,5 +1,5 @@
-//! What may be said of a body without a spring: named laws in both units, the errors of force and
-//! of restarted windows.
+//! Concludes on a body without a spring: named laws in both units, the errors of force and of
+//! restarted windows.
 
 use std::ops::Range;
 
@@ -27,7 +27,7 @@ use super::regression::Regression;
 use super::selection::{Law, Selection, last, search};
 use super::windows;
 
-/// A remainder of this fraction of the variance, when it can be predicted, says that something is
+/// A residual of this fraction of the variance, when it can be predicted, shows that something is
 /// missing.
 const FAINT: f64 = 0.05;
 /// Every twelfth sample is examined for structure: at that spacing the low-pass of the force leaves
@@ -140,8 +140,8 @@ impl Models<'_> {
         }
     }
 
-    /// Fraction of the variance of what is left of the force that its past, the motion and the
-    /// input predict, and the probability of as much by chance.
+    /// Returns the fraction of the variance of the force's residual that its past, the motion and
+    /// the input predict, and the probability of as much by chance.
     fn predictable(&self, fitted: &[Range<usize>]) -> (f64, f64) {
         let rows: Vec<usize> = self.motion.counted(fitted).into_iter().flatten().step_by(EVERY).collect();
         let residual: Vec<f64> = rows.iter().map(|k| self.model.residual(self.motion, *k)).collect();

@@ -1,5 +1,5 @@
-//! Which laws the force of a body without a spring asks for: stepwise forward, judged on samples
-//! that were not fitted.
+//! Selects the laws that the force of a body without a spring asks for: stepwise forward, judged on
+//! samples that were not fitted.
 
 use std::ops::Range;
 
@@ -13,8 +13,8 @@ use crate::physics::{drive_nonlinearity, quadratic_damping};
 use super::motion::{MotionAndForce, Part};
 use super::regression::Regression;
 
-/// Fraction of the held-out error variance that a law must remove to have a name: what is left
-/// beside it is then no larger.
+/// Fraction of the held-out error variance that a law must remove to have a name: the residual is
+/// then no larger than what the law removes.
 const LEAST: f64 = 0.5;
 /// The same of a law's wider form, which takes no name of its own.
 const LEAST_OF_FORM: f64 = 0.02;
@@ -61,8 +61,8 @@ impl Law {
         (self == Self::Friction(Sides::Alike)).then_some(Self::Friction(Sides::Apart))
     }
 
-    /// Whether physics allows the sign that was fitted: what feeds the motion instead of damping it
-    /// is no friction.
+    /// Returns whether physics allows the sign that was fitted: what feeds the motion instead of
+    /// damping it is no friction.
     fn is_allowed(self, model: &Regression) -> bool {
         let over_mass = |part| model.of(part) / model.coefficients[0];
         match self {
@@ -82,7 +82,7 @@ pub struct Trial {
     pub comparison: Comparison,
 }
 
-/// What a search leaves.
+/// Result of a search.
 #[derive(Debug, Clone)]
 pub(crate) struct Selection {
     /// Chosen, in the order of their choice.

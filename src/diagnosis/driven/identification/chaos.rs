@@ -1,5 +1,5 @@
-//! Whether a response is chaotic: a restoring force found without any simulation, and how a small
-//! difference grows along the recorded motion under it.
+//! Decides whether a response is chaotic: finds a restoring force without any simulation, and
+//! follows how a small difference grows along the recorded motion under it.
 //!
 //! Multiplied by a smooth weight that vanishes at both ends and integrated by parts, the equation
 //! of motion holds for the readings themselves, without derivatives of noise (the weak form:
@@ -57,8 +57,8 @@ const LONGEST: f64 = 12.0;
 const COMPARED: usize = 2048;
 const REPEATED: f64 = 0.1;
 
-/// Whether the response is chaotic within this recording; `None` where it is not, or where no force
-/// of third degree describes it.
+/// Returns the chaos of the response within this recording; `None` where it is not chaotic, or
+/// where no force of third degree describes it.
 pub(crate) fn chaos(data: &Data) -> Option<Chaos> {
     let y = &data.reading[data.hull.clone()];
     let (centre, size) = mean_sd(y);
@@ -134,7 +134,7 @@ fn cycle(y: &[f64], centre: f64) -> Option<f64> {
     (count >= 8).then(|| y.len() as f64 / count as f64)
 }
 
-/// Whether the reading comes back to itself after some time of up to `LONGEST` cycles.
+/// Returns whether the reading comes back to itself after some time of up to `LONGEST` cycles.
 fn repeats(y: &[f64], size: f64, cycle: f64) -> bool {
     let longest = ((LONGEST * cycle) as usize).min(y.len() / 2);
     let every = ((y.len() - longest) / COMPARED).max(1);

@@ -22,7 +22,7 @@ pub struct Search<'a> {
     pub data: &'a Data,
     /// Structure of the model that is fitted.
     pub structure: &'a ModelStructure,
-    /// Where parameters that do not move stay.
+    /// Values at which parameters that do not move stay.
     pub point: Vec<f64>,
     /// Indices of the free parameters.
     pub free: Vec<usize>,
@@ -51,7 +51,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// From coordinates to parameters.
+    /// Converts coordinates to parameters.
     pub fn point(&self, z: &[f64]) -> Vec<f64> {
         let mut point = self.point.clone();
         for (i, z) in self.free.iter().zip(z) {
@@ -64,7 +64,7 @@ impl<'a> Search<'a> {
         point
     }
 
-    /// From parameters to coordinates.
+    /// Converts parameters to coordinates.
     pub fn z(&self, point: &[f64]) -> Vec<f64> {
         self.free
             .iter()
@@ -95,7 +95,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Step in coordinates for derivatives: small beside any feature, large beside rounding.
+/// Step in coordinates for derivatives: small next to any feature, large next to rounding.
 const NUDGE: f64 = 1e-5;
 
 impl Residuals for Search<'_> {
@@ -181,7 +181,7 @@ pub struct Fit {
     pub slopes: Vec<f64>,
     /// Mean squared innovation on the training rows.
     pub variance: f64,
-    /// Whether the search came to rest.
+    /// States whether the search came to rest.
     pub converged: bool,
 }
 
@@ -225,8 +225,8 @@ impl Fit {
         (ModelStructure::over(&terms, self.structure.further), point)
     }
 
-    /// Whether a law's parameter lies at the end of its plausible range, where the law is not what
-    /// its name says.
+    /// Returns whether a law's parameter lies at the end of its plausible range, where the law is
+    /// not what its name states.
     pub fn at_bound(&self, scales: &Scales) -> bool {
         (0..self.structure.terms.len()).any(|index| self.term_at_bound(index, scales))
     }

@@ -1,7 +1,7 @@
-//! How sure a fitted parameter is: its covariance from the innovations, and again from the scatter
-//! between blocks, which holds where the innovations are not quite white; the wider of the two is
-//! stated. Where a law has a corner the misfit is no parabola, and the interval is that of the
-//! profile likelihood.
+//! States the uncertainty of a fitted parameter: its covariance from the innovations, and again
+//! from the scatter between blocks, which holds where the innovations are not quite white; the
+//! wider of the two is stated. Where a law has a corner the misfit is no parabola, and the interval
+//! is that of the profile likelihood.
 
 use nalgebra::DMatrix;
 
@@ -29,9 +29,9 @@ pub struct Spread {
     pub deviation: Vec<f64>,
     /// Correlation of the free parameters' coordinates.
     pub correlation: DMatrix<f64>,
-    /// How far the 95 % interval reaches down and up from each coordinate.
+    /// Distance that the 95 % interval reaches down and up from each coordinate.
     pub reach: Vec<[f64; 2]>,
-    /// By what factor in variance blocks disagree more than their own noise explains, per free
+    /// Factor in variance by which blocks disagree more than their own noise explains, per free
     /// parameter; at least 1.
     pub dispersion: Vec<f64>,
 }
@@ -99,8 +99,8 @@ pub(crate) fn profiled(data: &Data, fit: &Fit, scales: &Scales, terms: &[usize],
     }
 }
 
-/// How far from the best value a coordinate can be held before the others, fitted anew, leave a
-/// deviance of the 95 % level.
+/// Returns how far from the best value a coordinate can be held before the others, fitted anew,
+/// leave a deviance of the 95 % level.
 fn side_of_profile(data: &Data, fit: &Fit, scales: &Scales, spread: &Spread, index: usize, side: usize) -> f64 {
     let begin = || {
         let mut search = Search::all(data, &fit.structure, &fit.point, scales);

@@ -1,8 +1,8 @@
-//! Whether a model whose law has a corner fits better elsewhere: a stop that is rarely touched
-//! looks much the same harder and further away, or softer and nearer, with a ridge between that no
-//! descent crosses.
+//! Looks for a better fit elsewhere where a law of the model has a corner: a stop that is rarely
+//! touched looks much the same harder and further away, or softer and nearer, with a ridge between
+//! that no descent crosses.
 //!
-//! For the model that was chosen, once; where a search begins is not decided here (`start_search`).
+//! Asked once, for the model that was chosen; not for where a search begins (`start_search`).
 
 use crate::driven::intake::data::Data;
 use crate::parallel;

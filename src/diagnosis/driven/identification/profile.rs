@@ -1,8 +1,8 @@
-//! How sure a named parameter is, seen without assuming a parabola: what likelihood it costs to
-//! hold the parameter elsewhere while all others follow (profile likelihood).
+//! Checks the uncertainty of a named parameter without assuming a parabola: the likelihood that it
+//! costs to hold the parameter elsewhere while all others follow (profile likelihood).
 //!
 //! The ensemble evaluates the grid in one go: each point starts where the others' Gaussian
-//! approximation puts them, is simulated, and what they could still take up is projected out. A
+//! approximation puts them, is simulated, and what they could still absorb is projected out. A
 //! check on the interval stated (`interval`), not its source. The strength of a noise has no
 //! profile here: it changes no simulation.
 
@@ -20,7 +20,7 @@ use super::start_search::StartSearch;
 
 /// Points on either side of the best value.
 const SIDE: usize = 16;
-/// How far they reach, in half-widths of the stated interval.
+/// Distance that they reach, in half-widths of the stated interval.
 const REACH: f64 = 2.0;
 /// Log-likelihood that the 95 % interval gives away: half the 0.95 quantile of χ² with one degree
 /// of freedom.
@@ -43,8 +43,8 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Where the profile itself crosses the 95 % line on both sides; `None` where it does not
-    /// within reach.
+    /// Returns where the profile itself crosses the 95 % line on both sides; `None` where it does
+    /// not within reach.
     pub fn interval(&self) -> Option<[f64; 2]> {
         let lowest = self.points.iter().enumerate().min_by(|a, b| a.1.1.total_cmp(&b.1.1))?.0;
         let crossing = |outward: Vec<(f64, f64)>| {

@@ -1,4 +1,4 @@
-//! Whether an input that was moved in time stays where it was moved to.
+//! Decides whether an input that was moved in time stays where it was moved to.
 //!
 //! A lag is seen in the spectra, where a mass that rings for longer than they are long looks out of
 //! step with its input. What counts is whether the base model, started from the same places, follows
@@ -29,7 +29,8 @@ const CLEARLY: f64 = 0.9;
 /// Iterations of a fit with such a delay.
 const DELAY_ITERATIONS: usize = 25;
 
-/// A recording whose input is where the base model follows it; where it was moved, that is said.
+/// Moves the input back unless the base model follows it far better where it was moved; the notes
+/// report a move that stays.
 pub(crate) fn settled(mut prepared: Prepared) -> Prepared {
     let Some(shift) = prepared.shift.take() else { return prepared };
     let narrow = stretches::loudest(&prepared.data);

@@ -1,8 +1,8 @@
-//! Where the base model begins: resonance and damping from the frequency response, or from a
+//! Finds where the base model begins: resonance and damping from the frequency response, or from a
 //! ring-down's spectrum.
 //!
-//! Found from the recording itself; the model file's hints are only more places to begin. Not the
-//! fit itself (`fit`).
+//! They come from the recording itself; the model file's hints are only more places to begin. Not
+//! the fit itself (`fit`).
 
 use std::f64::consts::{PI, TAU};
 
@@ -25,8 +25,8 @@ use super::rational_fit::{Rational, rational_fit};
 const ZETAS: [f64; 7] = [0.01, 0.03, 0.08, 0.2, 0.45, 0.8, 1.5];
 /// Natural frequencies on the grid, from the rate over this number to half the rate.
 const SLOWEST: f64 = 3000.0;
-/// How finely terms are integrated while they are being chosen; the models chosen are fitted again,
-/// more finely.
+/// Fineness of the integration of terms while they are being chosen; the models chosen are fitted
+/// again, more finely.
 const SEARCHING: f64 = 0.5;
 /// Fitted from this many of the best places.
 const POLISHED: usize = 4;
@@ -125,7 +125,7 @@ pub fn base(data: &Data, hints: &model::Start) -> Option<(Fit, Scales)> {
         found.into_iter().flatten().min_by(|(a, _), (b, _)| a.variance.total_cmp(&b.variance))
     };
     let best = best_of(&places)?;
-    // Under few lines the response says little of the resonance; the transient rings at it.
+    // Under few lines the response shows little of the resonance; the transient rings at it.
     let ringing = data.input.as_ref().map_or(Vec::new(), |input| {
         let (errors, _) = trace(data, &best.0.structure, &best.0.point, &best.0.run(data, false));
         let mut places = by_ringing(data, input.samples(), &best.0, &errors, &RINGING_ZETAS);
@@ -141,9 +141,9 @@ pub fn base(data: &Data, hints: &model::Start) -> Option<(Fit, Scales)> {
     Some(other.unwrap_or(best))
 }
 
-/// Where `values` ring, the residual of a fit or the reading: at the highest peak of their spectrum,
-/// with the gain that answers the loudest line of the input as the fit does. None where no peak
-/// stands out.
+/// Finds where `values`, the residual of a fit or the reading, ring: at the highest peak of their
+/// spectrum, with the gain that answers the loudest line of the input as the fit does. Empty where
+/// no peak stands out.
 fn by_ringing(data: &Data, input: &[f64], fit: &Fit, values: &[f64], zetas: &[f64]) -> Vec<Place> {
     let Some(driven) = loudest(&input[data.hull.clone()], data.rate_hz) else { return Vec::new() };
     let w = driven.omega;
@@ -176,7 +176,7 @@ fn looks(values: &[f64]) -> impl Iterator<Item = &[f64]> {
 struct Line {
     /// Angular frequency of the resonance, rad/s.
     omega: f64,
-    /// Of all power, what it and two ordinates to each side hold.
+    /// Share of all power that it and two ordinates to each side hold.
     fraction: f64,
 }
 

@@ -18,7 +18,7 @@ use crate::physics::state::LANES;
 
 use super::fit::Fit;
 
-/// A model and what it can still take up.
+/// A model, and the directions of error that it can still absorb.
 pub struct StartSearch<'a> {
     data: &'a Data,
     fit: &'a Fit,
@@ -86,7 +86,8 @@ impl<'a> StartSearch<'a> {
         self.unexplained(&self.fit.structure, points, &self.fit.run(self.data, true))
     }
 
-    /// What is left of the errors at each point after their projection on the model's derivatives.
+    /// Returns the residual of the errors at each point after their projection on the model's
+    /// derivatives.
     fn unexplained(&self, structure: &ModelStructure, points: &[Vec<f64>], run: &Run) -> Vec<f64> {
         let rows: Vec<usize> = self.data.train.iter().flat_map(|r| r.clone()).map(|k| k - run.range.start).collect();
         let of_group = |_, group: &[Vec<f64>]| {

@@ -1,4 +1,4 @@
-//! How finely a model that has been found must be integrated before its numbers are stated:
+//! Decides how finely a model that has been found must be integrated before its numbers are stated:
 //! measured on the model itself, against the finest integration that would ever be used.
 //!
 //! Not for the search, which takes a fixed and coarser measure (`start`).
@@ -16,7 +16,7 @@ const TRIED: [f64; 9] = [0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0];
 /// The finest for laws without a corner, whose errors are of fourth order; a corner's are of
 /// second.
 const SMOOTH: f64 = 2.0;
-/// By how much of its standard deviation, all parameters taken together, integration may move the
+/// Part of its standard deviation, all parameters taken together, by which integration may move the
 /// answer.
 const SHIFT: f64 = 0.2;
 /// Share of the innovations' variance that it may make up: a tenth of the smallest gain that earns
@@ -43,7 +43,7 @@ pub(crate) fn enough(data: &Data, fit: &Fit, scales: &Scales) -> f64 {
         let off: Vec<f64> = errors(steps(fineness)).iter().zip(reference.iter()).map(|(a, b)| a - b).collect();
         let linear = Linear { residual: off, columns: fit.linear.columns.clone() };
         let normal = linear.normal();
-        // What the parameters would take up of the difference is what it moves them by.
+        // What the parameters would absorb of the difference is what it moves them by.
         let taken_up = normal.sum - normal.predicted();
         let rows = linear.residual.len() as f64;
         if taken_up < SHIFT * SHIFT * fit.variance && normal.sum < SHARE * rows * fit.variance {

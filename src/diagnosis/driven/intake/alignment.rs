@@ -1,5 +1,5 @@
-//! Whether input and output belong together as they stand: by how many samples one lags the other,
-//! and whether the two columns look exchanged.
+//! Checks that input and output belong together as they stand: by how many samples one lags the
+//! other, and whether the two columns look exchanged.
 //!
 //! Every linear oscillator of a grid is compared with the recording at every lag at once, by one
 //! Fourier transform each. Not for delays below a sample or for any number in the verdict: the fit
@@ -17,14 +17,14 @@ use crate::parallel;
 
 /// Longest stretch that is looked at.
 const LOOKED_AT: usize = 8192;
-/// Fewest samples that say anything about a lag.
+/// Fewest samples that show anything of a lag.
 const FEWEST: usize = 256;
 const ZETAS: [f64; 4] = [0.01, 0.05, 0.2, 0.8];
 /// Ratio of neighbouring natural frequencies tried.
 const RATIO: f64 = 1.06;
-/// From this many samples on, a lag is one of the recording and not of the sensor.
+/// Number of samples from which on a lag is one of the recording and not of the sensor.
 const LATE: isize = 10;
-/// From as many on, the other way, a lead is one of the recording and not of the chain that
+/// The same for a lead, the other way, which is then one of the recording and not of the chain that
 /// measures the input.
 const EARLY: isize = -LATE;
 /// Part of the cause's power that must lie well below half the rate of what is compared.
@@ -47,25 +47,25 @@ pub(crate) struct Alignment {
 }
 
 impl Alignment {
-    /// Whether the lag explains more than the columns as they stand, by far.
+    /// Returns whether the lag explains more than the columns as they stand, by far.
     pub(crate) fn is_clear(&self) -> bool {
         self.lag != 0 && self.residual < 0.5 * self.residual_unshifted
     }
 
-    /// Whether the two have nothing to do with each other: what little is explained would be at any
-    /// other lag too.
+    /// Returns whether the two have nothing to do with each other: what little is explained would
+    /// be at any other lag too.
     pub(crate) fn is_chance(&self) -> bool {
         self.residual > 0.7 && 1.0 - self.residual < 2.0 * self.chance
     }
 
-    /// Whether the columns are out of step by more than a late readout explains.
+    /// Returns whether the columns are out of step by more than a late readout explains.
     pub(crate) fn is_misaligned(&self) -> bool {
         self.is_clear() && (self.lag >= LATE || self.lag <= EARLY)
     }
 }
 
-/// Whether the "output" looks like the cause of the "input": far better explained that way round,
-/// and nearly whole.
+/// Returns whether the "output" looks like the cause of the "input": far better explained that way
+/// round, and nearly whole.
 pub(crate) fn exchanged(forward: &Alignment, backward: &Alignment) -> bool {
     backward.residual < 0.1 && backward.residual < 0.2 * forward.residual
 }
@@ -174,7 +174,7 @@ impl Pair {
         Some(Self { cause, effect, samples, total })
     }
 
-    /// What the oscillator makes of the cause, bin by bin.
+    /// Returns the oscillator's answer to the cause, bin by bin.
     fn answers(&self, [omega, zeta]: Place) -> impl Iterator<Item = Complex64> {
         let step = TAU / self.samples as f64;
         self.cause.iter().enumerate().map(move |(i, u)| {

@@ -42,11 +42,11 @@ pub struct Data {
     pub environment: Vec<f64>,
     /// Number of environment columns.
     pub environments: usize,
-    /// Which columns they are; empty where nobody asks.
+    /// Columns of the environment, by heading and mean; empty where nobody asks.
     pub followed: Vec<Followed>,
     /// Sampling rate, Hz.
     pub rate_hz: f64,
-    /// From the first to the last sample that is fitted.
+    /// Range from the first to the last sample that is fitted.
     pub hull: Range<usize>,
     /// First samples of the further recordings within the hull, ascending: there the mass begins
     /// anew.
@@ -59,13 +59,13 @@ pub struct Data {
     pub test: Vec<Range<usize>>,
     /// States whether somebody named the samples that judge, which then choose nothing.
     pub own_test: bool,
-    /// Where simulations are begun anew, where the response is chaotic.
+    /// Places where simulations are begun anew, where the response is chaotic.
     pub windows: Option<Arc<Windows>>,
     /// Time of each sample, s, where they do not follow one another at the sampling rate; else empty.
     pub clock_s: Vec<f64>,
     /// Computing work spent on it so far.
     pub work: Work,
-    /// What the rules changed so far.
+    /// Changes that the rules made so far.
     pub trace: Trace,
 }
 

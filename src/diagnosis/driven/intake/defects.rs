@@ -1,4 +1,4 @@
-//! What is wrong with a driven recording besides its physics: glitches, a scale that changes
+//! Finds defects of a driven recording other than its physics: glitches, a scale that changes
 //! midway, jumps that neither the past nor the input predicts.
 //!
 //! Only what no oscillator does, so that none of it is taken for physics. What one column shows by
@@ -28,7 +28,7 @@ const SURPRISING: f64 = 15.0;
 const FEW: usize = 3;
 /// Surprises nearer to each other than this are one, which is where it is strongest.
 const APART: usize = 4 * LAGS;
-/// Share of the readings on either side of the range of which too few are known to say what is
+/// Share of the readings on either side of the range of which too few are known to learn what is
 /// usual there.
 const TAIL: f64 = 0.01;
 
@@ -71,8 +71,8 @@ pub(super) fn glitches(values: &mut [f64]) -> Vec<usize> {
     found
 }
 
-/// Where the size of the output relative to the input's changes at once and for good, and by what
-/// factor.
+/// Returns where the size of the output relative to the input's changes at once and for good, and
+/// by what factor.
 pub(super) fn rescaled(input: &[f64], output: &[f64], among: &Range<usize>) -> Option<(usize, f64)> {
     let edge = |i: usize| among.start + among.len() * i / BLOCKS;
     let logs: Vec<f64> = (0..BLOCKS)
@@ -128,8 +128,8 @@ struct Surprise {
     forecast: f64,
 }
 
-/// Where a sequence goes far from what its past and the input predict; nowhere where that happens
-/// often.
+/// Returns where a sequence goes far from what its past and the input predict; nowhere where that
+/// happens often.
 fn surprises(input: Option<&[f64]>, output: &[f64], among: &Range<usize>) -> Vec<Surprise> {
     let rows = among.start.max(LAGS)..among.end.min(output.len().saturating_sub(LAGS));
     if rows.len() < 40 * LAGS {

@@ -1,4 +1,4 @@
-//! Whether a reading depends on its input at all, by whatever law.
+//! Decides whether a reading depends on its input at all, by whatever law.
 //!
 //! An oscillator far from its linear range follows its input by no linear law: each answer depends
 //! on where the mass is. But wherever it is, the input enters its equation of motion. Multiplied by
@@ -26,9 +26,10 @@ const ROWS_EACH: usize = 12;
 /// Paces at which the input is played otherwise, and moments from which on.
 const PACES: [f64; 8] = [0.8, 0.84, 0.88, 0.93, 1.07, 1.12, 1.17, 1.23];
 const MOMENTS: usize = 5;
-/// How many times more log-likelihood the input must add as it stands than any other way.
+/// Factor by which the log-likelihood that the input adds as it stands must exceed that of any
+/// other way.
 const BEYOND_CHANCE: f64 = 2.0;
-/// How many times further out than the middle one a force counts.
+/// Factor over the middle force at which a force is clipped.
 const FURTHEST: f64 = 3.0;
 /// Columns of the equation that hold the state, and those that hold the input: linearly, and bent.
 const STATE: usize = 5;
@@ -36,7 +37,7 @@ const LINEAR: usize = 2;
 const BENT: usize = 3;
 const COLUMNS: usize = STATE + LINEAR + BENT;
 
-/// What the input must add.
+/// Contribution that is asked of the input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Asked {
     /// Anything.
@@ -45,7 +46,7 @@ enum Asked {
     ABend,
 }
 
-/// Whether the reading depends on the input.
+/// Returns whether the reading depends on the input.
 ///
 /// # Errors
 /// Stopped.
@@ -60,8 +61,9 @@ pub(crate) fn depends(
     Ok(enters_anywhere(input, reading, among, Asked::Anything, control)? || by_square())
 }
 
-/// Whether the reading depends on the input by a law that bends, whatever a linear one makes of it
-/// besides: noise that is loud and has a memory hides a linear answer, and does not bend it.
+/// Returns whether the reading depends on the input by a law that bends, whatever a linear one
+/// makes of it besides: noise that is loud and has a memory hides a linear answer, and does not
+/// bend it.
 ///
 /// # Errors
 /// Stopped.
@@ -69,7 +71,7 @@ pub(crate) fn bends(input: &[f64], reading: &[f64], among: &Range<usize>, contro
     enters_anywhere(input, reading, among, Asked::ABend, control)
 }
 
-/// Whether the input enters the equation of motion by weights of any width.
+/// Returns whether the input enters the equation of motion by weights of any width.
 ///
 /// # Errors
 /// Stopped.
@@ -91,13 +93,13 @@ fn enters_anywhere(
     Ok(entered.contains(&true))
 }
 
-/// Without mean and of unit size.
+/// Returns the values without their mean and of unit size.
 fn unit(values: &[f64]) -> Vec<f64> {
     let (mean, size) = mean_sd(values);
     values.iter().map(|v| (v - mean) / size.max(1e-300)).collect()
 }
 
-/// Whether the input enters the equation of motion, by weights of this half width.
+/// Returns whether the input enters the equation of motion, by weights of this half width.
 ///
 /// # Errors
 /// Stopped.
@@ -123,8 +125,8 @@ fn enters(u: &[f64], y: &[f64], side: usize, asked: Asked, control: &Control) ->
     }
     let around = within(rest(&force, &granted));
     let of_state: f64 = rest(&around, &granted).iter().map(|r| r * r).sum();
-    // Where a reading does not tell on which side of the middle the mass is, the input pushes it up
-    // as often as down, and shows in the size of what is left alone.
+    // Where a reading does not show on which side of the middle the mass is, the input pushes it up
+    // as often as down, and shows in the size of the residual alone.
     let sizes: Vec<f64> = around.iter().map(|r| r.abs()).collect();
     let constant = vec![1.0; sizes.len()];
     let of_size: f64 = rest(&sizes, std::slice::from_ref(&constant)).iter().map(|r| r * r).sum();
@@ -171,7 +173,7 @@ fn within(mut values: Vec<f64>) -> Vec<f64> {
     values
 }
 
-/// What columns leave of values.
+/// Returns the residual that columns leave of values.
 fn rest(values: &[f64], columns: &[Vec<f64>]) -> Vec<f64> {
     let step = Linear { residual: values.to_vec(), columns: columns.to_vec() }.normal().step(1e-9);
     let left = |(k, value): (usize, &f64)| value + columns.iter().zip(step.iter()).map(|(c, s)| c[k] * s).sum::<f64>();
@@ -197,7 +199,8 @@ impl Weak {
         Self { side, weights: (0..=2 * side).map(weight).collect() }
     }
 
-    /// What `of` a sample and its weights comes to, around every `side`-th sample.
+    /// Returns the sum of what `of` makes of each sample and its weights, around every `side`-th
+    /// sample.
     fn sums(&self, y: &[f64], of: impl Fn(usize, &[f64; 3]) -> f64) -> Vec<f64> {
         let firsts = (0..(y.len() + 1).saturating_sub(self.weights.len())).step_by(self.side);
         let sum = |first: usize| self.weights.iter().enumerate().map(|(j, w)| of(first + j, w)).sum();
@@ -284,7 +287,7 @@ mod tests {
         assert!(!depends(&u, &noise, &whole));
     }
 
-    // A reading that is the size of the displacement: on which side the mass is cannot be told.
+    // A reading that is the size of the displacement: on which side the mass is cannot be known.
     #[test]
     fn a_reading_without_a_sign_depends_on_its_input() {
         let (u, y) = moved(|x| 4.0 * x);

@@ -1,5 +1,5 @@
 //! A recording too long to be fitted at once: its loudest stretch stands for the whole, and that is
-//! said.
+//! reported.
 //!
 //! A model's errors and their derivatives are held in memory, some kilobytes per sample; and what
 //! half a million samples cannot show, more of the same will hardly show. Ranges that a model file
@@ -28,12 +28,12 @@ pub(crate) struct Part {
     pub model: model::Driven,
     /// A sentence about what was kept.
     pub said: String,
-    /// What a reader of the verdict must know, where ranges that the model names were not used
-    /// whole.
+    /// Doubt that a reader of the verdict must know, where ranges that the model names were not
+    /// used whole.
     pub doubt: Option<String>,
 }
 
-/// What is judged of a long recording; `None` where it can be used whole.
+/// Returns the part of a long recording that is judged; `None` where it can be used whole.
 pub(super) fn excerpt(recording: &Recording, model: &model::Driven) -> Option<Part> {
     let samples = recording.samples();
     let split = &model.split;
@@ -105,7 +105,7 @@ fn loudest(reading: &[f64], train: &Stretches, span: Range<usize>) -> Option<Ran
     windows.max_by(|a, b| power(a).total_cmp(&power(b)))
 }
 
-/// As many samples as may judge, those nearest to what is fitted.
+/// Returns as many samples as may judge, those nearest to what is fitted.
 fn nearest(test: &Stretches, fitted: &Range<usize>) -> Stretches {
     let about = |reach: usize| within(test, &(fitted.start.saturating_sub(reach)..fitted.end.saturating_add(reach)));
     let (mut least, mut most) = (0, test.last().map_or(0, |r| r.end).max(fitted.start) + 1);
@@ -127,7 +127,7 @@ fn hull(all: &[Range<usize>]) -> Option<Range<usize>> {
     Some(all.iter().map(|r| r.start).min()?..all.iter().map(|r| r.end).max()?)
 }
 
-/// What of `all` lies in `window`.
+/// Returns the part of `all` that lies in `window`.
 fn within(all: &[Range<usize>], window: &Range<usize>) -> Stretches {
     let inside = |r: &Range<usize>| r.start.max(window.start)..r.end.min(window.end);
     all.iter().map(inside).filter(|r| r.start < r.end).collect()

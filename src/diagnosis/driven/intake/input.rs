@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::OnceLock;
 
-/// How the input goes from one sample to the next.
+/// Interpolation of the input from one sample to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Interpolation {
     /// Nothing above half the sampling rate: windowed sinc.
@@ -17,7 +17,7 @@ pub enum Interpolation {
 }
 
 impl Interpolation {
-    /// How the input runs between its samples, as a phrase for messages.
+    /// Returns a phrase for messages: how the input runs between its samples.
     pub fn words(self) -> &'static str {
         match self {
             Interpolation::BandLimited => "band-limited",
@@ -37,8 +37,8 @@ pub(crate) const MOST_STEPS: usize = 32;
 #[derive(Debug, Clone)]
 pub struct Input {
     samples: Vec<f64>,
-    /// Where it does not consist of one recording as a whole, the recordings and the samples of
-    /// each that are used.
+    /// Recordings, and the samples of each that are used; empty where the input is one recording as
+    /// a whole.
     pieces: Vec<(Vec<f64>, Range<usize>)>,
     /// Interpolation between samples.
     pub interpolation: Interpolation,
@@ -86,8 +86,8 @@ impl Input {
         self.pieces.iter().flat_map(of_piece).collect()
     }
 
-    /// How far before the end of a step its last value is read, in grid points: 1 for a held input,
-    /// whose value at the end still is the one from its beginning.
+    /// Returns how far before the end of a step its last value is read, in grid points: 1 for a
+    /// held input, whose value at the end still is the one from its beginning.
     pub fn end(&self) -> usize {
         usize::from(self.interpolation == Interpolation::Hold)
     }

@@ -13,7 +13,7 @@ use crate::numerics::moments::mean_sd;
 pub(crate) const HALF_WIDTH: usize = 5;
 /// Lines that are few.
 const FEW: usize = 3;
-/// Part of an input's power beside its lines that is nothing.
+/// Part of an input's power outside its lines that is nothing.
 const NOTHING: f64 = 1e-4;
 /// Part of a recording at either end in which a transient input must be at rest to need no window,
 /// and its size there.
@@ -43,9 +43,9 @@ pub(crate) fn power(u: &[f64]) -> Vec<f64> {
     bins.iter().map(|b| 2.0 * b.norm_sqr() / (sum * sum)).collect()
 }
 
-/// Whether a few lines carry all of an input's power: any response follows from it at those, and it
-/// follows from any response that holds them, so that nothing shows which is the cause and by how
-/// much it comes early.
+/// Returns whether a few lines carry all of an input's power: any response follows from it at
+/// those, and it follows from any response that holds them, so that nothing shows which is the
+/// cause and by how much it comes early.
 pub(super) fn are_all(u: &[f64]) -> bool {
     let mut remaining = power(u);
     remaining.iter_mut().take(HALF_WIDTH).for_each(|p| *p = 0.0);

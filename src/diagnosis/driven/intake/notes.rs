@@ -1,10 +1,10 @@
-//! What is found about a recording apart from its physics.
+//! Notes on a recording apart from its physics.
 
 use super::data::Data;
 use super::defects;
 use super::input::Input;
 
-/// Why input and output do not belong together as they stand. No candidate is tried then.
+/// Reason why input and output do not belong together as they stand. No candidate is tried then.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Broken {
     /// The input responds to the output as an oscillator responds to a force.
@@ -32,21 +32,22 @@ pub enum Broken {
 pub struct Notes {
     /// Findings, one sentence each.
     pub findings: Vec<String>,
-    /// What a reader of the verdict must know, as clauses.
+    /// Doubts that a reader of the verdict must know, as clauses.
     pub doubts: Vec<String>,
-    /// Why the columns do not belong together as they stand, so that no physics may be blamed, if they
-    /// do not.
+    /// Reason why the columns do not belong together as they stand, so that no physics may be
+    /// blamed; `None` if they do.
     pub broken: Option<Broken>,
-    /// How the reading depends on its input without a linear law that can be seen, as a clause; a
-    /// doubt only where the base model bears it out.
+    /// States how the reading depends on its input without a linear law that can be seen, as a
+    /// clause; a doubt only where the base model bears it out.
     pub bent: Option<String>,
-    /// Where the reading jumps; only worth a word where the final model does not predict it.
+    /// Samples at which the reading jumps; only worth a word where the final model does not predict
+    /// it.
     pub jumps: Vec<usize>,
 }
 
 impl Notes {
-    /// Of the places where the reading jumps, those at which a model with these errors over
-    /// `data.hull` does so too.
+    /// Reports those of the jumps in the reading at which a model with these errors over
+    /// `data.hull` jumps too.
     pub fn report_jumps(&mut self, data: &Data, errors: &[f64]) {
         let input = data.input.as_ref().map(Input::samples);
         let clause = match defects::unpredicted(&self.jumps, input, errors, &data.hull).as_slice() {

@@ -8,7 +8,7 @@ use crate::model::Output;
 pub struct Observed {
     /// Quantity that is read.
     pub output: Output,
-    /// That frequency, rad/s.
+    /// Frequency of that sine, rad/s.
     pub omega_rad_s: f64,
 }
 

@@ -1,5 +1,5 @@
-//! From a recording and its model to what can be fitted: columns found, ranges checked, defects
-//! said.
+//! Arranges a recording and its model into what can be fitted: columns found, ranges checked,
+//! defects reported.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -30,7 +30,7 @@ use super::work::Work;
 /// Fewer samples than this cannot carry a base model and a judgement on it.
 const FEWEST: usize = 20 * BASE;
 
-/// Fewest samples of a range apart that judge: its first ones only tell in which state it begins.
+/// Fewest samples of a range apart that judge: its first ones only show in which state it begins.
 pub(super) const FEWEST_JUDGES: usize = 200;
 /// Fewest samples in a row that are worth judging on.
 const PIECE: usize = 20;
@@ -38,7 +38,7 @@ const PIECE: usize = 20;
 /// squared and summed.
 const LARGEST: f64 = 1e100;
 
-/// What can be fitted, and what was noticed on the way.
+/// Data that can be fitted, and what was noticed on the way.
 #[derive(Debug)]
 pub struct Prepared {
     /// The recording as fits see it.
@@ -47,7 +47,7 @@ pub struct Prepared {
     pub start: model::Start,
     /// Samples that were not recorded.
     pub filled: Stretches,
-    /// By how much the input was moved, where it looks misaligned.
+    /// Shift of the input, where it looks misaligned.
     pub(crate) shift: Option<Shift>,
     /// Defects and choices that the verdict must mention.
     pub notes: Notes,
@@ -159,7 +159,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven, control: &Control) 
     Ok(Prepared { data, start, filled, shift, notes })
 }
 
-/// Hints that this recording could show; what could not be is said and left out.
+/// Hints that this recording could show; what could not be is reported and left out.
 fn hints(recording: &Recording, start: &model::Start, findings: &mut Vec<String>) -> model::Start {
     let (half_hz, slowest_hz) = (0.5 * recording.rate_hz, OMEGAS_PER_SAMPLE[0] / TAU * recording.rate_hz);
     let [least, most] = ZETAS;
@@ -184,7 +184,7 @@ fn hints(recording: &Recording, start: &model::Start, findings: &mut Vec<String>
     model::Start { resonance_hz, damping_ratio }
 }
 
-/// An input beside the reading that it may have moved.
+/// The model and the reading for which an input, which may have been moved, is checked.
 struct Columns<'a> {
     model: &'a model::Driven,
     reading: &'a [f64],
@@ -192,8 +192,8 @@ struct Columns<'a> {
 }
 
 impl Columns<'_> {
-    /// Whether input and output belong together as they stand; an input that is far early or late is
-    /// moved.
+    /// Checks that input and output belong together as they stand; an input that is far early or
+    /// late is moved.
     ///
     /// # Errors
     /// Where the two have nothing to do with each other, by a linear law or any other; when stopped.
@@ -245,7 +245,7 @@ impl Columns<'_> {
     }
 }
 
-/// Where the reading jumps, apart from gaps that are known.
+/// Returns where the reading jumps, apart from gaps that are known.
 fn jumps(input: Option<&Input>, reading: &[f64], hull: &Range<usize>, filled: &[Range<usize>]) -> Vec<usize> {
     let mut places = defects::jumps(input.map(Input::samples), reading, hull);
     places.retain(|k| !filled.iter().any(|r| r.start <= k + REACH && *k <= r.end + REACH));

@@ -1,11 +1,11 @@
 //! The noise of a reading, measured without any model: what "at the noise" is held against, so that
-//! nothing a fit takes up can pass for noise.
+//! nothing that a fit absorbs can pass for noise.
 //!
 //! Two kinds of measure. What does not repeat, under an input that does or where nothing moves, is
 //! noise of any colour, but also whatever else does not repeat (a drift, a chaotic response). What
-//! differences of high order or the quietest part of the spectrum hold is white noise, but also
-//! what is left of the motion there. Either errs upwards, so that the smaller is the better one;
-//! what repeats is believed while both agree. Coloured noise is measured by what repeats alone.
+//! differences of high order or the quietest part of the spectrum hold is white noise, but also the
+//! rest of the motion there. Either errs upwards, so that the smaller is the better one; what
+//! repeats is believed while both agree. Coloured noise is measured by what repeats alone.
 
 use std::ops::Range;
 
@@ -34,14 +34,14 @@ const SHORTEST: usize = 8;
 const TRIED: usize = 48;
 /// An input repeats whose root-mean-square change over a period is below this part of its size.
 const REPEATS: f64 = 1e-3;
-/// Longest still stretch that is looked at, in samples, and the shortest that says anything.
+/// Longest still stretch that is looked at, in samples, and the shortest that shows anything.
 const STILL: [usize; 2] = [256, 4096];
 /// The quietest band is believed below this many times what differences show.
 const AGREE: f64 = 0.85;
-/// What does not repeat is believed up to this many times what differences show.
+/// Factor over what differences show up to which the part that does not repeat is believed.
 const BELIEVED: f64 = 3.0;
 
-/// From what the noise was measured.
+/// Source from which the noise was measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum How {
     /// The input repeats: scatter of the reading at equal phases.
@@ -64,7 +64,7 @@ pub(crate) struct ReadingNoise {
     pub how: How,
 }
 
-/// What is measured on.
+/// Readings on which the noise is measured.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sample<'a> {
     pub reading: &'a [f64],
@@ -99,7 +99,7 @@ pub(crate) fn reading_noise(s: &Sample<'_>) -> Option<ReadingNoise> {
     // surer measure.
     let (by_differences, by_band) = (differences(y)?, quietest(y, s.rate_hz));
     let white = by_band.filter(|b| b.deviation < AGREE * by_differences.deviation).unwrap_or(by_differences);
-    // Without an input nothing says when the mass is still: the end of a decay may only seem so.
+    // Without an input nothing shows when the mass is still: the end of a decay may only seem so.
     let any_colour = u.and_then(|u| least([periods(u, y), still(Some(u), y)]));
     let best = any_colour.filter(|a| a.deviation <= BELIEVED * white.deviation).unwrap_or(white);
     let rounding = step(y) / 12f64.sqrt();
@@ -124,7 +124,8 @@ fn steady_power(values: &[f64]) -> f64 {
     mean(&all.iter().map(|p| if limit > 0.0 { p.min(limit) } else { *p }).collect::<Vec<f64>>())
 }
 
-/// By differences: of white noise the m-th difference has C(2m, m) times the variance.
+/// Measures the noise by differences: of white noise the m-th difference has C(2m, m) times the
+/// variance.
 fn differences(y: &[f64]) -> Option<ReadingNoise> {
     let mut d = y.to_vec();
     let (mut gain, mut best) = (1.0, None);
@@ -137,7 +138,7 @@ fn differences(y: &[f64]) -> Option<ReadingNoise> {
     best
 }
 
-/// By the spectrum: the quietest of some bands, each by its middle bin.
+/// Measures the noise by the spectrum: the quietest of some bands, each by its middle bin.
 fn quietest(y: &[f64], rate_hz: f64) -> Option<ReadingNoise> {
     let density = spectrum::welch(y, rate_hz, (y.len() / 8).clamp(64, 1024));
     let bins = density.density.len();
@@ -154,8 +155,8 @@ fn quietest(y: &[f64], rate_hz: f64) -> Option<ReadingNoise> {
     (0..BANDS).filter_map(band).min_by(|a, b| a.deviation.total_cmp(&b.deviation))
 }
 
-/// By repetition: the scatter of the reading at equal phases of an input that repeats, its first
-/// third left out.
+/// Measures the noise by repetition: the scatter of the reading at equal phases of an input that
+/// repeats, its first third left out.
 fn periods(u: &[f64], y: &[f64]) -> Option<ReadingNoise> {
     let period = period(u)?;
     let skipped = y.len() / 3;
@@ -201,8 +202,8 @@ fn period(u: &[f64]) -> Option<usize> {
     (SHORTEST..most).filter(is_peak).take(TRIED).find(repeats)
 }
 
-/// By stillness: the scatter about a straight line in the quietest stretch in which the input does
-/// not change.
+/// Measures the noise by stillness: the scatter about a straight line in the quietest stretch in
+/// which the input does not change.
 fn still(u: Option<&[f64]>, y: &[f64]) -> Option<ReadingNoise> {
     let n = y.len();
     let length = (n / 8).min(STILL[1]);

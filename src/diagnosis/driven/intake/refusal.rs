@@ -1,11 +1,11 @@
-//! Why a diagnosis ends before it has a verdict: what is wrong with the recording, or somebody
-//! stopped it.
+//! States why a diagnosis ends before it has a verdict: something is wrong with the recording, or
+//! somebody stopped it.
 
 use crate::control::Stopped;
 use crate::error::Error;
 use crate::recording::Recording;
 
-/// Why there is no verdict.
+/// Reason why there is no verdict.
 #[derive(Debug)]
 pub(crate) enum Refusal {
     /// Input and output have nothing to do with each other, or no oscillator can be fitted; in
@@ -22,7 +22,7 @@ impl From<Stopped> for Refusal {
 }
 
 impl Refusal {
-    /// As the error of this recording's diagnosis.
+    /// Returns the error of this recording's diagnosis.
     pub(crate) fn of(self, recording: &Recording) -> Error {
         let attempt = format!("could not diagnose {}", recording.path.display());
         match self {

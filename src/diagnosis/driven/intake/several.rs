@@ -24,12 +24,12 @@ use super::stretches::{Stretches, minus};
 /// Relative difference of two sampling rates that clocks explain.
 const SAME_RATE: f64 = 1e-3;
 
-/// Where a recording lies among the samples that fits see.
+/// Place of a recording among the samples that fits see.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Piece {
     /// Path of the recording, as given.
     pub file: String,
-    /// Whether it is fitted or only validates.
+    /// States whether it is fitted or only validates.
     pub role: Role,
     /// Its samples in the joint data set, half-open.
     pub range: Range<usize>,
@@ -153,7 +153,7 @@ fn joined(recordings: Recordings<'_>, model: &model::Driven, settle: Settle, con
     Ok(Taken { prepared, pieces, judging: Vec::new() })
 }
 
-/// Whether the recordings can be of one data set; that the columns are there is seen as each is
+/// Checks that the recordings can be of one data set; that the columns are there is seen as each is
 /// prepared.
 fn agree(recordings: Recordings<'_>, model: &model::Driven) -> Result<()> {
     let first = &recordings.train[0];
@@ -185,7 +185,7 @@ fn refuse<T>(recording: &Recording, cause: String, hint: &str) -> Result<T> {
     Err(Error::new(format!("could not diagnose {}", recording.path.display()), cause, hint))
 }
 
-/// What grows with each recording.
+/// Parts of the data set that grow with each recording.
 #[derive(Default)]
 struct Joined {
     reading: Vec<f64>,

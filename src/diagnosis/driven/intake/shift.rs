@@ -32,7 +32,7 @@ impl Shift {
         self.lag as f64
     }
 
-    /// Says that the input was moved.
+    /// Reports that the input was moved.
     pub(crate) fn noted(&self, notes: &mut Notes) {
         notes.doubt(self.clause.clone(), "; the input was shifted by as many before fitting");
     }

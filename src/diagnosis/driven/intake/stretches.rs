@@ -13,7 +13,7 @@ use super::data::Data;
 /// Half-open ranges of samples, ascending.
 pub(crate) type Stretches = Vec<Range<usize>>;
 
-/// Blocks that a stretch is cut into when the model does not say which samples judge; every third
+/// Blocks that a stretch is cut into when the model does not state which samples judge; every third
 /// one judges. Many, so that what happens once is seen by both kinds.
 const BLOCKS: usize = 72;
 /// Recordings longer than this are searched on a stretch only.
@@ -40,7 +40,7 @@ pub(crate) fn merged(sorted: Vec<Range<usize>>) -> Vec<Range<usize>> {
     all
 }
 
-/// What of `from` lies outside `take`.
+/// Returns the part of `from` that lies outside `take`.
 pub(crate) fn minus(from: &[Range<usize>], take: &[Range<usize>]) -> Vec<Range<usize>> {
     let mut remaining = from.to_vec();
     for t in take {

@@ -1,5 +1,5 @@
-//! Where a simulation is begun anew, and from what: for responses that forget where they began
-//! before a recording is over.
+//! States where a simulation is begun anew, and from what: for responses that forget where they
+//! began before a recording is over.
 
 use std::ops::Range;
 

@@ -1,10 +1,10 @@
-//! How much has been computed on a recording: integration steps, counted, so that a diagnosis ends
-//! at the same place on every machine. Not a clock.
+//! Counts the integration steps computed on a recording, so that a diagnosis ends at the same place
+//! on every machine. Not a clock.
 //!
 //! Each stage has a budget of its own: the search for terms, the look for others that would do as
 //! well, the conclusion with its intervals. It is looked at where all fits begun have ended; what
 //! has been begun is finished, so that a stage overruns its budget by at most the fits of one step.
-//! What a stage had to leave out is said in the verdict.
+//! The verdict reports what a stage had to leave out.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Samples that a stage may always take for granted: shorter recordings get the work of this many.
 const LEAST_SAMPLES: usize = 10_000;
 
-/// What a stage may spend per sample: integration steps, eight parameter sets side by side counted
+/// Integration steps that a stage may spend per sample, eight parameter sets side by side counted
 /// as one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
@@ -22,11 +22,11 @@ pub enum Stage {
     SearchAgain,
     /// Candidates in the place of others.
     Rivals,
-    /// Linear laws that the search keeps back.
+    /// Linear laws that the search defers.
     KeptBack,
     /// Laws with a free form.
     Forms,
-    /// Laws with a shape of their own that the search keeps back.
+    /// Laws whose form has an exponent, which the search defers.
     KeptShapes,
     /// Final fits, what each term is worth, intervals and profiles.
     Conclusion,
@@ -64,12 +64,12 @@ impl Work {
         self.0.fetch_add(steps as u64, Ordering::Relaxed);
     }
 
-    /// What a stage that begins here may spend on this many samples.
+    /// Returns the work up to which a stage that begins here may go on this many samples.
     pub fn budget(&self, stage: Stage, samples: usize) -> Budget {
         Budget(self.spent() + stage.steps_per_sample() * samples.max(LEAST_SAMPLES) as u64)
     }
 
-    /// Whether a stage should come to an end.
+    /// Returns whether a stage should come to an end.
     pub fn is_spent(&self, budget: Budget) -> bool {
         self.spent() > budget.0
     }

@@ -43,13 +43,13 @@ pub(crate) enum NoOscillator {
     Poor {
         /// The best one.
         best: Box<(Fit, Scales)>,
-        /// How much it explains, as what is said of it.
+        /// States how much it explains, as a clause.
         explains: String,
     },
 }
 
 impl NoOscillator {
-    /// Why the recording is refused, in words.
+    /// Returns why the recording is refused, in words.
     pub(crate) fn cause(&self) -> String {
         match self {
             Self::None => "no oscillator, at any resonance or damping, can be fitted to it".to_owned(),
@@ -100,14 +100,14 @@ pub(crate) fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Resu
     Ok(best)
 }
 
-/// Whether what a linear oscillator leaves of the reading has structure.
+/// Returns whether the residual that a linear oscillator leaves of the reading has structure.
 fn is_structured(data: &Data, fit: &Fit) -> bool {
     let left = residual_structure_of_noise(data, fit).structure;
     left.p_value < REAL && left.r_squared > STRUCTURED
 }
 
-/// Whether what this linear oscillator leaves of the reading is more than noise: it has structure, or
-/// depends on the input still.
+/// Returns whether the residual that this linear oscillator leaves of the reading is more than
+/// noise: it has structure, or depends on the input still.
 ///
 /// # Errors
 /// Stopped.
@@ -120,9 +120,9 @@ pub(crate) fn leaves_more_than_noise(data: &Data, fit: &Fit, control: &Control) 
     depends(&input.samples()[data.hull.clone()], &errors, &(0..errors.len()), control)
 }
 
-/// Whether the reading follows its input by another law, though hardly anything of a linear one is to
-/// be seen: it has structure that this oscillator does not describe, and the input bends it. Noise has
-/// no such structure, or does not know the input.
+/// Returns whether the reading follows its input by another law, though hardly anything of a linear
+/// one is to be seen: it has structure that this oscillator does not describe, and the input bends
+/// it. Noise has no such structure, or does not know the input.
 ///
 /// # Errors
 /// Stopped.
@@ -147,14 +147,14 @@ pub(crate) fn bridge(data: &mut Data, base: &Fit, filled: &[Range<usize>]) {
     }
 }
 
-/// How the input goes between its samples, as a finding.
+/// Writes the finding about how the input goes between its samples.
 pub(crate) fn interpolated(how: Interpolation) -> String {
     format!("the input is best interpolated by {} between samples", how.words())
 }
 
-/// Whether steps or straight lines between the samples of the input do as well as the linear terms
-/// of `chosen` that they could be mistaken for: a held input looks late by half a sample, straight
-/// lines look like a weak low-pass.
+/// Returns which of steps and straight lines between the samples of the input does as well as the
+/// linear terms of `chosen` that it could be mistaken for, if one does: a held input looks late by
+/// half a sample, straight lines look like a weak low-pass.
 pub(crate) fn other_input(data: &mut Data, chosen: &Judged, scales: &Scales) -> Option<Interpolation> {
     let mistaken = |t: &Term| {
         matches!(

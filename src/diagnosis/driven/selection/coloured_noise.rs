@@ -1,12 +1,12 @@
 //! Readout noise with a short memory: what a sigma-delta converter, an anti-alias filter or a
-//! moving average leaves of white noise. It says nothing about the physics, and all of it goes
-//! when each reading is compared with the few before it.
+//! moving average leaves of white noise. It shows nothing of the physics, and all of it goes when
+//! each reading is compared with the few before it.
 //!
 //! The errors are taken for an autoregressive process of low order (Yule–Walker equations). Errors
 //! that physics leaves remember for a good part of a cycle, or until a free oscillation has died
 //! away: they follow the resonance, the input or time. So the process counts only where its memory
-//! is short beside either. Not for noise inside the model (`force-noise`, `bias-random-walk`): what
-//! that does to the errors, the filter knows.
+//! is short next to either. Not for noise inside the model (`force-noise`, `bias-random-walk`):
+//! what that does to the errors, the filter knows.
 
 use std::f64::consts::TAU;
 
@@ -32,7 +32,7 @@ pub(crate) struct Resonance {
 }
 
 impl Resonance {
-    /// Samples of memory that are short beside it.
+    /// Samples of memory that are short next to it.
     fn short(self) -> f64 {
         // The amplitude falls as e^(−ζω₀t).
         let decay = self.cycle / (TAU * self.zeta.max(1e-9));
@@ -88,8 +88,8 @@ impl Coloured {
         (last <= MOST_SAMPLES).then_some(last)
     }
 
-    /// What a sequence adds to a forecast from its own past; as long as the sequence less the
-    /// order.
+    /// Returns the part of a sequence that a forecast from its own past misses; as long as the
+    /// sequence less the order.
     pub(crate) fn whitened(&self, values: &[f64]) -> Vec<f64> {
         let order = self.coefficients.len();
         let past = |k: usize| self.coefficients.iter().enumerate().map(|(i, a)| a * values[k - 1 - i]).sum::<f64>();
@@ -155,7 +155,8 @@ mod tests {
         let a = [2.0 * (-zeta * omega).exp() * omega.cos(), -(-2.0 * zeta * omega).exp()];
         assert!(Coloured::of(&process(a, 5), at(40.0)).is_empty());
         assert!(Coloured::of(&process([0.9, 0.0], 6), at(40.0)).is_empty());
-        // The same memory of one sample is short beside 40 samples a cycle and long beside 3.
+        // The same memory of one sample is short next to a cycle of 40 samples and long next to one
+        // of 3.
         let errors = process([0.3, 0.0], 7);
         assert!(!Coloured::of(&errors, at(40.0)).is_empty() && Coloured::of(&errors, at(3.0)).is_empty());
         // Unless the mass rings on for hundreds of samples: 3/(2π·0.001) = 477.

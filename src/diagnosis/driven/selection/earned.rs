@@ -1,5 +1,5 @@
-//! Whether a term earns its place: by the samples that judge, or where these show less than the
-//! fitted ones, by all samples in turn; and a model without the terms that do not.
+//! Decides whether a term earns its place: by the samples that judge, or where these show less than
+//! the fitted ones, by all samples in turn; and builds a model without the terms that do not.
 
 use crate::driven::identification::fit::{Fit, Search, fit};
 use crate::driven::intake::data::Data;

@@ -16,7 +16,7 @@ pub(crate) struct Fold {
 }
 
 /// Two other ways: halves of what is fitted judge in turn. The first samples are fitted in both,
-/// for they say where the mass began: from later ones alone, by when that has faded, any beginning
+/// for they show where the mass began: from later ones alone, by when that has faded, any beginning
 /// may follow.
 pub(crate) fn turned(data: &Data) -> [Fold; 2] {
     let (mut first, mut second) = (Vec::new(), Vec::new());

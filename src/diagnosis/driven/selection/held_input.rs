@@ -1,6 +1,6 @@
-//! Whether an input is held between its samples or smooth, where the reading is late. A held input
-//! acts late by half a sample, and may have been taken for a reading that is late; if that is late by
-//! less, the input seems to have been recorded late.
+//! Decides whether an input is held between its samples or smooth, where the reading is late. A
+//! held input acts late by half a sample, and may have been taken for a reading that is late; if
+//! that is late by less, the input seems to have been recorded late.
 
 use crate::control::{Control, Stopped};
 use crate::driven::identification::refined_scales::refined;
@@ -13,13 +13,13 @@ use crate::physics::readout_lowpass::{Poles, ReadoutLowpass};
 use crate::physics::scales::Scales;
 use crate::trace::Step;
 
+use super::candidates_round::round;
+use super::deferred_linear::worth;
 use super::earned::earned;
-use super::forms::LEAST_LEAD;
+use super::free_forms::LEAST_LEAD;
 use super::identifiability::is_linear;
 use super::judged::{Judged, Rival, Selection, Trial};
-use super::kept_back::worth;
 use super::rivals::TIE;
-use super::round::round;
 
 /// The recording with a smooth input, where one that is taken otherwise is late, or read late, in the
 /// model chosen: what is held acts late by half a sample, and may have been taken for a reading that
@@ -30,8 +30,8 @@ pub(crate) fn smooth_input(data: &Data, chosen: &Judged) -> Option<Data> {
     is_late.then(|| Data { input: Some(input.clone().gone(Interpolation::BandLimited)), ..data.clone() })
 }
 
-/// Whether nothing is chosen but a held input that comes late, by less than the half sample that
-/// this brings.
+/// Returns whether nothing is chosen but a held input that comes late, by less than the half sample
+/// that this brings.
 pub(crate) fn is_half_a_sample(data: &Data, held: &Selection) -> bool {
     let chosen = &held.chosen.fit;
     let is_held = data.input.as_ref().is_some_and(|i| i.interpolation == Interpolation::Hold);
@@ -39,8 +39,8 @@ pub(crate) fn is_half_a_sample(data: &Data, held: &Selection) -> bool {
     is_held && chosen.structure.of(0, &chosen.point)[0] < 0.5 * data.interval_s()
 }
 
-/// Whether what was found on a smooth input does better than what was found on another one, or as
-/// well with fewer terms.
+/// Returns whether the model found on a smooth input does better than the one found on another, or
+/// as well with fewer terms.
 pub(crate) fn is_better(data: &Data, smooth: &Selection, other: &Selection) -> bool {
     let [here, there] = [smooth, other].map(|s| s.departing.as_ref().map_or(&s.chosen, |d| &d.judged));
     let [fewer, more] = [here, there].map(|j| j.fit.structure.terms.len());
@@ -49,9 +49,9 @@ pub(crate) fn is_better(data: &Data, smooth: &Selection, other: &Selection) -> b
     lead > least && data.trace.acts(Step::of(Gate::SmoothInput, there.words(), here.words()).measured(lead, least))
 }
 
-/// The readout behind a smooth input, late or smoothed, where that does as well as a held input that
-/// comes late: one law in the place of two. Where it does not lead, the two are tied. `base` is the
-/// base model on the smooth input.
+/// Selects the readout behind a smooth input, late or smoothed, where that does as well as a held
+/// input that comes late: one law in the place of two. Where it does not lead, the two are
+/// indistinguishable. `base` is the base model on the smooth input.
 ///
 /// # Errors
 /// Stopped.

@@ -1,5 +1,5 @@
-//! What the input can tell apart at all, whatever was recorded: how many spectral lines it has that
-//! move the reading, against the parameters of what is linear.
+//! States what the input can distinguish at all, whatever was recorded: how many spectral lines it
+//! has that move the reading, against the parameters of what is linear.
 //!
 //! In the steady state a linear model is seen at the input's lines alone, by amplitude and phase at
 //! each: with K lines two models with 2K parameters or more answer alike (persistent excitation:
@@ -26,11 +26,11 @@ const MANY: usize = 8;
 const FAINTEST: f64 = 1e-8;
 /// Log-likelihood that a line must be worth in the reading.
 const WORTH: f64 = 12.0;
-/// Cycles of the resonance below which its frequency and damping, and what stands beside them, are
+/// Cycles of the resonance below which its frequency and damping, and what stands next to them, are
 /// not determined.
 pub(crate) const FEWEST_CYCLES: f64 = 4.0;
 
-/// What the input and the length of the recording leave undetermined.
+/// Limits of what the input and the length of the recording determine.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Reach {
     /// Frequencies of the input's lines, Hz, strongest first; empty where there are many, or no
@@ -41,7 +41,7 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// Of a recording and its base model.
+    /// Finds the limits of a recording and its base model.
     pub fn of(data: &Data, base: &Fit) -> Self {
         let cycles = base.point[OMEGA] * data.hull.len() as f64 * data.interval_s() / TAU;
         // A chaotic response is seen at all frequencies, whatever the input.
@@ -52,9 +52,9 @@ impl Reach {
         }
     }
 
-    /// Ids of the laws that answer this input alike beside these terms: all that is linear, where
-    /// the terms among them have as many parameters as the lines have amplitudes and phases. Empty
-    /// where the input tells them apart.
+    /// Returns the ids of the laws that answer this input alike next to these terms: all that is
+    /// linear, where the terms among them have as many parameters as the lines have amplitudes and
+    /// phases. Empty where the input distinguishes them.
     pub fn class(&self, terms: &[Term]) -> Vec<&'static str> {
         let linear: Vec<&Term> = terms.iter().filter(|t| is_linear(t)).collect();
         let seen = |t: &Term| t.candidate().parameters.len();
@@ -67,19 +67,21 @@ impl Reach {
         others.map(|t| t.id()).collect()
     }
 
-    /// Whether no linear law of the library, added to the base model, could be told from another.
+    /// Returns whether no linear law of the library, added to the base model, could be
+    /// distinguished from another.
     pub fn tells_nothing_linear_apart(&self) -> bool {
         !self.lines_hz.is_empty() && self.is_full(1)
     }
 
-    /// Whether a linear model with this many parameters beside the base model's fits any amplitudes
-    /// and phases at the lines.
+    /// Returns whether a linear model with this many parameters added to the base model's fits any
+    /// amplitudes and phases at the lines.
     fn is_full(&self, parameters: usize) -> bool {
         BASE_SEEN + parameters >= 2 * self.lines_hz.len()
     }
 }
 
-/// Whether a law changes how the reading answers the input at each frequency, and nothing else.
+/// Returns whether a law changes how the reading answers the input at each frequency, and nothing
+/// else.
 pub(super) fn is_linear(term: &Term) -> bool {
     use Role::{InputDelay, InputLead, LowPass, Mode, Readout};
     matches!(term.role(), InputDelay | InputLead | LowPass | Mode | Readout(Place::Input))

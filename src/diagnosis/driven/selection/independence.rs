@@ -1,8 +1,8 @@
-//! Whether noise that a model names is independent of what is known. Its innovations are tested
-//! for what the input, the motion, time and the environment would make of them (`score_test`), and
-//! the power of the disturbance that the filter estimates is regressed on functions of the input
-//! and the motion. Noise follows none of them; a law that is missing does, if only by acting where
-//! the mass turns or the input reverses.
+//! Tests whether noise that a model names is independent of what is known. Its innovations are
+//! tested for what the input, the motion, time and the environment would make of them
+//! (`lagrange_multiplier`), and the power of the disturbance that the filter estimates is regressed
+//! on functions of the input and the motion. Noise follows none of them; a law that is missing
+//! does, if only by acting where the mass turns or the input reverses.
 //!
 //! The estimate at a sample uses later innovations alone (the disturbance smoother of de Jong,
 //! Biometrika 76, 1989), the regressors use earlier ones: with the right model the two are
@@ -22,9 +22,9 @@ use crate::physics::law::Noise;
 use crate::remainder::REAL;
 
 use super::known::{Known, Regressors};
+use super::lagrange_multiplier::{Entry, Filter, Score, Tested};
 use super::pumped::Pumped;
 use super::residual_structure::EVEN;
-use super::score_test::{Entry, Filter, Score, Tested};
 
 /// Blocks that are predicted in turn.
 const BLOCKS: usize = 24;
@@ -34,20 +34,20 @@ const ROWS_PER_REGRESSOR: usize = 10;
 /// other.
 const RIDGE: f64 = 1e-6;
 
-/// Share of what a noise takes up that known quantities may explain. At a tenth its strength is
+/// Share of what a noise absorbs that known quantities may explain. At a tenth its strength is
 /// overstated by 5 %, √(1/0.9).
 const DETAIL: f64 = 0.1;
 /// Power is clipped at this many times its median, so that single readings do not speak for the
 /// rest: three standard deviations of normal noise, whose median square is 0.455 σ².
 const CLIP: f64 = 9.0 / 0.455;
 
-/// How much of a disturbance is predicted by what predicts it best.
+/// Share of a disturbance that is predicted by the known quantity that predicts it best.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Explained {
-    /// Share of the degrees of freedom that the noise takes up in the innovations; of the variance
+    /// Share of the degrees of freedom that the noise absorbs in the innovations; of the variance
     /// of its power, cross-fitted. Below zero where chance is all there is.
     pub r_squared: f64,
-    /// Whether it is the power that is predicted.
+    /// States whether it is the power that is predicted.
     pub is_power: bool,
     /// Probability of as much by chance, times the number of questions: of the score test, or
     /// Student's t of the gain per block.
@@ -57,7 +57,7 @@ pub struct Explained {
 }
 
 impl Explained {
-    /// Whether chance does not account for it, and it is more than a detail.
+    /// Returns whether chance does not account for it, and it is more than a detail.
     pub fn is_real(&self) -> bool {
         self.p_value < REAL && self.r_squared > self.least()
     }
@@ -68,8 +68,8 @@ impl Explained {
     }
 }
 
-/// How much is predicted of the disturbance that this noise stands for; `None` where the recording
-/// is too short to say.
+/// Returns how much is predicted of the disturbance that this noise stands for; `None` where the
+/// recording is too short.
 pub(crate) fn explained_by_known(data: &Data, fit: &Fit, noise: Noise) -> Option<Explained> {
     let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let breaks: Vec<usize> = data.breaks.iter().map(|b| b.saturating_sub(data.hull.start)).collect();
@@ -208,7 +208,7 @@ mod tests {
 
     const ROWS: usize = 4800;
 
-    /// A disturbance with a memory of twenty samples beside a broad input, and how much of it is a
+    /// A disturbance with a memory of twenty samples under a broad input, and how much of it is a
     /// dead zone's.
     fn explained_of(seed: u64, part: f64) -> Option<(f64, f64)> {
         let mut rng = Philox::new(seed, 0, Stream::Host);

@@ -1,7 +1,7 @@
-//! Whether an oscillation found in the reading follows from the input: at one of its lines any
-//! error of the linear model shows, at its harmonics and mixed frequencies one of a law that bends.
-//! What the input does not cause lies elsewhere; where it does not, this input cannot show that it
-//! does not cause it.
+//! Decides whether an oscillation found in the reading follows from the input: at one of its lines
+//! any error of the linear model shows, at its harmonics and mixed frequencies one of a law that
+//! bends. What the input does not cause lies elsewhere; where it does not, this input cannot show
+//! that it does not cause it.
 
 use crate::driven::identification::fit::Fit;
 use crate::driven::intake::data::Data;
@@ -10,14 +10,14 @@ use crate::driven::intake::lines::{HALF_WIDTH, power};
 use crate::numerics::order;
 use crate::physics::library::Term;
 
-/// A line stands out of the bins beside it by this factor in power. Noise has as much in one bin of
-/// 2³⁰.
+/// A line stands out of the bins next to it by this factor in power. Noise has as much in one bin
+/// of 2³⁰.
 const STANDS_OUT: f64 = 30.0;
-/// Bins beside a line by which it is measured, beyond the width of the window.
+/// Bins next to a line by which it is measured, beyond the width of the window.
 const BESIDE: usize = 24;
 /// Bins by which an oscillation must lie apart from a line to be resolved from it.
 const RESOLVED: f64 = 1.5;
-/// Bins by which it may lie beside a harmonic whose frequency is known to a part of a bin.
+/// Bins by which it may lie next to a harmonic whose frequency is known to a part of a bin.
 const ON_A_HARMONIC: f64 = 0.3;
 /// Power of a line over the strongest one from which it makes harmonics.
 const STRONG: f64 = 1e-2;
@@ -26,7 +26,7 @@ const FEW: usize = 4;
 /// Highest order of a mixed frequency: of one line or two, and of more.
 const ORDERS: [i32; 2] = [5, 3];
 
-/// Whether one term of a model is an oscillation that may follow from the input.
+/// Returns whether one term of a model is an oscillation that may follow from the input.
 pub(crate) fn follows_input(data: &Data, fit: &Fit, index: usize) -> bool {
     if !matches!(fit.structure.terms[index], Term::PeriodicDisturbance(_)) {
         return false;
@@ -46,7 +46,7 @@ struct InputLines {
 }
 
 impl InputLines {
-    /// Of the recording's input; `None` where there is none.
+    /// Finds the lines of the recording's input; `None` where there is none.
     fn of(data: &Data) -> Option<Self> {
         let input = data.input.as_ref()?;
         Some(Self::of_samples(&Input::samples(input)[data.hull.clone()], data.rate_hz))
@@ -89,7 +89,7 @@ impl InputLines {
         bin as f64 + shift.clamp(-0.5, 0.5)
     }
 
-    /// Whether a bin holds more than those beside it by far.
+    /// Returns whether a bin holds more than those next to it by far.
     fn stands_out(&self, bin: usize) -> bool {
         let left = bin.saturating_sub(HALF_WIDTH + BESIDE)..bin.saturating_sub(HALF_WIDTH);
         let right = bin + HALF_WIDTH + 1..(bin + HALF_WIDTH + 1 + BESIDE).min(self.power.len());
@@ -98,14 +98,14 @@ impl InputLines {
         self.power.get(bin).is_some_and(|p| *p > STANDS_OUT * least && *p > 0.0)
     }
 
-    /// Whether an oscillation at this frequency may follow from the input.
+    /// Returns whether an oscillation at this frequency may follow from the input.
     fn may_cause(&self, frequency_hz: f64) -> bool {
         let bins = self.samples as f64;
         let at = frequency_hz / self.rate_hz * bins;
         self.has_line(at) || self.mixed().any(|k| (folded(k, bins) - at).abs() <= ON_A_HARMONIC)
     }
 
-    /// Whether the input has a line from which this place, in bins, is not resolved.
+    /// Returns whether the input has a line from which this place, in bins, is not resolved.
     fn has_line(&self, at: f64) -> bool {
         let near = (at - RESOLVED).ceil().max(0.0) as usize..=(at + RESOLVED).floor().max(0.0) as usize;
         let top = near.filter(|k| *k > HALF_WIDTH).max_by(|a, b| {
@@ -137,7 +137,7 @@ impl InputLines {
     }
 }
 
-/// Where a frequency appears among samples, both in bins.
+/// Returns where a frequency appears among samples, both in bins.
 fn folded(at: f64, samples: f64) -> f64 {
     let within = at.rem_euclid(samples);
     within.min(samples - within)
@@ -161,13 +161,13 @@ mod tests {
     #[test]
     fn lines_harmonics_and_mixed_frequencies_are_the_inputs_and_others_are_not() {
         let one = lines(&[63.37]);
-        // The line, beside it by less than a bin, its third harmonic, its ninth folded at 500 Hz is
-        // beyond the order.
+        // The line, next to it by less than a bin, its third harmonic, its ninth folded at 500 Hz
+        // is beyond the order.
         for (hz, is) in [(63.37, true), (63.55, true), (190.11, true), (191.0, false), (50.0, false), (429.67, false)] {
             assert_eq!(one.may_cause(hz), is, "{hz}");
         }
         let two = lines(&[40.13, 61.71]);
-        // f₂ − f₁, 2f₁ + f₂, and an oscillation beside both.
+        // f₂ − f₁, 2f₁ + f₂, and an oscillation next to both.
         for (hz, is) in [(21.58, true), (141.97, true), (50.0, false), (44.0, false)] {
             assert_eq!(two.may_cause(hz), is, "{hz}");
         }

@@ -30,7 +30,7 @@ impl Judged {
         if ids.is_empty() { "base model".into() } else { ids.join(" + ") }
     }
 
-    /// Whether a term with this id is in it.
+    /// Returns whether a term with this id is in it.
     pub fn has(&self, id: &str) -> bool {
         self.fit.structure.terms.iter().any(|t| t.id() == id)
     }
@@ -45,8 +45,8 @@ pub struct Trial {
     pub promised: f64,
     /// The fit with it, where it came that far.
     pub judged: Option<Judged>,
-    /// Whether it is an oscillation that would describe the reading better, and is not tried because
-    /// the input may cause it.
+    /// States whether it is an oscillation that would describe the reading better, and is not tried
+    /// because the input may cause it.
     pub follows_input: bool,
     /// Against the model without it.
     pub comparison: Comparison,
@@ -77,7 +77,7 @@ pub struct Selection {
     pub base: Judged,
     /// The model chosen; the base where nothing was.
     pub chosen: Judged,
-    /// Whether the reading follows the base model at all.
+    /// States whether the reading follows the base model at all.
     pub base_follows: bool,
     /// Each candidate alone against the base, best first.
     pub alone: Vec<Trial>,
@@ -85,17 +85,17 @@ pub struct Selection {
     pub tried: usize,
     /// For each term of the chosen model, the candidates that would do as well in its place.
     pub rivals: Vec<Vec<Rival>>,
-    /// Where one term was chosen, all other candidates that were fitted in its place.
+    /// All other candidates that were fitted in the place of the term, where one was chosen.
     pub stand_ins: Vec<Rival>,
     /// The model with the form of one law free, where that law departs from its stated form.
     pub departing: Option<Departing>,
-    /// Whether the search ended because its work was spent, with structure left.
+    /// States whether the search ended because its work was spent, with structure left.
     pub cut_short: bool,
-    /// Whether an oscillation was left that the input may cause.
+    /// States whether an oscillation was left that the input may cause.
     pub follows_input: bool,
-    /// What the input and the length of the recording leave undetermined.
+    /// Limits of what the input and the length of the recording determine.
     pub reach: Reach,
-    /// Whether some of those candidates were not tried because the work for it was spent.
+    /// States whether some of those candidates were not tried because the work for it was spent.
     pub rivals_left_out: bool,
 }
 

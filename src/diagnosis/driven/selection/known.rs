@@ -30,7 +30,7 @@ pub enum Known {
     Environment,
 }
 
-/// Without mean, of unit size; `None` for a constant.
+/// Returns the values without their mean, of unit size; `None` for a constant.
 pub(super) fn standard(values: &[f64]) -> Option<Vec<f64>> {
     let (mean, sd) = mean_sd(values);
     (sd > 1e-12 * mean.abs() && sd.is_finite() && sd > 0.0).then(|| values.iter().map(|v| (v - mean) / sd).collect())
@@ -79,9 +79,9 @@ impl Regressors {
         }
     }
 
-    /// What the disturbance itself may follow. Of the input only the present value and which way
-    /// it goes: what follows linearly from the samples beside it says how the input goes between
-    /// samples, not that a law is missing.
+    /// Returns what the disturbance itself may follow. Of the input only the present value and
+    /// which way it goes: what follows linearly from the samples next to it shows how the input
+    /// goes between samples, not that a law is missing.
     pub(super) fn of_means(&self) -> Vec<Group> {
         let (x, v, rows) = (&self.x, &self.v, self.x.len());
         let mut motion: Vec<Vec<f64>> = [bent(x), bent(v)].concat();
@@ -100,7 +100,7 @@ impl Regressors {
         let time: Vec<Vec<f64>> = (1..=COSINES)
             .map(|j| (0..rows).map(|i| (std::f64::consts::PI * j as f64 * middle(i)).cos()).collect())
             .collect();
-        // A stiffness or a damping that drifts, along whatever course.
+        // A stiffness or a damping that drifts, along whatever trend.
         let drifts = [x, v].map(|s| time.iter().map(|t| product(t, s, &|t, s| t * s)).collect::<Vec<_>>());
         let mut groups = vec![(Known::Motion, motion), (Known::Time, time)];
         groups.extend(drifts.map(|columns| (Known::Time, columns)));
@@ -119,7 +119,7 @@ impl Regressors {
         groups
     }
 
-    /// What resonances elsewhere make of the input.
+    /// Returns the answers of resonances elsewhere to the input.
     fn remembered(&self, input: &[f64]) -> Vec<Vec<f64>> {
         let at = |j: usize| self.angle * OVER[0] * (OVER[1] / OVER[0]).powf(j as f64 / (RESONANCES - 1) as f64);
         let rings = (0..RESONANCES).map(at).filter(|angle| *angle < 0.5 * std::f64::consts::PI).flat_map(|angle| {
@@ -137,15 +137,16 @@ impl Regressors {
         rings.collect()
     }
 
-    /// How the input goes between samples: forces that say nothing of a law that is missing.
+    /// Returns how the input goes between samples: forces that show nothing of a law that is
+    /// missing.
     pub(super) fn between_samples(&self) -> Vec<Vec<f64>> {
         let Some((u, _)) = &self.input else { return Vec::new() };
         let last = u.len() as isize - 1;
         (-2..=2).map(|lag| (0..=last).map(|i| u[(i + lag).clamp(0, last) as usize]).collect()).collect()
     }
 
-    /// What its power may follow: how large and how fast the motion and the input are, and where
-    /// they turn. Not time: noise may grow.
+    /// Returns what the disturbance's power may follow: how large and how fast the motion and the
+    /// input are, and where they turn. Not time: noise may grow.
     pub(super) fn of_powers(&self) -> Vec<Group> {
         let sizes = |values: &[f64]| bent(&values.iter().map(|v| v.abs()).collect::<Vec<f64>>());
         let both = |values: &[f64], change: &[f64]| {

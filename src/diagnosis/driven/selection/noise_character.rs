@@ -1,6 +1,6 @@
-//! What kind of noise a model leaves: with heavy tails, louder at some times than at others, louder
-//! where the motion is larger. None of that is a mismatch of the physics. Robust throughout, so
-//! that a few bad readings do not speak for the rest.
+//! Describes the noise that a model leaves: with heavy tails, louder at some times than at others,
+//! louder where the motion is larger. None of that is a mismatch of the physics. Robust throughout,
+//! so that a few bad readings do not speak for the rest.
 //!
 //! Squared errors are clipped at (3 MAD)², MAD being the median of their magnitudes (2.02 σ if they
 //! are normal). A sum of clipped squares has the mean and the variance of χ² with degrees of
@@ -25,8 +25,8 @@ const HEAVY: f64 = 3.0;
 const UNEVEN: f64 = 1.2;
 /// Lags of its own past from which the errors of a loud stretch are predicted.
 const OWN_LAGS: usize = 12;
-/// What is asked of noise: its tails, its change with time, its change with amplitude, a loud
-/// stretch.
+/// Number of questions asked of noise: its tails, its change with time, its change with amplitude,
+/// a loud stretch.
 const QUESTIONS: f64 = 4.0;
 
 /// Tails and unevenness of the noise, beyond its level.
@@ -67,7 +67,7 @@ pub struct LoudStretch {
     pub ratio: f64,
 }
 
-/// What kind of noise these errors are.
+/// Returns the character of the noise in these errors.
 pub(crate) fn noise_character(errors: &[f64], motion: &MassMotion<'_>) -> NoiseCharacter {
     let n = errors.len();
     let Some(powers) = clipped(errors).filter(|_| n >= 16 * LEAST_SAMPLES) else { return NoiseCharacter::default() };

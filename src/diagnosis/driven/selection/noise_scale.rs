@@ -1,6 +1,6 @@
-//! How strong the noise is at each sample, where its strength changes with time or with the motion:
-//! a product of one factor each for the stretch of time, the displacement, the velocity and the
-//! amplitude. With it, errors of uneven noise can be weighed alike. Not a test: see
+//! Estimates the strength of the noise at each sample, where it changes with time or with the
+//! motion: a product of one factor each for the stretch of time, the displacement, the velocity and
+//! the amplitude. With it, errors of uneven noise can be weighed alike. Not a test: see
 //! `noise_character`.
 
 use crate::numerics::order;

@@ -1,6 +1,6 @@
-//! Whether a disturbance is the motion times a tone, as of a spring or a damper that something pumps:
-//! the disturbance times the motion is looked at at all frequencies at once, and where it stands out
-//! most, the motion times a cosine and a sine of that frequency can be tested.
+//! Looks for a disturbance that is the motion times a tone, as of a spring or a damper that
+//! something pumps: the disturbance times the motion is examined at all frequencies at once, and
+//! where it stands out most, the motion times a cosine and a sine of that frequency can be tested.
 
 use std::f64::consts::TAU;
 
@@ -25,8 +25,8 @@ pub(super) struct Pumped {
 }
 
 impl Pumped {
-    /// At the frequencies at which this disturbance follows this motion most; `None` where either
-    /// is too short to say.
+    /// Finds the frequencies at which this disturbance follows this motion most; `None` where
+    /// either is too short.
     pub(super) fn of(disturbance: &[f64], motion: &[f64]) -> Option<Self> {
         let rows = disturbance.len().min(motion.len());
         if rows < EVEN_BINS {

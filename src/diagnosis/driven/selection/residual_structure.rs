@@ -1,5 +1,5 @@
-//! What a model leaves: how much of its innovations, and of their power, can still be predicted.
-//! Noise gives nothing away.
+//! Measures how much of a model's innovations, and of their power, can still be predicted. Noise
+//! gives nothing away.
 
 use std::f64::consts::TAU;
 
@@ -29,14 +29,14 @@ const SPARED_PART: f64 = 0.2;
 /// Lags over which one-step errors are taken to be correlated.
 pub(crate) const MEMORY: usize = 40;
 
-/// How much can still be predicted of a model's innovations, from their past, the input and the
-/// state.
+/// Returns how much can still be predicted of a model's innovations, from their past, the input and
+/// the state.
 pub(crate) fn residual_structure(data: &Data, fit: &Fit) -> Structure {
     let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     structure(&innovations, OWN_LAGS, &regressors(data, &states))
 }
 
-/// What noise alone does not account for, and the kind of noise that it was asked of.
+/// Structure that noise alone does not account for, and the memory of that noise.
 #[derive(Debug, Clone)]
 pub(crate) struct Residual {
     pub(crate) structure: Structure,
@@ -44,12 +44,12 @@ pub(crate) struct Residual {
     pub(crate) coloured: Option<Coloured>,
 }
 
-/// As `residual_structure`, for noise as it is: with a probability that also holds where its
-/// strength is uneven, and without what only its own short memory lets one predict.
+/// Measures the same as `residual_structure`, for noise as it is: with a probability that also
+/// holds where its strength is uneven, and without what only its own short memory lets one predict.
 ///
 /// Where the innovations look structured, they are also tested weighed by their local scale, and
 /// the larger probability counts. Where a memory of a few samples accounts for the structure, it is
-/// one of the noise, and what is stated is the structure beside it.
+/// one of the noise, and what is stated is the structure apart from it.
 pub(crate) fn residual_structure_of_noise(data: &Data, fit: &Fit) -> Residual {
     of_noise(data, fit, trace(data, &fit.structure, &fit.point, &fit.run(data, true)))
 }
@@ -87,7 +87,7 @@ pub(crate) fn of_noise(data: &Data, fit: &Fit, (innovations, states): (Vec<f64>,
     Residual { structure: found, coloured: None }
 }
 
-/// What innovations are regressed on besides their past, row by row.
+/// Returns the columns on which innovations are regressed besides their past, row by row.
 pub(crate) fn regressors(data: &Data, states: &States) -> Vec<Vec<f64>> {
     let (x, v) = (&states.x, &states.v);
     let product = |f: &dyn Fn(f64, f64) -> f64| x.iter().zip(v).map(|(x, v)| f(*x, *v)).collect::<Vec<f64>>();
@@ -125,8 +125,8 @@ pub(crate) fn regressors(data: &Data, states: &States) -> Vec<Vec<f64>> {
     regressors
 }
 
-/// How much of the innovations' *power* can be predicted from the input, the state and time: noise
-/// that belongs to the sensor does not know what the sensor is doing.
+/// Returns how much of the innovations' *power* can be predicted from the input, the state and
+/// time: noise that belongs to the sensor does not know what the sensor is doing.
 pub(crate) fn power_structure(data: &Data, fit: &Fit) -> Structure {
     let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let size = innovations.iter().map(|e| e * e).sum::<f64>() / innovations.len().max(1) as f64;

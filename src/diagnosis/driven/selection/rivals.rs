@@ -1,6 +1,6 @@
-//! Which other candidates would do as well in the place of a term that was chosen: a better one
-//! takes it, an equal one is remembered, so that no name is given where the recording cannot tell
-//! two apart.
+//! Looks for other candidates that would do as well in the place of a term that was chosen: a
+//! better one takes it, an equal one is remembered, so that no name is given where the recording
+//! cannot distinguish two.
 
 use crate::control::{Control, Stopped};
 use crate::driven::identification::refined_scales::refined;
@@ -11,18 +11,18 @@ use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 use crate::trace::Step;
 
+use super::candidates_round::round;
 use super::earned::{pruned, without};
 use super::judged::{Judged, Rival, Selection, Trial};
-use super::round::round;
 
 /// Times that a better stand-in may take a term's place.
 const SWAPS: usize = 1;
 /// Log-likelihood by which a stand-in must lead to take a term's place.
 const LEAST_LEAD: f64 = 1.0;
-/// Log-likelihood by which a model must lead to be told from another: odds of 400 to 1.
+/// Log-likelihood by which a model must lead to be distinguished from another: odds of 400 to 1.
 pub(crate) const TIE: f64 = 6.0;
 
-/// Whether the library says that one can be mistaken for the other.
+/// Returns whether the library states that one can be mistaken for the other.
 pub(crate) fn alike(a: &Term, b: &Term) -> bool {
     a.candidate().confusable_with.contains(&b.id()) || b.candidate().confusable_with.contains(&a.id())
 }
@@ -33,11 +33,11 @@ pub(super) struct Look<'a> {
     /// Sizes that the base fit found.
     pub scales: &'a Scales,
     pub candidates: &'a [Term],
-    /// What it may cost.
+    /// Work that it may spend.
     pub budget: Budget,
-    /// Whether something was not looked at because that was spent.
+    /// States whether something was not looked at because that was spent.
     pub left_out: bool,
-    /// Who may stop it.
+    /// Control that may stop it.
     pub control: &'a Control,
 }
 
@@ -141,7 +141,8 @@ impl Look<'_> {
         chosen.fit.structure.terms.iter().zip(stand_ins).map(equal).collect()
     }
 
-    /// Whether the budget is spent; asked only where something would still have to be looked at.
+    /// Returns whether the budget is spent; asked only where something would still have to be
+    /// looked at.
     fn is_over(&mut self) -> bool {
         let over = self.data.work.is_spent(self.budget);
         self.left_out |= over;
@@ -149,7 +150,7 @@ impl Look<'_> {
     }
 }
 
-/// That a better candidate takes a term's place.
+/// Records that a better candidate takes a term's place.
 fn swapped(selection: &Selection, place: usize, better: &Rival) -> Step {
     let term = selection.chosen.fit.structure.terms[place].id();
     let lead = better.judged.score() - selection.chosen.score();

@@ -1,10 +1,11 @@
-//! Whether a random walk that a model names is one, or a smooth course of time that its laws left.
-//! A walk has power at all frequencies, falling as their square; what is left of a drift that
-//! goes as another power of time, or settles in two speeds, has its power at the lowest few.
+//! Decides whether a random walk that a model names is one, or a smooth trend that its laws left. A
+//! walk has power at all frequencies, falling as their square; the residual of a drift that goes as
+//! another power of time, or settles in two speeds, has its power at the lowest few.
 //!
-//! The errors of the model without the walk are regressed on polynomials of time, and of its logarithm
-//! (cosines would ask for a course that is level at both ends), beside the derivatives of the model's own parameters. The better description is that of the
-//! larger likelihood less the penalty of its parameters (Schwarz, Annals of Statistics 6, 1978).
+//! The errors of the model without the walk are regressed on polynomials of time, and of its
+//! logarithm (cosines would ask for a trend that is level at both ends), next to the derivatives of
+//! the model's own parameters. The better description is that of the larger likelihood less the
+//! penalty of its parameters (Schwarz, Annals of Statistics 6, 1978).
 
 use nalgebra::{DMatrix, DVector};
 
@@ -13,16 +14,16 @@ use crate::driven::intake::data::Data;
 use crate::numerics::legendre::legendre;
 use crate::numerics::log_time::log_time;
 
-/// Highest degree of a course: beyond, a walk has more power than a course that is smooth.
+/// Highest degree of a trend: beyond, a walk has more power than a trend that is smooth.
 const MOST: usize = 8;
-/// Log-likelihood by which a smooth course must be better: odds of twenty to one.
+/// Log-likelihood by which a smooth trend must be better: odds of twenty to one.
 const LEAST_LEAD: f64 = 3.0;
 /// Added to the diagonal of the normal equations, relative to it: a parameter's derivative may be
 /// a sum of the polynomials.
 const RIDGE: f64 = 1e-9;
 
-/// Whether a smooth course of time describes what a model leaves better than a walk does; `with` is
-/// the model that has the walk beside the same terms.
+/// Returns whether a smooth trend describes what a model leaves better than a walk does; `with` is
+/// the model that has the walk next to the same terms.
 pub(crate) fn is_smooth(data: &Data, without: &Fit, with: &Fit) -> bool {
     let rows = without.linear.residual.len();
     if rows != data.train_len() || rows != with.linear.residual.len() || rows < 100 * MOST {
@@ -35,13 +36,13 @@ pub(crate) fn is_smooth(data: &Data, without: &Fit, with: &Fit) -> bool {
     smooth(&without.linear.residual, &without.linear.columns, &at) > walk + LEAST_LEAD
 }
 
-/// What one number costs.
+/// Returns the log-likelihood that one number costs.
 fn penalty(rows: usize) -> f64 {
     0.5 * (rows as f64).ln()
 }
 
-/// Log-likelihood, less the penalty, of the best polynomial of time or of its logarithm,
-/// beside other columns; `at` is time, from 0 to 1.
+/// Returns the log-likelihood, less the penalty, of the best polynomial of time or of its
+/// logarithm, next to other columns; `at` is time, from 0 to 1.
 fn smooth(errors: &[f64], columns: &[Vec<f64>], at: &[f64]) -> f64 {
     let rows = errors.len();
     let courses: [&dyn Fn(f64) -> f64; 2] = [&|t| t, &log_time];
@@ -58,7 +59,7 @@ fn log_likelihood(rows: usize, sum: f64) -> f64 {
     -0.5 * rows as f64 * (sum / rows as f64).max(1e-300).ln()
 }
 
-/// Sum of squares that polynomials of degree one, two … leave beside other columns.
+/// Returns the sum of squares that polynomials of degree one, two … leave next to other columns.
 fn left_by(errors: &[f64], columns: &[Vec<f64>], at: &[f64]) -> Vec<f64> {
     let (own, rows) = (columns.len(), errors.len());
     let width = own + MOST;
@@ -106,7 +107,7 @@ mod tests {
         -0.5 * ROWS as f64 * (sum / ROWS as f64).ln() - 0.5 * log - penalty(ROWS)
     }
 
-    /// By how much the best polynomial is better than the best walk.
+    /// Returns by how much the best polynomial is better than the best walk.
     fn lead(course: &[f64]) -> f64 {
         let at: Vec<f64> = (0..ROWS).map(|i| (i as f64 + 0.5) / ROWS as f64).collect();
         let steps = (0..40).map(|i| 10f64.powf(-4.0 + 0.1 * f64::from(i)));

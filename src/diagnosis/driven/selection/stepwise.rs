@@ -10,16 +10,16 @@ use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 use crate::trace::Step;
 
+use super::candidates_round::{SURE, round};
+use super::deferred_linear::settle_kept_back;
 use super::earned::{earned, pruned};
-use super::forms;
+use super::exponent_forms::settle_shape;
+use super::free_forms;
 use super::identifiability::Reach;
 use super::judged::{Judged, Selection, Trial};
-use super::kept_back::settle_kept_back;
-use super::kept_shape::settle_shape;
-use super::other_power::settle_power;
 use super::residual_structure::residual_structure;
 use super::rivals::Look;
-use super::round::{SURE, round};
+use super::stop_or_spring::settle_power;
 
 /// Most terms in a model.
 const MOST_TERMS: usize = 6;
@@ -104,7 +104,7 @@ pub(crate) fn search(
         let budget = data.work.budget(Stage::KeptBack, data.hull.len());
         settle_kept_back(data, &mut selection, scales, budget, control)?;
         let budget = data.work.budget(Stage::Forms, data.hull.len());
-        forms::settle(data, &mut selection, scales, budget);
+        free_forms::settle(data, &mut selection, scales, budget);
         settle_power(data, &mut selection, scales, budget);
         let budget = data.work.budget(Stage::KeptShapes, data.hull.len());
         settle_shape(data, &mut selection, scales, budget);
@@ -123,23 +123,23 @@ struct Stepwise<'a> {
     budget: Budget,
     /// Every candidate alone, once it has been tried.
     alone: Vec<Trial>,
-    /// Whether the last step left an oscillation that the input may cause.
+    /// States whether the last step left an oscillation that the input may cause.
     follows_input: bool,
 }
 
-/// Where a walk ended.
+/// Result of one walk forward.
 struct Way {
     chosen: Judged,
     /// Share of its variance that can still be predicted.
     predictable: f64,
-    /// Whether it ended because the work was spent.
+    /// States whether it ended because the work was spent.
     cut_short: bool,
-    /// Whether it left an oscillation that the input may cause.
+    /// States whether it left an oscillation that the input may cause.
     follows_input: bool,
 }
 
 impl Stepwise<'_> {
-    /// From the base model as far as these candidates lead.
+    /// Walks from the base model as far as these candidates lead.
     fn forward(&mut self, candidates: &[Term]) -> Result<Way, Stopped> {
         let (data, mut chosen, mut cut_short, mut follows_input) = (self.data, self.base.clone(), false, false);
         for _ in 0..=MOST_TERMS {
@@ -162,12 +162,12 @@ impl Stepwise<'_> {
         Ok(Way { predictable, chosen, cut_short, follows_input })
     }
 
-    /// Whether next to nothing is left of the base model's error.
+    /// Returns whether next to nothing is left of the base model's error.
     fn is_nearly_done(&self, chosen: &Judged) -> bool {
         chosen.held_out.free() < NEARLY_NOTHING * self.base.held_out.free()
     }
 
-    /// Whether more terms will not explain what this model leaves.
+    /// Returns whether more terms will not explain what this model leaves.
     fn is_hopeless(&self, chosen: &Judged) -> bool {
         if chosen.fit.structure.terms.len() < MANY || self.is_nearly_done(chosen) {
             return false;
@@ -201,8 +201,8 @@ impl Stepwise<'_> {
         let mut qualifying = trials
             .iter()
             .filter_map(|t| t.judged.as_ref())
-            // At the end of its plausible range a law is not what its name says: the others answer
-            // without it.
+            // At the end of its plausible range a law is not what its name states: the others
+            // answer without it.
             .filter(|j| !(j.fit.at_bound(self.scales) && data.trace.acts(not_added(Gate::SearchBound, chosen, j))))
             .take(3)
             .filter(|j| {
@@ -220,7 +220,7 @@ impl Stepwise<'_> {
     }
 }
 
-/// That a gate keeps a candidate from being added to a model.
+/// Records that a gate keeps a candidate from being added to a model.
 fn not_added(gate: Gate, chosen: &Judged, with: &Judged) -> Step {
     let added = with.fit.structure.terms.iter().find(|t| !chosen.has(t.id()));
     Step::keeps_out(gate, added.map(Term::id))

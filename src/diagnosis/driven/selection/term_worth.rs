@@ -1,10 +1,10 @@
-//! What each term of the final model is worth: how the model fares without it, on fitted samples
-//! and on others.
+//! Weighs each term of the final model: how the model fares without it, on fitted samples and on
+//! others.
 //!
 //! Not what follows from that (`conclude`).
 
 use crate::driven::intake::data::Data;
-use crate::driven::selection::lattice::{Lattice, lattice};
+use crate::driven::selection::quantisation_grid::{Lattice, lattice};
 use crate::parallel;
 use crate::physics::scales::Scales;
 
@@ -41,7 +41,7 @@ pub struct Named {
 }
 
 impl Named {
-    /// Whether the test samples speak against it.
+    /// Returns whether the test samples speak against it.
     pub fn worsens(&self, model: &Judged) -> bool {
         let term = model.fit.structure.terms[self.index];
         term.noise().is_none() && model.held_out.free() > WORSE * self.without.free()
@@ -53,12 +53,12 @@ pub(crate) fn rounding(data: &Data, model: &Judged) -> Option<Lattice> {
     lattice(&data.reading[data.hull.clone()], &model.fit.linear.residual).filter(|l| l.gain > LEAST_ROUNDING_GAIN)
 }
 
-/// Whether the samples that chose the terms have been fitted since.
+/// Returns whether the samples that chose the terms have been fitted since.
 fn validation_is_fitted(data: &Data) -> bool {
     data.validation.iter().any(|v| data.train.iter().any(|t| t.start < v.end && v.start < t.end))
 }
 
-/// Every term of a model, weighed. Where there is no model without it, however slowly it is taken
+/// Weighs every term of a model. Where there is no model without it, however slowly it is taken
 /// away, the base model stands in for that: a term that nothing can be fitted without is worth all
 /// that the terms do together.
 pub(crate) fn weighed(

@@ -11,11 +11,11 @@ pub(in crate::driven) const LEAST_BLOCK: usize = 6;
 /// Rows that are fitted: segments one after the other, each of which begins anew.
 #[derive(Debug, Clone)]
 pub(in crate::driven) struct Rows {
-    /// As simulations see them.
+    /// The recording in the form that simulations see.
     pub data: Data,
     /// Segments and blocks.
     pub layout: Layout,
-    /// Whether each segment is a recording with an offset of its own.
+    /// States whether each segment is a recording with an offset of its own.
     pub own_offsets: bool,
     /// Row of the recording of each row here.
     pub at: Vec<usize>,

@@ -1,5 +1,5 @@
-//! A recording under an input for the engine: the laws that it follows beside its base model, and what
-//! laws that others have named are worth in free simulation.
+//! Searches a recording under an input with the engine: the laws that it follows besides its base
+//! model, and what laws that others have named are worth in free simulation.
 
 use std::f64::consts::TAU;
 
@@ -34,17 +34,18 @@ pub(in crate::driven) struct Simulated {
 /// A model's laws in free simulation.
 #[derive(Debug, Clone, Default)]
 pub(in crate::driven) struct Worth {
-    /// Of each law over the model without it, by its place in the model; those of noise have none.
+    /// Gain of each law over the model without it, by its place in the model; those of noise have
+    /// none.
     pub each: Vec<(usize, Gain)>,
-    /// Of all of them over the base model.
+    /// Gain of all of them over the base model.
     pub together: Option<Gain>,
-    /// What the rest depends on, the largest share first.
+    /// Dependences of the rest, the largest share first.
     pub rest: Vec<Dependence>,
 }
 
 impl Simulated {
-    /// A recording with its base model and these laws beside those that it is tried against; `None`
-    /// where its noise cannot be measured.
+    /// A recording with its base model and these laws next to those that it is tried against;
+    /// `None` where its noise cannot be measured.
     pub(in crate::driven) fn of(data: &Data, base: &Fit, further: &[Term], scales: &Scales) -> Option<Self> {
         let noise = reading_noise(&Sample::of(data))?;
         // What rounding adds is not smoothed away below a thousandth of the motion.
@@ -61,14 +62,15 @@ impl Simulated {
         Some(Self { system, variance, base })
     }
 
-    /// What the engine finds; `None` where no free simulation of the base model comes to rest.
+    /// Returns what the engine finds; `None` where no free simulation of the base model comes to
+    /// rest.
     pub(in crate::driven) fn search(&self) -> Option<Found> {
         let (search, base) = Search::begin(&self.system, self.variance, &self.base)?;
         Some(names::names(&search, base, None))
     }
 
-    /// What the laws at these places of a model are worth, with what the rest depends on where that is
-    /// asked; `None` where no free simulation of it comes to rest.
+    /// Returns what the laws at these places of a model are worth, with what the rest depends on
+    /// where that is asked; `None` where no free simulation of it comes to rest.
     pub(in crate::driven) fn worth(&self, data: &Data, model: &Fit, places: &[usize], rest: bool) -> Option<Worth> {
         let (search, base) = Search::begin(&self.system, self.variance, &self.base)?;
         let terms = &model.structure.terms;

@@ -1,5 +1,5 @@
-//! The laws that a proof mass may follow beside the base model: the library's, and free forms of
-//! their arguments.
+//! Lists the laws that a proof mass may follow in addition to the base model: the library's, and
+//! free forms of their arguments.
 
 use crate::engine::kind::{Argument, Form};
 use crate::physics::end_stop::{EndStop, Side};
@@ -24,9 +24,9 @@ pub(in crate::driven) struct Member {
 /// All laws that a recording with this many environment columns, of a mass that an input drives or
 /// not, is tried against.
 pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &Scales) -> Vec<Member> {
-    // Of a decay the start of each segment is free, so that what is linear beside the mass does not
-    // show: a low-pass changes size and phase of the motion and nothing else. Under an input, what
-    // has lines of its own is noise, and is named last.
+    // Of a decay the start of each segment is free, so that what is linear next to the mass does
+    // not show: a low-pass changes size and phase of the motion and nothing else. Under an input,
+    // what has lines of its own is noise, and is named last.
     let shows = |t: &Term| {
         let is_hidden = match t {
             Term::ReadoutSaturation(_) => !is_driven,
@@ -97,7 +97,7 @@ pub(in crate::driven) fn argument(term: &Term) -> Argument {
     }
 }
 
-/// Whether two laws are forms of one another, of which a set holds at most one.
+/// Returns whether two laws are forms of one another, of which a set holds at most one.
 pub(in crate::driven) fn excludes(one: &Term, other: &Term) -> bool {
     let group = |t: &Term| match t {
         Term::CubicStiffness(_) | Term::PowerLawStiffness(_) => 1,

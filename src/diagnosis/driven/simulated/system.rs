@@ -1,5 +1,5 @@
-//! A proof mass as the engine sees it: sets of laws beside the oscillator, simulated over segments
-//! of its recordings, under an input or free.
+//! A proof mass as the engine sees it: sets of laws added to the oscillator, simulated over
+//! segments of its recordings, under an input or free.
 
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ use crate::physics::state::{LANES, Lanes};
 use super::rows::Rows;
 use super::space::{self, Member};
 
-/// Step in coordinates for derivatives: small beside any feature, large beside rounding.
+/// Step in coordinates for derivatives: small next to any feature, large next to rounding.
 const NUDGE: f64 = 1e-5;
 /// Coordinate of a strength at which a law joins a model: its first derivative is what counts.
 const JOINS: f64 = 1e-3;
@@ -163,7 +163,7 @@ impl System {
         Point { shared: measured(&self.shared_coordinates(set), &shared), starts }
     }
 
-    /// How the model of a set is run at these parameters.
+    /// Returns how the model of a set is run at these parameters.
     fn run(&self, structure: &ModelStructure, points: &[Vec<f64>]) -> Run {
         let is_free = self.rows.data.input.is_none();
         let needed = |p: &Vec<f64>| match is_free {
@@ -186,8 +186,8 @@ impl System {
         self.simulated(&self.structure(set), &[self.parameters(set, point)], keep).remove(0)
     }
 
-    /// Where a law may begin: as its starts say, and where it has no strength there, with a little of
-    /// each.
+    /// Returns where a law may begin: as its starts state, and where it has no strength there, with
+    /// a little of each.
     fn beginnings(&self, term: &Term) -> Vec<Vec<f64>> {
         let starts = match term {
             Term::FreeForm(form) => {
@@ -226,7 +226,7 @@ impl System {
     }
 }
 
-/// How many of a law's first parameters are its strength.
+/// Returns how many of a law's first parameters are its strength.
 fn strengths(term: &Term) -> usize {
     match term {
         Term::ReadoutSaturation(_) => 0,

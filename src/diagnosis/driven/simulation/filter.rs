@@ -18,7 +18,7 @@ use crate::physics::state::{Instants, LANES, Lanes};
 use super::propagator::Shift;
 use super::step::{MOST_STATES, Mover, Parts, Plan, StepState, movers, together};
 
-/// What one pass simulates.
+/// Specification of one pass of a simulation.
 #[derive(Debug)]
 pub(super) struct Pass<'a> {
     /// Samples to run over.
@@ -34,17 +34,17 @@ pub(super) struct Pass<'a> {
     /// Time of each sample where they do not follow one another at the sampling rate; else empty.
     pub clock_s: &'a [f64],
     pub parts: Parts<'a>,
-    /// Where the run begins, and where it begins anew, in the order of time.
+    /// Places where the run begins, and where it begins anew, in the order of time.
     pub beginnings: Vec<Beginning>,
     /// Corrections per unit innovation; `None` for free simulation.
     pub gains: Option<[Lanes; 4]>,
 }
 
-/// Where a mass begins.
+/// Place where a mass begins.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Beginning {
     pub sample: usize,
-    /// In which of the recordings that the parameters know.
+    /// Index of its recording among those that the parameters know.
     pub recording: usize,
     /// Offset of the reading from there on.
     pub offset: Lanes,
@@ -52,7 +52,7 @@ pub(super) struct Beginning {
     pub initial: [Lanes; 2],
 }
 
-/// What a pass wants to keep of the state besides the innovations.
+/// Keeps parts of the state of a pass besides the innovations.
 pub trait Keep {
     /// Called at every sample with displacement and velocity as expected before the reading is
     /// seen.
@@ -214,7 +214,7 @@ impl Pass<'_> {
         y
     }
 
-    /// What a reading teaches.
+    /// Corrects the motion by a reading.
     #[inline(always)]
     fn correct(&self, plan: &Plan<'_>, e: &Lanes, motion: &mut StepState) {
         let Some(gains) = &self.gains else { return };

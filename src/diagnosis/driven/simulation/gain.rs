@@ -116,9 +116,9 @@ pub(crate) fn system(noisy: &Noisy) -> System {
     System { transition: f, sees, push, noise: q }
 }
 
-/// What a low-pass at rest holds after a time `t`, per unit of displacement and of velocity that
-/// the oscillator began with: z + τz′ = x is solved by z = c₀x + c₁x′ + c₂e^{−t/τ}, as x″ is −ω²x −
-/// 2ζωx′.
+/// Returns what a low-pass at rest holds after a time `t`, per unit of displacement and of velocity
+/// that the oscillator began with: z + τz′ = x is solved by z = c₀x + c₁x′ + c₂e^{−t/τ}, as x″ is
+/// −ω²x − 2ζωx′.
 fn lagging(omega: f64, zeta: f64, lag_s: f64, t: f64) -> [f64; 2] {
     let past = 1.0 - 2.0 * zeta * omega * lag_s;
     let all = past + (omega * lag_s).powi(2);

@@ -18,12 +18,11 @@ pub struct Run {
     pub range: Range<usize>,
     /// Integration steps per sample.
     pub steps: usize,
-    /// Whether readings correct the state.
+    /// States whether readings correct the state.
     pub corrected: bool,
 }
 
-/// Innovations at up to [`LANES`] points,
-/// begun where it is said.
+/// Returns the innovations at up to [`LANES`] points, begun at these beginnings.
 pub(crate) fn once<K: Keep>(
     data: &Data,
     structure: &ModelStructure,
@@ -75,8 +74,8 @@ pub(crate) fn once<K: Keep>(
     pass.innovations(keep)
 }
 
-/// Where the run begins, by the first recording's parameters wherever that is, and where within it
-/// further recordings do.
+/// Returns where the run begins, by the first recording's parameters wherever that is, and where
+/// within it further recordings do.
 pub(crate) fn beginnings(data: &Data, structure: &ModelStructure, points: &[Vec<f64>], run: &Run) -> Vec<Beginning> {
     let lane = |index: usize| lane(points, index);
     let at = |sample: usize, recording: usize| {

@@ -1,5 +1,5 @@
-//! What carries a state or an input over a fixed time and is known before a pass begins: the free
-//! oscillator, and an input moved by part of a grid point. Not the pass itself (`filter`).
+//! Carries a state or an input over a fixed time, as far as that is known before a pass begins: the
+//! free oscillator, and an input moved by part of a grid point. Not the pass itself (`filter`).
 
 // Lanes are indexed alike in many arrays at once; iterators over one of them would hide that.
 #![allow(clippy::needless_range_loop)]
@@ -17,7 +17,7 @@ pub(super) struct Transition {
 }
 
 impl Transition {
-    /// Of an oscillator's ω and ζ, after a time `t`.
+    /// Builds the transition of an oscillator with this ω and ζ after a time `t`.
     pub(super) fn new(oscillator: &[Lanes; 2], t: f64) -> Self {
         let mut m = Self { xx: [0.0; LANES], xv: [0.0; LANES], vx: [0.0; LANES], vv: [0.0; LANES] };
         for l in 0..LANES {
@@ -46,7 +46,7 @@ pub(super) struct Shift {
 }
 
 impl Shift {
-    /// Of a delay, on a grid of this spacing.
+    /// Builds the shift of a delay on a grid of this spacing.
     pub(super) fn new(delay_s: &Lanes, spacing_s: f64) -> Self {
         let whole = (delay_s[0] / spacing_s).ceil();
         let mut weights = [[0.0; LANES]; 4];

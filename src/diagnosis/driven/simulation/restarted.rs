@@ -30,7 +30,7 @@ struct Errors {
     slopes: [Vec<f64>; 2],
 }
 
-/// As [`super::run::innovations`], in windows.
+/// Does the same as [`super::run::innovations`], in windows.
 pub fn innovations<K: Keep>(
     data: &Data,
     structure: &ModelStructure,
@@ -156,12 +156,12 @@ fn begun(
     at.iter().enumerate().map(one).collect()
 }
 
-/// In which of the recordings that the parameters know a sample lies.
+/// Returns in which of the recordings that the parameters know a sample lies.
 fn recording(data: &Data, structure: &ModelStructure, sample: usize) -> usize {
     data.breaks.iter().take(structure.further).filter(|b| **b <= sample).count()
 }
 
-/// What the samples seen so far say of the state of their window, in nudges.
+/// Information that the samples seen so far hold on the state of their window, in nudges.
 #[derive(Debug, Clone, Copy, Default)]
 struct Information {
     matrix: [f64; 3],
@@ -177,7 +177,7 @@ impl Information {
         self.vector[1] += b * error;
     }
 
-    /// The inverse of the information; `None` while it says nothing of one of the two.
+    /// The inverse of the information; `None` while it holds nothing on one of the two.
     fn inverse(&self) -> Option<[f64; 3]> {
         let [aa, ab, bb] = self.matrix;
         let determinant = aa * bb - ab * ab;

@@ -1,6 +1,5 @@
 //! One step of a pass: the oscillator exactly, the terms and the input by the stages of Lawson's
-//! method, and what follows the mass after it. What does not change during a pass is worked out
-//! once.
+//! method, and what follows the mass after it. What does not change during a pass is computed once.
 //!
 //! Not for readings, which come between the steps (`filter`).
 
@@ -28,13 +27,13 @@ const STAGED_ROWS: usize = 2 * MOST_STAGED;
 pub(super) struct StepState {
     pub x: Lanes,
     pub v: Lanes,
-    /// What the reading is off by, as far as readings have taught.
+    /// Bias of the reading, as estimated from readings so far.
     pub bias: Lanes,
     /// States of the terms.
     pub own: [Lanes; MOST_STATES],
 }
 
-/// What moves: the base model and its terms, at some parameters.
+/// Parts that move: the base model and its terms, at some parameters.
 #[derive(Debug)]
 pub(crate) struct Parts<'a> {
     pub base: BaseLanes,
@@ -53,17 +52,17 @@ pub(crate) struct Parts<'a> {
     pub observed: Observed,
 }
 
-/// What a pass works out before its first step.
+/// Plan of a pass, computed before its first step.
 pub(super) struct Plan<'a> {
     parts: &'a Parts<'a>,
     /// Length of a step.
     pub step_s: f64,
     half: Transition,
     full: Transition,
-    /// Whether nothing acts on the mass but the input.
+    /// States whether nothing acts on the mass but the input.
     pub linear: bool,
     moving: Vec<Mover<'a>>,
-    /// Whether one of those has states of its own.
+    /// States whether one of those has states of its own.
     staged: bool,
     followers: Vec<Mover<'a>>,
     constants: Vec<Constants>,
@@ -71,7 +70,7 @@ pub(super) struct Plan<'a> {
     pub sensing: Vec<Mover<'a>>,
     /// Terms that read after it.
     pub adding: Vec<Mover<'a>>,
-    /// States of what moves beside the mass.
+    /// States of what moves next to the mass.
     pub modes: Vec<usize>,
     /// Delay of the input.
     pub delay: Option<Shift>,
@@ -125,7 +124,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// One step under nothing but the input: exact but for the course of the input, which is a
+    /// One step under nothing but the input: exact but for the input within it, which is a
     /// parabola.
     #[inline(always)]
     pub(super) fn swing(&self, u: [Lanes; 3], motion: &mut StepState) -> Stride {
@@ -302,7 +301,7 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// By how much the input that acts is later than the one recorded.
+/// Returns by how much the input that acts is later than the one recorded.
 fn delay(late: Option<&Lanes>, early: Option<&Lanes>) -> Option<Lanes> {
     let of = |lanes: Option<&Lanes>| lanes.copied().unwrap_or([0.0; LANES]);
     let (late_s, early_s) = (of(late), of(early));
@@ -313,7 +312,7 @@ fn delay(late: Option<&Lanes>, early: Option<&Lanes>) -> Option<Lanes> {
 pub(super) struct Mover<'a> {
     pub term: &'a Term,
     pub role: Role,
-    /// Where its values begin among those of all terms.
+    /// Index of its first value among those of all terms.
     pub first: usize,
     /// Its values, with those of the first recording where it has some of each.
     pub values: Values<f64, LANES>,

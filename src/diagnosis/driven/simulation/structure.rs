@@ -1,5 +1,5 @@
-//! Which parameters a model has, and what follows from them alone: the base, its terms, their
-//! places, how each moves, how short the steps must be. Not for running it (`run`).
+//! States which parameters a model has, and what follows from them alone: the base, its terms,
+//! their places, how each moves, how short the steps must be. Not for running it (`run`).
 
 use crate::driven::base::{BASE, INITIAL, OFFSET, OMEGA, OMEGAS_PER_SAMPLE, PER_RECORDING, ZETA, ZETAS};
 use crate::driven::intake::input::MOST_STEPS;
@@ -88,13 +88,13 @@ impl ModelStructure {
         if recording == 0 { INITIAL } else { self.offset(recording) + 1 }
     }
 
-    /// Whether free simulation is not all there is to it.
+    /// Returns whether the model has noise terms, so that free simulation is not all of it.
     pub fn is_noisy(&self) -> bool {
         self.terms.iter().any(|t| t.noise().is_some())
     }
 
-    /// Places of what only says where the mass, and the states of terms, begin in the first
-    /// recording.
+    /// Returns the places of what only states where the mass, and the states of terms, begin in the
+    /// first recording.
     pub fn beginnings(&self) -> Vec<usize> {
         let of_terms = self.terms.iter().zip(&self.first).flat_map(|(term, first)| {
             let end = first + term.values();
@@ -103,7 +103,8 @@ impl ModelStructure {
         [INITIAL, INITIAL + 1].into_iter().chain(of_terms).collect()
     }
 
-    /// Places of all offsets and of all that says where the mass, and the states of terms, begin.
+    /// Returns the places of all offsets and of all that states where the mass, and the states of
+    /// terms, begin.
     pub fn all_beginnings(&self) -> Vec<usize> {
         let of_terms = self.terms.iter().enumerate().flat_map(|(i, term)| {
             let block = self.block(i);
@@ -143,12 +144,13 @@ impl ModelStructure {
         self.steps_by(point, scales, ANGLE)
     }
 
-    /// As `steps`, for a look that need not be exact.
+    /// Returns the same as `steps`, for a look that need not be exact.
     pub fn coarse_steps(&self, point: &[f64], scales: &Scales) -> usize {
         self.steps_by(point, scales, 4.0 * ANGLE)
     }
 
-    /// As `steps`, where no input has to be followed between the samples: one where that is enough.
+    /// Returns the same as `steps`, where no input has to be followed between the samples: one
+    /// where that is enough.
     pub fn free_steps(&self, point: &[f64], scales: &Scales) -> usize {
         self.angles(point, scales, FREE_ANGLE).clamp(1, MOST_STEPS)
     }

@@ -83,7 +83,7 @@ pub fn answer(
     findings.extend(doubtful(c));
     findings.extend(findings::noise(&c.noise, data.rate_hz));
     findings.extend(findings::reach(&selection.reach));
-    // What would have been seen is only known where what is left is noise.
+    // What would have been seen is only known where the residual is noise.
     let silent = named.is_empty() && matches!(c.outcome, Outcome::Adequate | Outcome::Undecidable);
     let limits = if silent { seen(data, c, selection, scales, &channels) } else { Limits::default() };
     let account = Account {
@@ -150,8 +150,8 @@ pub fn answer(
     }
 }
 
-/// How far each named law departs from its stated form, by its place in the model, as far as the
-/// work for it reaches.
+/// Returns how far each named law departs from its stated form, by its place in the model, as far
+/// as the work for it reaches.
 fn forms(data: &Data, c: &Conclusion, scales: &Scales) -> Vec<(usize, Form)> {
     let known = |index: usize| {
         let found = c.departing.as_ref()?;
@@ -169,7 +169,7 @@ fn forms(data: &Data, c: &Conclusion, scales: &Scales) -> Vec<(usize, Form)> {
     c.named.iter().filter_map(of).collect()
 }
 
-/// Where the base model errs, and what the force that it lacks follows.
+/// Returns where the base model errs, and what the force that it lacks follows.
 fn located(
     data: &Data,
     [before, after]: [&[f64]; 2],
@@ -208,7 +208,7 @@ fn doubtful(c: &Conclusion) -> Vec<String> {
     dropped.chain(unconfirmed).collect()
 }
 
-/// What would have been seen of each candidate.
+/// Returns what would have been seen of each candidate.
 fn seen(data: &Data, c: &Conclusion, selection: &Selection, scales: &Scales, channels: &Channels) -> Limits {
     let mut candidates: Vec<Term> = selection.alone.iter().map(|t| t.term).collect();
     candidates.sort_by_key(|t| CANDIDATES.iter().position(|c| c.id == t.id()));

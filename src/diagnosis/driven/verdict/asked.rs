@@ -1,4 +1,4 @@
-//! What is asked of a diagnosis.
+//! States the question that a diagnosis answers: recordings and model.
 
 use crate::driven::intake::several::Piece;
 use crate::model;

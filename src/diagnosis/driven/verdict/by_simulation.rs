@@ -1,5 +1,5 @@
-//! What free simulation adds to a conclusion: the names that hold in it where the stepwise search ended
-//! without any, and the part of the error that each name removes.
+//! Adds to a conclusion what free simulation shows: the names that hold in it where the stepwise
+//! search ended without any, and the part of the error that each name removes.
 
 use crate::answer::Answer;
 use crate::driven::identification::fit::fit;
@@ -22,10 +22,10 @@ use crate::verdict::{DependsOn, Outcome, Share};
 use super::conclude::Conclusion;
 use super::elsewhere;
 
-/// What may be said of a conclusion besides.
+/// Results of free simulation that add to a conclusion.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Simulation {
-    /// What its names are worth.
+    /// Part of the error that its names remove.
     worth: Worth,
     /// Laws that would remove part of the error, and not enough of it to be named.
     imitations: Vec<&'static str>,

@@ -1,4 +1,5 @@
-//! From the model chosen to what may be said of it: which terms hold, which are tied, what is left.
+//! Concludes from the model chosen: which terms hold, which are indistinguishable, and what the
+//! residual is.
 
 use crate::detection::Structure;
 use crate::driven::base::OMEGA;
@@ -9,11 +10,11 @@ use crate::driven::intake::work::{Budget, Stage};
 use crate::driven::selection::coloured_noise::Coloured;
 use crate::driven::selection::held_out::held_out;
 use crate::driven::selection::judged::{Departing, Judged, Selection};
-use crate::driven::selection::lattice::Lattice;
 use crate::driven::selection::noise_character::{
     LoudStretch, NoiseCharacter, ReadoutMemory, disturbance_by_chance, noise_character,
 };
 use crate::driven::selection::noise_scale::MassMotion;
+use crate::driven::selection::quantisation_grid::Lattice;
 use crate::driven::selection::residual_structure::{EVEN, Residual, power_structure, residual_structure_of_noise};
 use crate::driven::selection::term_worth::{LEAST_ROUNDING_GAIN, Named, rounding};
 use crate::driven::simulation::run::trace;
@@ -33,16 +34,16 @@ use super::elsewhere;
 
 /// Share of the innovations' variance that may be predicted before they are no longer called white.
 pub const WHITE: f64 = 0.02;
-/// A remainder of less than this fraction, with no candidate that earns a name, is too faint to say
-/// that the library fails.
+/// A residual with less structure than this fraction, with no candidate that earns a name, is too
+/// faint to show that the library fails.
 const FAINT: f64 = 0.05;
-/// Questions that are asked of what is left: structure in the innovations, structure in their
+/// Questions that are asked of the residual: structure in the innovations, structure in their
 /// power, a disturbance.
 const QUESTIONS: f64 = 3.0;
 /// Probability below which one of them counts as answered.
 const LEVEL: f64 = REAL / QUESTIONS;
 
-/// What the chosen model allows to be said.
+/// Conclusion that the chosen model allows.
 #[derive(Debug, Clone)]
 pub struct Conclusion {
     /// The verdict, one of four.
@@ -59,17 +60,17 @@ pub struct Conclusion {
     pub departing: Option<Departing>,
     /// Structure that remains in the final model's innovations.
     pub after: Structure,
-    /// All tests of what is left, in the vocabulary of every kind.
+    /// All tests of the residual, in the vocabulary of every kind.
     pub remainder: Remainder,
-    /// What the model leaves of samples outside the recordings fitted, where such judge it.
+    /// Size of what the model leaves of samples outside the recordings fitted, where such judge it.
     pub elsewhere: Size,
-    /// What kind of noise it is, where nothing else is left.
+    /// Character of the noise, where nothing else is left.
     pub noise: NoiseCharacter,
-    /// Coarse rounding, where it explains the remainder.
+    /// Coarse rounding, where it explains the residual.
     pub lattice: Option<Lattice>,
     /// Uncertainty of the final model's parameters.
     pub spread: Spread,
-    /// How finely the terms of the final models are integrated, as `Scales::fineness`.
+    /// Fineness of the integration of the final models' terms, as `Scales::fineness`.
     pub fineness: f64,
     /// Work that the conclusion may spend.
     pub budget: Budget,
@@ -168,7 +169,7 @@ pub(crate) fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion
     Conclusion { base, model, after: after.structure, remainder, elsewhere, noise, spread, budget, left_out, ..c }
 }
 
-/// What kind of noise a model leaves; `coloured` is its memory.
+/// Returns the character of the noise that a model leaves; `coloured` is its memory.
 fn character(data: &Data, fit: &Fit, coloured: Option<&Coloured>) -> NoiseCharacter {
     let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let noise =
@@ -196,7 +197,7 @@ fn remainder(data: &Data, model: &Judged, after: &Residual) -> Remainder {
         let step = Step::of(Gate::NoisePower, "noise", "remainder").measured(p.r_squared, EVEN);
         kept(&test, step).then_some(test)
     });
-    // A disturbance does not say that the library fails.
+    // A disturbance does not show that the library fails.
     let errors = &model.fit.linear.residual;
     let fresh = after.coloured.as_ref().map(|c| c.whitened(errors));
     let by_chance = QUESTIONS * disturbance_by_chance(fresh.as_ref().unwrap_or(errors));

@@ -1,4 +1,4 @@
-//! What a diagnosis of this kind keeps for its figures, as plain numbers.
+//! Keeps what a diagnosis of this kind needs for its figures, as plain numbers.
 
 use std::ops::Range;
 
@@ -33,18 +33,19 @@ pub struct Detail {
     /// The force that the base model leaves unexplained over displacement and velocity, and the
     /// repaired one.
     pub surfaces: [Surface; 2],
-    /// Where nothing is named: root-mean-square, over the noise, from which on something would have
-    /// been.
+    /// Root-mean-square, over the noise, from which on something would have been named, where
+    /// nothing is.
     pub least_over_noise: f64,
-    /// Candidates whose signatures could then not have been told apart.
+    /// Candidates whose signatures could then not have been distinguished.
     pub indistinguishable: Vec<[&'static str; 2]>,
-    /// Whether anything was named.
+    /// States whether anything was named.
     pub named: bool,
-    /// How far named laws depart from their stated form, each with its id.
+    /// Departure of named laws from their stated form, each with its id.
     pub forms: Vec<(&'static str, Form)>,
     /// Profile likelihood of each named parameter.
     pub profiles: Vec<Profile>,
-    /// Where nothing is named: what would have been, candidate by candidate.
+    /// Smallest strengths that would have been named, candidate by candidate, where nothing is
+    /// named.
     pub detectable: Vec<Detectable>,
     /// Facts that the sentences of the verdict are made from.
     pub account: Account,
@@ -57,28 +58,28 @@ pub struct Detail {
 pub struct Account {
     /// Location of the mismatch, as a sentence.
     pub place: String,
-    /// Whether the power of the base model's error is that of the noise.
+    /// States whether the power of the base model's error is that of the noise.
     pub at_noise: bool,
-    /// What a reader of the verdict must know, as clauses.
+    /// Doubts that a reader of the verdict must know, as clauses.
     pub doubts: Vec<String>,
-    /// Why input and output do not belong together as they stand, if they do not.
+    /// Reason why input and output do not belong together as they stand; `None` if they do.
     pub broken: Option<Broken>,
-    /// Whether it was driven; else it is a free ring-down.
+    /// States whether it was driven; else it is a free ring-down.
     pub has_input: bool,
-    /// Fraction of the variance of what is left that is predictable from its past, the input and
+    /// Fraction of the variance of the residual that is predictable from its past, the input and
     /// the state; less what a short memory of the noise accounts for.
     pub predictable: f64,
     /// Correlation of neighbouring readings' errors, where the noise has a short memory.
     pub neighbour: Option<f64>,
-    /// Whether that is too much to be called white.
+    /// States whether that is too much to be called white.
     pub is_structured: bool,
-    /// Whether only samples outside the recordings fitted are not followed.
+    /// States whether only samples outside the recordings fitted are not followed.
     pub strays_elsewhere: bool,
     /// Smallest such fraction that would have been seen.
     pub detectable_r_squared: f64,
     /// Frequencies of the input's lines, Hz, where they are few.
     pub lines_hz: Vec<f64>,
-    /// Whether they tell nothing linear apart.
+    /// States whether they distinguish nothing linear.
     pub is_linear_class: bool,
     /// Cycles of the resonance in the recording, where they are too few.
     pub few_cycles: Option<f64>,

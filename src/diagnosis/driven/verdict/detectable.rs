@@ -1,10 +1,11 @@
-//! What a recording in which nothing is named could have shown: for each candidate the smallest
-//! strength that would have been named, and which candidates it could not have told apart.
+//! States what a recording in which nothing is named could have shown: for each candidate the
+//! smallest strength that would have been named, and which candidates it could not have
+//! distinguished.
 //!
 //! From the base model's fit, linearised: what a candidate does to the reading, less what refitted
 //! base parameters would hide of it, must rise above the noise by what the selection asks for. A
 //! forecast from one recording, not a trial: `trial --like` plants and counts. Noise terms,
-//! rounding and contacts are left out: no derivative tells when they begin to show.
+//! rounding and contacts are left out: no derivative shows when they begin to show.
 
 use crate::driven::identification::fit::Fit;
 use crate::driven::intake::data::Data;
@@ -25,12 +26,12 @@ use super::effects::{Channels, parameter_unit};
 const POWER: f64 = 0.9;
 /// Shapes of one candidate that are looked at (frequencies, yields, time constants).
 const SHAPES: usize = 4;
-/// Signatures more alike than this are not told apart.
+/// Signatures more alike than this are indistinguishable.
 const ALIKE: f64 = 0.95;
 /// A strength small enough for a derivative, in typical ones.
 const SMALL: f64 = 0.01;
 
-/// What could have been seen.
+/// Limits of what could have been seen.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Limits {
     /// Root-mean-square, over the noise, that an effect must leave after the base model is
@@ -38,20 +39,20 @@ pub(super) struct Limits {
     pub least_over_noise: f64,
     /// Candidate by candidate, in the library's order.
     pub candidates: Vec<Detectable>,
-    /// Pairs whose signatures could not have been told apart.
+    /// Pairs whose signatures could not have been distinguished.
     pub indistinguishable: Vec<[&'static str; 2]>,
 }
 
-/// What one candidate does to the training rows, less what the base model hides of it.
+/// Signature of one candidate in the training rows, less what the base model hides of it.
 struct Signature {
     term: Term,
-    /// Which of its parameters is its strength.
+    /// Index of its parameter that is its strength.
     parameter: usize,
     /// The strength it is given for.
     strength: f64,
     /// Root mean square of what it does before the base is refitted.
     raw: f64,
-    /// What remains, row by row.
+    /// Rest after the base is refitted, row by row.
     rows: Vec<f64>,
     /// Root mean square of that.
     residual: f64,
@@ -135,8 +136,8 @@ fn signatures(data: &Data, base: &Fit, scales: &Scales, term: Term) -> Vec<Signa
         .collect()
 }
 
-/// What a term with these parameters does to the training rows: its size, what the base cannot
-/// hide, the size of that.
+/// Returns what a term with these parameters does to the training rows: its size, what the base
+/// cannot hide, the size of that.
 fn signature(data: &Data, base: &Fit, scales: &Scales, term: Term, values: &[f64]) -> Option<(f64, Vec<f64>, f64)> {
     let (structure, point) = base.with(term, values);
     let steps = structure.coarse_steps(&point, scales).max(base.steps);

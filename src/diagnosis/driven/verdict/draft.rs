@@ -1,5 +1,5 @@
-//! A conclusion in the making: models, what is left of them, and the terms that still have a name.
-//! Not for what speaks against a term (`objection`, `standing`, `unexplained`).
+//! A conclusion in the making: models, their residuals, and the terms that still have a name. Not
+//! for what speaks against a term (`objection`, `naming_rules`, `unexplained`).
 
 use crate::driven::identification::fit::{Fit, fit};
 use crate::driven::identification::local_minima::deepest;
@@ -20,7 +20,7 @@ use crate::remainder::Remainder;
 use crate::ruling::Evidence;
 use crate::trace::Step;
 
-/// What speaks against a term.
+/// Objection against a term.
 pub(super) struct Objection {
     pub(super) reason: Dropped,
     pub(super) step: Step,
@@ -39,7 +39,7 @@ pub(super) struct Draft<'a> {
     pub(super) model: Judged,
     /// The model with the form of one law free, where that law departs from its stated form.
     pub(super) departing: Option<Departing>,
-    /// What is left of the model; of the one with a free form, where there is one.
+    /// Residual of the model; of the one with a free form, where there is one.
     pub(super) after: Residual,
     pub(super) rivals: Vec<Vec<Rival>>,
     pub(super) named: Vec<Named>,
@@ -69,8 +69,8 @@ impl<'a> Draft<'a> {
         Self { data, selection, scales, budget, base, model, departing, after, rivals, named, dropped, left_out }
     }
 
-    /// Fits the model with a free form like the others. What it leaves is what is left: the stated
-    /// form would leave its own inexactness besides.
+    /// Fits the model with a free form like the others. Its residual counts: the stated form would
+    /// leave its own inexactness besides.
     pub(super) fn free(&mut self, selection: &Selection) {
         let Some(found) = &selection.departing else { return };
         let old = &found.judged.fit;
@@ -80,7 +80,7 @@ impl<'a> Draft<'a> {
         self.departing = Some(Departing { judged: Judged { fit, held_out }, index: found.index });
     }
 
-    /// Whether the law whose form is free is named.
+    /// Returns whether the law whose form is free is named.
     pub(super) fn names(&self, departing: &Departing) -> bool {
         let id = departing.judged.fit.structure.terms[departing.index].id();
         self.named.iter().any(|n| self.term(n.index).id() == id)
@@ -97,12 +97,12 @@ impl<'a> Draft<'a> {
         self.model.fit.structure.terms[index]
     }
 
-    /// Whether it is a noise term.
+    /// Returns whether it is a noise term.
     pub(super) fn is_noise(&self, named: &Named) -> bool {
         self.term(named.index).noise().is_some()
     }
 
-    /// Takes a term's name, and says why.
+    /// Takes a term's name, and records why.
     pub(super) fn drop_term(&mut self, index: usize, reason: Dropped) {
         let term = self.term(index);
         self.dropped.push((term, reason));
@@ -114,13 +114,13 @@ impl<'a> Draft<'a> {
         self.drop_term(index, objection.reason);
     }
 
-    /// Whether a gate takes a term's name, with what was measured and its threshold.
+    /// Returns whether a gate takes a term's name, with what was measured and its threshold.
     pub(super) fn drops(&self, gate: Gate, named: &Named, [value, threshold]: [f64; 2]) -> bool {
         self.data.trace.acts(Step::drops(gate, self.term(named.index).id()).measured(value, threshold))
     }
 
-    /// What a gate has against a term, with what was measured and its threshold; nothing where it is
-    /// switched off.
+    /// Returns the objection that a gate has against a term, with what was measured and its
+    /// threshold; nothing where it is switched off.
     pub(super) fn objects(
         &self,
         named: &Named,
@@ -137,7 +137,7 @@ impl<'a> Draft<'a> {
         self.named = weighed(self.data, self.selection, &self.model, &self.scales, &self.rivals, &self.base);
     }
 
-    /// How many times the final model's variance the terms removed.
+    /// Returns how many times the final model's variance the terms removed.
     pub(super) fn removed(&self) -> f64 {
         self.base.fit.variance / self.model.fit.variance.max(1e-300) - 1.0
     }
@@ -154,15 +154,16 @@ impl<'a> Draft<'a> {
         self.named.iter().filter(|n| !n.rivals.is_empty() || in_class(n)).count()
     }
 
-    /// Whether the recording is long enough for the base model, where anything is named beside it.
+    /// Returns whether the recording is long enough for the base model, where anything is named
+    /// next to it.
     fn is_base_determined(&self) -> bool {
         let step = |cycles| Step::of(Gate::FewCycles, "determined", "not determined").measured(cycles, FEWEST_CYCLES);
         let acts = |cycles| !self.named.is_empty() && self.data.trace.acts(step(cycles));
         !self.selection.reach.few_cycles.is_some_and(acts)
     }
 
-    /// What the verdict rests on; `nameless` is what is carried without a name, in variances of the
-    /// final model.
+    /// Collects the evidence of the verdict; `nameless` is what is carried without a name, in
+    /// variances of the final model.
     pub(super) fn evidence(&self, nameless: f64, stand_ins: bool, rounded: bool, remainder: Remainder) -> Evidence {
         let (model, base) = (&self.model, &self.base);
         Evidence {

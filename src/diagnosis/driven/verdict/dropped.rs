@@ -1,8 +1,8 @@
-//! Why a term has no name, and what was left undone.
+//! States why a term has no name, and what was left undone.
 
 use crate::driven::selection::known::Known;
 
-/// Why a term that was in the model has no name.
+/// Reason why a term that was in the model has no name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dropped {
     /// One of its parameters lies at the end of what its name allows.
@@ -11,22 +11,22 @@ pub enum Dropped {
     MayBeNothing,
     /// It makes the prediction of the test samples worse.
     Worsens,
-    /// It is no resonance beside the one modelled: it takes that one's place, or has no peak of its
-    /// own.
+    /// It is no resonance next to the one modelled: it takes that one's place, or has no peak of
+    /// its own.
     NoSecondResonance,
     /// It is a friction that would push the mass along.
     PushesAlong,
-    /// It is a noise term, but known signals explain part of what it takes up in the innovations, or
+    /// It is a noise term, but known signals explain part of what it absorbs in the innovations, or
     /// predict its power.
     Dependent {
         /// Known quantity that predicts it.
         by: Known,
         /// Part of its degrees of freedom, or of the variance of its power, %.
         percent: u8,
-        /// Whether it is the variance of its power.
+        /// States whether it is the variance of its power.
         is_power: bool,
     },
-    /// It is a random walk, but a smooth course of time describes what it stands for better.
+    /// It is a random walk, but a smooth trend describes what it stands for better.
     SmoothCourse,
     /// It is noise of the readout, with a memory of a few samples.
     Coloured,
@@ -34,7 +34,7 @@ pub enum Dropped {
     FollowsInput,
     /// It follows the rounding of the readings.
     FollowsRounding,
-    /// It is too small beside the other terms to be told from their inexactness.
+    /// It is too small next to the other terms to be distinguished from their inexactness.
     WithinInexactness,
     /// It does something only together with another that it can be mistaken for.
     Twin,
@@ -42,7 +42,7 @@ pub enum Dropped {
     StandIn,
 }
 
-/// What was not done because the work for it was spent.
+/// Work that was left out because its budget was spent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LeftOut {
     /// Profiles of laws with a corner: their intervals are those of a parabola.

@@ -87,7 +87,7 @@ fn readout_noise(data: &Data, fit: &Fit) -> f64 {
     (fit.variance / fit.structure.gain(&fit.point, data.interval_s()).innovation_variance).sqrt()
 }
 
-/// What noise alone leaves in free simulation.
+/// Returns the deviation that noise alone leaves in free simulation.
 pub(crate) fn noise_floor(data: &Data, fit: &Fit) -> f64 {
     let r = readout_noise(data, fit);
     let mut variance = r * r;
@@ -256,7 +256,7 @@ pub fn effects(
             confusable_with: alike(named),
         });
     }
-    // A rival stands beside the term it is tied with, with its own parameters.
+    // A rival stands next to the term that it is indistinguishable from, with its own parameters.
     for named in &c.named {
         let id = c.model.fit.structure.terms[named.index].id();
         for rival in &named.rivals {
@@ -312,7 +312,7 @@ pub fn effects(
     effects
 }
 
-/// What a named term adds to the others on held-out samples.
+/// Returns what a named term adds to the others on held-out samples.
 fn gain(c: &Conclusion, named: &Named, floor: f64) -> Gain {
     let term = c.model.fit.structure.terms[named.index];
     if term.noise().is_some() {

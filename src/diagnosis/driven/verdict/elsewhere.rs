@@ -30,7 +30,7 @@ pub(super) fn left(data: &Data, fit: &Fit, scales: &Scales) -> Remainder {
     Remainder::of(ranges.iter().map(test))
 }
 
-/// What the innovations of a range outside give away.
+/// Returns the structure that the innovations of a range outside give away.
 fn of_noise_there(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usize>) -> crate::detection::Structure {
     let mut free = fit.structure.beginnings();
     free.push(OFFSET);

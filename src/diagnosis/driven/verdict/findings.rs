@@ -1,4 +1,4 @@
-//! What is found besides the physics, as clauses.
+//! Writes findings besides the physics, as clauses.
 
 use crate::driven::identification::chaos::Chaos;
 use crate::driven::selection::identifiability::{FEWEST_CYCLES, Reach};
@@ -20,7 +20,7 @@ pub(crate) fn nameless(reason: Dropped, stays: bool, ids: &[&str]) -> String {
     format!("{ids} {fate}: {}", dropped(reason))
 }
 
-/// Why a term has no name, as a clause.
+/// States why a term has no name, as a clause.
 pub fn dropped(reason: Dropped) -> String {
     match reason {
         Dropped::AtBound => {
@@ -57,7 +57,7 @@ pub fn dropped(reason: Dropped) -> String {
     }
 }
 
-/// What the input and the length of the recording leave undetermined, in sentences.
+/// States what the input and the length of the recording leave undetermined, in sentences.
 pub(crate) fn reach(reach: &Reach) -> Vec<String> {
     let mut out = Vec::new();
     if reach.tells_nothing_linear_apart() {
@@ -81,7 +81,7 @@ pub(crate) fn reach(reach: &Reach) -> Vec<String> {
     out
 }
 
-/// That the response is chaotic, as a clause and what follows from it.
+/// States that the response is chaotic, as a clause and what follows from it.
 pub(crate) fn chaos(chaos: &Chaos) -> [String; 2] {
     let wells = chaos.wells.map_or(String::new(), |[a, b]| {
         format!(
@@ -104,7 +104,7 @@ pub(crate) fn chaos(chaos: &Chaos) -> [String; 2] {
     ]
 }
 
-/// What was left undone, as a clause.
+/// States what was left undone, as a clause.
 pub(crate) fn left_out(what: LeftOut) -> &'static str {
     match what {
         LeftOut::Profiles => {
@@ -117,8 +117,8 @@ pub(crate) fn left_out(what: LeftOut) -> &'static str {
     }
 }
 
-/// What kind of noise it is, as clauses; none where it is plain. Times count from the recording's
-/// first sample on.
+/// States the character of the noise, as clauses; none where it is plain. Times count from the
+/// recording's first sample on.
 pub fn noise(noise: &NoiseCharacter, rate_hz: f64) -> Vec<String> {
     let tails = noise.tails.map(|beyond| {
         format!(

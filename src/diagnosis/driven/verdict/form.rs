@@ -1,10 +1,10 @@
-//! How far a named law departs from the form that its name states, over the arguments that the
-//! recording visited.
+//! Measures how far a named law departs from the form that its name states, over the arguments that
+//! the recording visited.
 
 use crate::driven::identification::fit::Fit;
 use crate::driven::identification::interval;
 use crate::driven::intake::data::Data;
-use crate::driven::selection::forms::{freed, visits};
+use crate::driven::selection::free_forms::{freed, visits};
 use crate::driven::selection::judged::Judged;
 use crate::numerics::moments::rms;
 use crate::numerics::order;
@@ -30,7 +30,7 @@ pub struct Freely<'a> {
     pub fit: &'a Fit,
     /// Place of the law among the terms of that model.
     pub index: usize,
-    /// Whether it predicts unseen samples better than the stated form does.
+    /// States whether it predicts unseen samples better than the stated form does.
     pub departs: bool,
 }
 
@@ -47,7 +47,7 @@ pub(crate) fn form(
     }
     let fit = freed(data, &model.fit, index, scales, false)?;
     // Smooth friction, for one, comes near dry friction and never there: where it fits worse it
-    // says nothing of the form.
+    // shows nothing of the form.
     if fit.log_likelihood() < model.fit.log_likelihood() {
         return None;
     }
@@ -123,7 +123,7 @@ pub(crate) struct Split {
     gap: [f64; 2],
     /// The stated form at each visit.
     pub(crate) stated: Vec<f64>,
-    /// What the curve has besides.
+    /// Rest of the curve.
     pub(crate) rest: Vec<f64>,
 }
 
@@ -156,7 +156,7 @@ impl Split {
         Some(Self { law, strengths, gap, stated, rest })
     }
 
-    /// What the base model's own parameters do of it.
+    /// Returns the part of it that the base model's own parameters do.
     pub(crate) fn base(&self, a: f64) -> f64 {
         let all = functions(self.law, self.gap, a);
         all.iter().zip(&self.strengths).skip(strengths_of(self.law)).map(|(f, s)| f * s).sum()
@@ -168,7 +168,7 @@ impl Split {
     }
 }
 
-/// How many strengths a stated form has.
+/// Returns how many strengths a stated form has.
 fn strengths_of(law: Freed) -> usize {
     if law == Freed::Readout { 2 } else { 1 }
 }

@@ -1,5 +1,5 @@
-//! Where the base model's error exceeds the noise: in time, in frequency, in amplitude; each with
-//! its excess and a false discovery rate.
+//! Finds where the base model's error exceeds the noise: in time, in frequency, in amplitude; each
+//! with its excess and a false discovery rate.
 
 use std::ops::Range;
 

@@ -1,9 +1,9 @@
-//! From what the noise was measured, as a clause.
+//! Writes from what the noise was measured, as a clause.
 
 use crate::driven::intake::reading_noise::How;
 use crate::number::short;
 
-/// As a clause that follows "measured from".
+/// Writes a clause that follows "measured from".
 pub(crate) fn how(how: How) -> String {
     match how {
         How::Periods { count, samples } => {

@@ -1,4 +1,4 @@
-//! What speaks against a term of the final model: the test samples, or its own parameters.
+//! Raises objections against a term of the final model: the test samples, or its own parameters.
 
 use crate::driven::base::ZETA;
 use crate::driven::identification::interval;
@@ -16,8 +16,8 @@ use super::draft::{Draft, Objection, UNMEASURED};
 use super::second_resonance::{APERIODIC, is_beside_the_first, is_second_resonance};
 
 impl Draft<'_> {
-    /// Why a term may not stay, if it may not: the test samples speak against it, it is not what
-    /// its name says, or it may be nothing.
+    /// Returns why a term may not stay, if it may not: the test samples speak against it, it is not
+    /// what its name states, or it may be nothing.
     fn objection(&self, named: &Named) -> Option<Objection> {
         let worse = self.model.held_out.free() / named.without.free();
         let worsens = named.worsens(&self.model);
@@ -25,7 +25,7 @@ impl Draft<'_> {
         worsens.flatten().or_else(|| self.misnamed(named))
     }
 
-    /// Why a term is not what its name says in the model that it stands in, if it is not.
+    /// Returns why a term is not what its name states in the model that it stands in, if it is not.
     pub(super) fn misnamed(&self, named: &Named) -> Option<Objection> {
         let fit = &self.model.fit;
         let objects = |gate: Gate, reason: Dropped, measured: [f64; 2]| self.objects(named, gate, reason, measured);

@@ -1,4 +1,4 @@
-//! Whether noise that a model has inside is the readout's, with a short memory.
+//! Decides whether noise that a model has inside is the readout's, with a short memory.
 
 use crate::driven::selection::earned::without;
 use crate::driven::selection::held_out::held_out;
@@ -12,7 +12,7 @@ use crate::trace::Step;
 use super::draft::Draft;
 
 impl Draft<'_> {
-    /// Readout noise whose neighbours are correlated is taken up, in part, by noise inside the
+    /// Readout noise whose neighbours are correlated is absorbed, in part, by noise inside the
     /// model. Where the model without any describes the readings as well once that memory is taken
     /// out, and nothing else is left, the noise is the readout's.
     pub(super) fn prefer_coloured_readout(&mut self) {

@@ -158,8 +158,8 @@ fn sensor(data: &Data, fit: &Fit, per_input: f64, warm: bool, mut not_expressibl
     Sensor { proof_mass: Some(mass), accelerometer, ..Sensor::default() }
 }
 
-/// The form in which a study has this term, with its values: a stop on one side stands at a place, and
-/// a spring beside a temperature follows it.
+/// Returns the form in which a study has this term, with its values: a stop on one side stands at a
+/// place, and a spring next to a temperature follows it.
 fn as_a_study_has_it(term: &Term, p: &[f64], warm: bool) -> (Term, Vec<f64>) {
     match term {
         Term::EndStop(stop) => OneSidedStop::values_of(*stop, p)
@@ -171,7 +171,7 @@ fn as_a_study_has_it(term: &Term, p: &[f64], warm: bool) -> (Term, Vec<f64>) {
     }
 }
 
-/// Why no study runs a term that has none of its keys.
+/// States why no study runs a term that has none of its keys.
 fn why_not(term: &Term) -> &'static str {
     match term {
         Term::StiffnessDrift(_) => {

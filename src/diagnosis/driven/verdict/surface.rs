@@ -1,5 +1,5 @@
-//! Where the missing force lives in the plane of displacement and velocity: the restoring-force
-//! surface of what the model leaves (Masri & Caughey, J. Appl. Mech. 46, 1979), with a
+//! Shows where the missing force lies in the plane of displacement and velocity: the
+//! restoring-force surface of a model's residual (Masri & Caughey, J. Appl. Mech. 46, 1979), with a
 //! false-discovery rate.
 //!
 //! The error of free simulation is turned into the force that would have caused it, (d²/dt² + 2ζω₀
@@ -23,7 +23,7 @@ const MOST: usize = 16;
 /// Share of the cells named that may be chance (Benjamini & Hochberg 1995; neighbours know of each
 /// other, which it bears).
 const FALSE_DISCOVERY: f64 = 0.05;
-/// Visits of a cell that say anything of it.
+/// Fewest visits of a cell that show anything of it.
 const VISITS: usize = 6;
 /// The band ends at this many times the resonance: a cubic spring acts at three times what moves
 /// it.
@@ -58,7 +58,7 @@ pub struct Cell {
     pub error: f64,
     /// Number of samples in the cell.
     pub samples: usize,
-    /// Whether noise alone hardly makes it.
+    /// States whether noise alone is unlikely to make it.
     pub found: bool,
 }
 
@@ -107,7 +107,7 @@ impl Surface {
         all
     }
 
-    /// What the missing force follows, as far as the surface tells.
+    /// Names what the missing force follows, as far as the surface shows it.
     pub fn words(&self) -> Option<&'static str> {
         if self.found().0 < 4 {
             return None;

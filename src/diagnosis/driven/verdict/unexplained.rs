@@ -1,5 +1,5 @@
-//! What keeps a name where the named terms do not account for the mismatch, and the model that such
-//! a verdict quotes.
+//! Decides what keeps a name where the named terms do not account for the mismatch, and which model
+//! such a verdict quotes.
 
 use crate::driven::selection::earned::without;
 use crate::driven::selection::held_out::held_out;
@@ -10,11 +10,11 @@ use crate::driven::verdict::dropped::Dropped;
 use crate::gate::Gate;
 
 use super::draft::{Draft, UNMEASURED};
-use super::standing::FAR_ABOVE;
+use super::naming_rules::FAR_ABOVE;
 
 impl Draft<'_> {
     /// Leaves the names that hold by themselves, in the model that holds them and nothing else. In
-    /// that model each must still be what its name says.
+    /// that model each must still be what its name states.
     pub(super) fn settle_unexplained(&mut self, r_squared: f64, tolerated: f64) {
         self.drop_stand_ins(r_squared, tolerated);
         self.drop_beside_no_base();
@@ -26,7 +26,7 @@ impl Draft<'_> {
         }
     }
 
-    /// Over a base model that the recording does not follow, whatever bends takes up most of the
+    /// Over a base model that the recording does not follow, whatever bends absorbs most of the
     /// error: a law that leaves some has no name.
     fn drop_beside_no_base(&mut self) {
         if self.selection.base_follows || !self.data.trace.is_on(Gate::NoBase) {
@@ -65,12 +65,12 @@ impl Draft<'_> {
         }
     }
 
-    /// Beside a mismatch that stays unexplained, only what towers above the remainder holds by
+    /// Next to a mismatch that stays unexplained, only what towers above the residual holds by
     /// itself.
     fn drop_stand_ins(&mut self, r_squared: f64, tolerated: f64) {
         let bar = FAR_ABOVE * r_squared.max(tolerated);
-        // Noise takes up whatever the library lacks: beside it the remainder is no measure, only
-        // the noise itself is.
+        // Noise absorbs whatever the library lacks: next to it the residual is no measure, only the
+        // noise itself is.
         let noisy = self.model.fit.structure.is_noisy();
         let least = |n: &Named| if noisy && !self.is_noise(n) { bar.max(FAR_ABOVE) } else { bar };
         let dominates = |n: &Named| n.growth >= least(n) || !self.drops(Gate::StandIn, n, [n.growth, least(n)]);

@@ -1,4 +1,4 @@
-//! Recognises several copies of the program that were started at once, by `mpirun` or the like.
+//! Recognises that a launcher started several copies of the program at once: `mpirun` or the like.
 
 use proofmass_base::error::{Error, Result};
 

@@ -1,7 +1,7 @@
-//! Linear laws that the search keeps back, because beside a simpler one that does as well they would
-//! only make undecidable what is decided: a low-pass with a second pole, and a second mass on the
-//! first. Where nothing simpler ends the matter, they are looked for in the place of all linear
-//! terms together: what one of them takes up is no delay, no lag and no second effect.
+//! Deferred linear laws: a low-pass with a second pole, and a second mass on the first. The search
+//! defers them, because next to a simpler law that does as well they would only make undecidable
+//! what is decided. Where nothing simpler ends the matter, they are tried in the place of all linear
+//! terms together: what one of them absorbs is no delay, no lag and no second effect.
 
 use crate::control::{Control, Stopped};
 use crate::driven::identification::fit::{Fit, GAIN, OMEGA, ZETA, fit as fitted};
@@ -17,13 +17,13 @@ use crate::physics::readout_lowpass::{Poles, ReadoutLowpass};
 use crate::physics::scales::Scales;
 use crate::trace::Step;
 
+use super::candidates_round::round;
 use super::earned::{ITERATIONS, earned, without};
-use super::forms::{LEAST_LEAD, UNDONE, with_instead};
+use super::free_forms::{LEAST_LEAD, UNDONE, with_instead};
 use super::identifiability::is_linear;
 use super::judged::{Judged, Rival, Selection, judge};
 use super::residual_structure::residual_structure;
 use super::rivals::TIE;
-use super::round::round;
 
 const TWO_POLES: Term = Term::ReadoutLowpass(ReadoutLowpass(Poles::Two));
 const MODE: Term = Term::ParasiticMode(ParasiticMode);
@@ -33,9 +33,9 @@ const HEAT: usize = 3 * ITERATIONS;
 /// Most heats of one fit.
 const HEATS: usize = 4;
 
-/// Looks for them where the chosen model leaves something, or is made of several linear terms, or of
-/// a low-pass that a second pole may extend; and for a second mass beside a mode, which another
-/// sharing of the damping alone tells from it.
+/// Looks for them where the chosen model leaves something, or is made of several linear terms, or
+/// of a low-pass that a second pole may extend; and for a second mass next to a mode, which only
+/// the way the two share the damping distinguishes from it.
 ///
 /// # Errors
 /// Stopped.
@@ -98,8 +98,8 @@ pub(super) fn settle_kept_back(
     Ok(())
 }
 
-/// Whether what alone does best is not linear: the linear terms beside it patch its form, and none
-/// takes its place.
+/// Returns whether what alone does best is not linear: the linear terms next to it patch its form,
+/// and none takes its place.
 fn is_of_another_kind(selection: &Selection) -> bool {
     let mut laws = selection.alone.iter().filter(|t| t.judged.is_some() && t.term.noise().is_none());
     laws.next().is_some_and(|t| !is_linear(&t.term))
@@ -113,7 +113,8 @@ fn the_mode(selection: &Selection) -> Option<&Judged> {
     selection.rivals.iter().flatten().find(|r| r.id == MODE.id()).map(|r| &r.judged)
 }
 
-/// What fits of a law that is kept back are measured by.
+/// Search for a law that is deferred: the data, the chosen model that it is measured against, and
+/// the work that it may spend.
 struct KeptBack<'a> {
     data: &'a Data,
     chosen: &'a Judged,
@@ -154,8 +155,8 @@ impl KeptBack<'_> {
 
 /// Models without any linear term.
 struct Reduced {
-    /// Where a law that is kept back may begin: the base, and what the chosen model is without its
-    /// linear terms.
+    /// Models from which a deferred law may begin: the base, and what the chosen model is without
+    /// its linear terms.
     starts: Vec<Judged>,
     /// The chosen model fitted without its linear terms, where it has others.
     plain: Option<Judged>,
@@ -195,10 +196,10 @@ fn own_mode(data: &Data, chosen: &Judged, scales: &Scales) -> Option<Judged> {
     Some(judge(data, fitted(data, &there.structure, &there.point, scales, HEAT)?, scales))
 }
 
-/// Gain, ω₀ and ζ of the first mass, and μ, ω₂, ζ₂ of a second one on it, whose two modes are nearly
-/// these; `None` where no two masses have them. The first mass takes up a push alone, at the sum of
-/// both modes' gains; it stands still where the second one absorbs, between the modes; and the
-/// squares of the pair's frequencies sum up to ω₀² + (1 + μ)ω₂² and multiply to ω₀²ω₂².
+/// Gain, ω₀ and ζ of the first mass, and μ, ω₂, ζ₂ of a second one on it, whose two modes are
+/// nearly these; `None` where no two masses have them. The first mass absorbs a push alone, at the
+/// sum of both modes' gains; it stands still where the second one absorbs, between the modes; and
+/// the squares of the pair's frequencies sum up to ω₀² + (1 + μ)ω₂² and multiply to ω₀²ω₂².
 fn masses(modes: &Fit, index: usize) -> Option<([f64; 3], [f64; 5])> {
     let p = &modes.point;
     let [g2, omega2, zeta2, ..] = *modes.structure.of(index, p) else { return None };
@@ -220,9 +221,9 @@ fn masses(modes: &Fit, index: usize) -> Option<([f64; 3], [f64; 5])> {
     (ratio > 0.0).then_some(([gain, omega, zeta], [ratio, own, (0.5 * slows / own).clamp(1e-4, 0.6), 0.0, 0.0]))
 }
 
-/// Log-likelihood less the penalty of the parameters, without that of initial values: a second
-/// state's fades, so that more samples do not tell more of it, and Schwarz's penalty is of what they
-/// do.
+/// Returns the log-likelihood less the penalty of the parameters, without that of initial values: a
+/// second state's fades, so that more samples show no more of it, and Schwarz's penalty is of what
+/// they do.
 pub(super) fn worth(model: &Judged) -> f64 {
     let fit = &model.fit;
     let beginnings = fit.structure.all_beginnings();
@@ -230,7 +231,8 @@ pub(super) fn worth(model: &Judged) -> f64 {
     fit.log_likelihood() - 0.5 * parameters as f64 * (fit.linear.residual.len().max(2) as f64).ln()
 }
 
-/// A model with one linear term against the chosen one: in its place, tied with it, or nothing.
+/// Weighs a model with one linear term against the chosen one: it takes its place, is
+/// indistinguishable from it, or counts for nothing.
 fn weigh(data: &Data, selection: &mut Selection, found: Judged) {
     let chosen = &selection.chosen;
     let terms = &chosen.fit.structure.terms;

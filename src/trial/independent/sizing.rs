@@ -1,4 +1,4 @@
-//! Putting effects on an oscillator at a visible size, and measuring how much evidence of each a
+//! Sizing: puts effects on an oscillator at a visible size, and measures how much evidence of each a
 //! recording holds.
 
 use super::draw::Draw;

@@ -1,6 +1,6 @@
-//! One round of candidates on top of a model: each screened by one linear step, the most promising
-//! fitted together with the base and judged. Not the order of rounds (`stepwise`) and not what
-//! makes a term worth its place (`earned`).
+//! Runs one round of candidates on top of a model: each screened by one linear step, the most
+//! promising fitted together with the base and judged. Not the order of rounds (`stepwise`) and not
+//! what makes a term worth its place (`earned`).
 
 use crate::control::{Control, Stopped};
 use crate::driven::identification::fit::{Fit, Search, fit};
@@ -180,8 +180,8 @@ fn known(data: &Data, structure: ModelStructure) -> Option<(ModelStructure, Vec<
     Some((structure, point))
 }
 
-/// Which candidates, best promise first, are fitted in full. Noise corrects itself and so promises
-/// more than any law of motion can at first: the two are ranked apart.
+/// Returns which candidates, best promise first, are fitted in full. Noise corrects itself and so
+/// promises more than any law of motion can at first: the two are ranked apart.
 fn worth_fitting(promised: &[(Term, f64, Vec<Vec<f64>>)], rows: usize, sure: usize) -> Vec<bool> {
     let mut worth = vec![false; promised.len()];
     for noise in [false, true] {

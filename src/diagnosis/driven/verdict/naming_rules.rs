@@ -1,4 +1,4 @@
-//! Which terms keep a name beside what is left and beside each other.
+//! Naming rules: they decide which terms keep a name next to the residual and next to each other.
 
 use crate::driven::identification::fit::{Fit, fit as refitted};
 use crate::driven::selection::earned::{ITERATIONS, without};
@@ -14,7 +14,7 @@ use crate::physics::library::Term;
 use super::draft::{Draft, UNMEASURED};
 use super::form;
 
-/// Times the residual's structure that what is named beside it must stand above it.
+/// Times the residual's structure that what is named next to it must stand above it.
 pub(super) const FAR_ABOVE: f64 = 30.0;
 /// Part of all that is removed that a term must add to be named: a law is rarely truer than to
 /// three parts in a hundred of what it does, and a tenth of a percent in power of it is no other
@@ -32,7 +32,7 @@ const FAINT: f64 = 1.0;
 
 impl Draft<'_> {
     /// Noise that follows what is known is no noise: a law is missing, and the noise has taken its
-    /// place. Whether any does.
+    /// place. Returns whether any does.
     pub(super) fn drop_noise_that_follows(&mut self) -> bool {
         let is_asked = self.data.windows.is_none() && self.data.trace.is_on(Gate::KnownSignal);
         if !is_asked || !self.named.iter().any(|n| self.is_noise(n)) {
@@ -54,8 +54,8 @@ impl Draft<'_> {
         !all.is_empty()
     }
 
-    /// A walk goes where a smooth course of time describes the same errors better: then a law of
-    /// time is missing or not exact. Whether one went.
+    /// A walk goes where a smooth trend describes the same errors better: then a law of time is
+    /// missing or not exact. Returns whether one went.
     pub(super) fn drop_walk_that_is_smooth(&mut self) -> bool {
         let is_asked = self.data.windows.is_none() && self.data.trace.is_on(Gate::SmoothTrend);
         let walk = self.named.iter().find(|n| self.term(n.index).noise() == Some(Noise::Walk));
@@ -71,8 +71,8 @@ impl Draft<'_> {
         true
     }
 
-    /// The model with its named terms alone, fitted. What is carried without a name says something
-    /// of the noise too, and is not what the verdict states.
+    /// The model with its named terms alone, fitted. What is carried without a name bears on the
+    /// noise too, and is not what the verdict states.
     fn only_named(&self) -> Fit {
         let mut fit = self.model.fit.clone();
         for index in (0..fit.structure.terms.len()).rev().filter(|i| self.named.iter().all(|n| n.index != *i)) {
@@ -83,7 +83,8 @@ impl Draft<'_> {
         fit
     }
 
-    /// What is known of rounded readings does not bear out what only follows the rounding.
+    /// Drops terms that only follow the rounding, where what is known of rounded readings does not
+    /// bear them out.
     pub(super) fn drop_what_follows_rounding(&mut self) {
         let bar = (self.selection.tried.max(1) as f64).ln() + 3.0;
         let follows = |n: &Named, lead: f64| lead <= bar && self.drops(Gate::Rounding, n, [lead, bar]);
@@ -127,8 +128,8 @@ impl Draft<'_> {
         laws
     }
 
-    /// Whether a term is a friction that pushes along the velocity: it does the work of another law
-    /// beside those named.
+    /// Returns whether a term is a friction that pushes along the velocity: it does the work of
+    /// another law next to those named.
     fn pushes_along(&self, named: &Named) -> bool {
         let strength = self.model.fit.structure.of(named.index, &self.model.fit.point).first();
         let is_friction = matches!(self.term(named.index), Term::CoulombFriction(_));
@@ -136,16 +137,16 @@ impl Draft<'_> {
         force.is_some_and(|f_c| self.drops(Gate::PushesAlong, named, [f_c, 0.0]))
     }
 
-    /// What the named laws may leave because they are not quite what their names say, in variances
-    /// of the final model: of what each removes, the square of how far its form may depart; where
-    /// that cannot be told, the part below which no law beside it would be named. Zero where no
-    /// noise would take it up.
+    /// Returns what the named laws may leave because they are not quite what their names state, in
+    /// variances of the final model: of what each removes, the square of how far its form may
+    /// depart; where that is unknown, the part below which no law next to it would be named. Zero
+    /// where no noise would absorb it.
     fn inexactness(&self) -> f64 {
         if self.data.windows.is_some() || !self.named.iter().any(|n| self.is_noise(n)) {
             return 0.0;
         }
         let left = |n: &Named| {
-            // What a course of time leaves is one of time, which noise is tested for by itself.
+            // What a trend leaves is one of time, which noise is tested for by itself.
             if matches!(self.term(n.index), Term::WarmUp(_) | Term::BiasDrift(_)) {
                 return 0.0;
             }

@@ -1,11 +1,11 @@
-//! Driven, near a law of the library: other exponents, smooth edges, other memories, lags and
-//! filters.
+//! Draws driven near misses: laws next to one of the library, with other exponents, smooth edges,
+//! other memories, lags and filters.
 
 use super::draw::Draw;
+use super::exact::{Made, reach};
 use super::law::{Course, Law};
-use super::letter::{Made, reach};
-use super::piece::{Piece, assemble, strengthen, target};
 use super::readout::Readout;
+use super::sizing::{Piece, assemble, strengthen, target};
 use super::stage::{Size, Wish, stage};
 use super::truth::{Truth, effect};
 use super::wave::Shape;

@@ -1,5 +1,5 @@
-//! Whether readings are rounded coarsely: found in the values themselves, judged by the likelihood
-//! of a rounded reading.
+//! Finds the quantisation grid of coarsely rounded readings in the values themselves, and judges it
+//! by the likelihood of a rounded reading.
 
 use crate::numerics::order;
 use crate::numerics::special::normal_cdf;

@@ -1,4 +1,4 @@
-//! Changes the study that a command line runs: seed, grade of the sensor, any key.
+//! Overrides of the study that a command line runs: seed, grade of the sensor, any key.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 

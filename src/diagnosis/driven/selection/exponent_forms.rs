@@ -1,7 +1,7 @@
-//! Laws with a shape of their own that the search keeps back: a spring and a damping of one power,
-//! and hysteresis with an exponent. Beside the stated law each would fit whatever departs from it a
-//! little; it is looked for only where a law that was chosen departs from its form, and takes its
-//! place only where the data tell the shape: where its own free form gains nothing over it, and no
+//! Laws whose form has an exponent, which the search defers: a spring and a damping of one power,
+//! and hysteresis with an exponent. Next to the stated law each would fit whatever departs from it a
+//! little; it is tried only where a law that was chosen departs from its form, and takes its place
+//! only where the data determine the exponent: where its own free form gains nothing over it, and no
 //! other departure of one number does as well.
 
 use crate::driven::identification::fit::{Fit, fit};
@@ -20,7 +20,7 @@ use crate::physics::scales::Scales;
 use crate::trace::Step;
 
 use super::earned::{ITERATIONS, earned};
-use super::forms::{LEAST_LEAD, UNDONE, with_instead};
+use super::free_forms::{LEAST_LEAD, UNDONE, with_instead};
 use super::judged::{Departing, Judged, Selection, judge};
 use super::residual_structure::residual_structure;
 use super::rivals::TIE;
@@ -34,11 +34,11 @@ const OF_POWER: usize = 2;
 const OF_MEMORY: usize = 3;
 /// An exponent within this many intervals of the one found counts as the same.
 const SAME: f64 = 2.0;
-/// Exponents of a memory from which fits begin, beside the stated one.
+/// Exponents of a memory from which fits begin, next to the stated one.
 const MEMORIES: [f64; 4] = [0.7, 1.0, 1.6, 2.6];
 
 /// Puts a law with its own exponent in the place of one that departs from its form, where the data
-/// tell that shape from others.
+/// distinguish that form from others.
 pub(super) fn settle_shape(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let search = Search { data, scales, tried: selection.tried, budget };
     let departing = selection.departing.as_ref().filter(|_| data.trace.is_on(Gate::OwnPower));
@@ -52,8 +52,8 @@ pub(super) fn settle_shape(data: &Data, selection: &mut Selection, scales: &Scal
     }
 }
 
-/// A model takes the place of the chosen one: what stood beside each of its terms and is not clearly
-/// behind it stays its rival.
+/// Puts a model in the place of the chosen one: what stood next to each of its terms and is not
+/// clearly behind it stays its rival.
 fn take(selection: &mut Selection, found: Judged) {
     let before = &selection.chosen.fit.structure.terms;
     let score = found.score();
@@ -76,7 +76,7 @@ struct Search<'a> {
     budget: Budget,
 }
 
-/// Which law of one power may stand in the place of a free form, its strength and exponent where it
+/// Law of one power that may stand in the place of a free form, its strength and exponent where it
 /// comes nearest, and the exponents that other names have.
 struct Power {
     term: fn(Exponent) -> Term,
@@ -87,7 +87,7 @@ struct Power {
     further: &'static [f64],
     /// Exponents that belong to the base model and to the stated law.
     known: &'static [f64],
-    /// Powers, one of which beside the stated law is another departure of one number.
+    /// Powers, one of which next to the stated law is another departure of one number.
     beside: &'static [f64],
     stated: Freed,
 }
@@ -101,8 +101,8 @@ fn damping(exponent: Exponent) -> Term {
 }
 
 impl Power {
-    /// Of a free form with these values: c a³ s^d of a spring is (c size²) s^(2 + d) a, and c |a|a s^d
-    /// of a drag (c size) s^(1 + d) a.
+    /// Returns the law of a free form with these values. For a spring c a³ s^d is
+    /// (c size²) s^(2 + d) a; for a drag c |a|a s^d is (c size) s^(1 + d) a.
     fn of(form: &FreeForm, values: &[f64]) -> Option<Self> {
         let (size, beyond) = (form.size, values.get(1).copied().unwrap_or(0.0));
         let spring = Self {
@@ -180,7 +180,7 @@ impl Search<'_> {
         Some(judge(self.data, best, self.scales))
     }
 
-    /// Whether the interval of an exponent, this many times as wide, holds none of these.
+    /// Returns whether the interval of an exponent, this many times as wide, holds none of these.
     fn is_apart(&self, model: &Fit, place: usize, times: f64, known: &[f64]) -> bool {
         let Some(free) = model.free.iter().position(|f| *f == place) else { return false };
         let (n, reach) = (model.point[place], interval::spread(model).reach[free].map(|r| times * r));
@@ -189,14 +189,15 @@ impl Search<'_> {
         reach.iter().all(|r| r.is_finite()) && !known.iter().any(holds)
     }
 
-    /// Whether a model leaves next to nothing, or no more than another.
+    /// Returns whether a model leaves next to nothing, or no more than another.
     fn leaves_no_more(&self, model: &Judged, than: &Judged) -> bool {
         let left = |j: &Judged| residual_structure(self.data, &j.fit).r_squared;
         let found = left(model);
         found <= UNDONE || found <= left(than)
     }
 
-    /// A law of one power in the place of the law that departs, where the data tell that it is one.
+    /// Fits a law of one power in the place of the law that departs, where the data show that it is
+    /// one.
     fn power(&self, stated: &Judged, departing: &Departing) -> Option<Judged> {
         let (free, index) = (&departing.judged, departing.index);
         let Term::FreeForm(form) = free.fit.structure.terms[index] else { return None };
@@ -217,7 +218,7 @@ impl Search<'_> {
             .then_some(found)
     }
 
-    /// Whether the free form of the stated law, begun at the power, gains over it.
+    /// Returns whether the free form of the stated law, begun at the power, gains over it.
     fn is_free_to_gain(&self, law: &Power, found: &Judged, index: usize) -> bool {
         let [strength, size, n] = *found.fit.structure.of(index, &found.fit.point) else { return true };
         let (freed, first, stated) = match law.stated {
@@ -229,8 +230,8 @@ impl Search<'_> {
         free.is_some_and(|free| free.score() > found.score() + LEAST_LEAD)
     }
 
-    /// Whether another departure of one number does as well: one further power of a fixed exponent
-    /// beside the stated law, or a friction that is smooth.
+    /// Returns whether another departure of one number does as well: one further power of a fixed
+    /// exponent next to the stated law, or a friction that is smooth.
     fn is_matched(&self, law: &Power, stated: &Judged, found: &Judged, index: usize) -> bool {
         let bar = found.score() - TIE;
         let size = found.fit.structure.of(index, &found.fit.point)[1];
@@ -239,7 +240,8 @@ impl Search<'_> {
             _ => self.as_drag(stated, found, index),
         };
         let Some(plain) = plain else { return true };
-        // The very power that was found is no other departure: beside it nothing is left of the rest.
+        // The very power that was found is no other departure: next to it nothing of the rest
+        // remains.
         let place = found.fit.structure.first[index] + OF_POWER;
         let others: Vec<f64> =
             law.beside.iter().copied().filter(|q| self.is_apart(&found.fit, place, SAME, &[*q])).collect();

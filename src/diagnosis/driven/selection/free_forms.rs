@@ -1,6 +1,6 @@
-//! Laws that are near the library's and not it: each law that was chosen is given freedom in its
-//! form, and what that takes up is no second effect. A law whose free form predicts samples better
-//! that were not fitted departs from its name.
+//! Free forms, for laws that are near the library's and not it: each law that was chosen is given
+//! freedom in its form, and what that absorbs is no second effect. A law whose free form predicts
+//! samples better that were not fitted departs from its name.
 //!
 //! Not for how far it departs (`verdict::form`) and not for what follows for the verdict
 //! (`ruling`).
@@ -29,15 +29,16 @@ use super::judged::{Departing, Judged, Rival, Selection, judge};
 use super::residual_structure::residual_structure;
 use super::rivals::TIE;
 
-/// Log-likelihood that a law's free form must gain, beyond what its values cost, to be told from
-/// the stated one.
+/// Log-likelihood that a law's free form must gain, beyond what its values cost, to be
+/// distinguished from the stated one.
 pub(super) const LEAST_LEAD: f64 = 3.0;
 /// Log-likelihood that one linear step must promise for the free form of a law to be fitted.
 const LEAST_PROMISE: f64 = 8.0;
-/// Laws beside the chosen ones that are tried alone with a free form, of those that were fitted alone.
+/// Laws next to the chosen ones that are tried alone with a free form, of those that were fitted
+/// alone.
 const OTHERS: usize = 4;
-/// Share of the variance of what is left from which on one law with a free form is tried in the
-/// place of all.
+/// Share of the residual's variance from which on one law with a free form is tried in the place of
+/// all.
 pub(super) const UNDONE: f64 = 0.02;
 /// Terms beyond which a model is that of a series.
 pub(super) const MANY: usize = 3;
@@ -61,7 +62,7 @@ pub(crate) fn visits(data: &Data, fit: &Fit, argument: Argument) -> Vec<f64> {
     }
 }
 
-/// Which law it is where it has a form that can be freed.
+/// Returns the law to free, where the term has a form that can be freed.
 fn freed_law(term: &Term) -> Option<Freed> {
     match term {
         Term::CubicStiffness(_) => Some(Freed::CubicSpring),
@@ -77,8 +78,8 @@ fn freed_law(term: &Term) -> Option<Freed> {
     }
 }
 
-/// Whether the stated form may promise nothing where a near one does all: a corner in the middle of
-/// the motion is no square and no cube.
+/// Returns whether the stated form may promise nothing where a near one does all: a corner in the
+/// middle of the motion is no square and no cube.
 fn is_unseen_as_stated(term: &Term) -> bool {
     matches!(term, Term::ReadoutNonlinearity(_))
 }
@@ -110,8 +111,8 @@ pub(super) fn with_instead(model: &Fit, index: usize, term: Term, values: &[f64]
     (structure, point)
 }
 
-/// What one linear step from the stated form promises, as a log-likelihood; unknown for laws with a
-/// corner.
+/// Returns what one linear step from the stated form promises, as a log-likelihood; infinite for
+/// laws with a corner, where it is unknown.
 fn promise(data: &Data, structure: &ModelStructure, point: &[f64], scales: &Scales) -> f64 {
     let search = Search::all(data, structure, point, scales);
     let Some(linear) = search.linearise(&search.z(point)) else { return f64::INFINITY };
@@ -158,13 +159,13 @@ pub(crate) fn freed(data: &Data, model: &Fit, index: usize, scales: &Scales, scr
     second.filter(better).or(Some(first))
 }
 
-/// Whether what was chosen is one law that brings the error to the noise and may all the same be a
-/// law near another one: a corner of the reading where there is an edge of some other kind, and any
-/// law under one line or two.
+/// Returns whether the model chosen is one law that brings the error to the noise and may all the
+/// same be a law near another one: a corner of the reading where there is an edge of some other
+/// kind, and any law under one line or two.
 fn may_be_another(selection: &Selection) -> bool {
     match selection.chosen.fit.structure.terms.as_slice() {
         [Term::ReadoutSaturation(_)] => true,
-        // Springs and stops are told apart elsewhere (`other_power`).
+        // Springs and stops are distinguished elsewhere (`stop_or_spring`).
         [Term::EndStop(_)] => false,
         [term] => selection.reach.tells_nothing_linear_apart() && term.noise().is_none() && !is_linear(term),
         _ => false,
@@ -185,7 +186,7 @@ fn add_rivals<'r>(data: &Data, selection: &mut Selection, further: impl Iterator
     }
 }
 
-/// Laws beside the chosen ones whose forms are freed, each alone.
+/// Returns laws next to the chosen ones whose forms are freed, each alone.
 fn others(selection: &Selection, scales: &Scales) -> Vec<Fit> {
     let is_free = |fit: &Fit| freed_law(&fit.structure.terms[0]).is_some();
     let fitted = selection.alone.iter().filter_map(|t| t.judged.as_ref().map(|j| j.fit.clone()));
@@ -239,8 +240,8 @@ impl Departing {
         self.judged.fit.structure.terms[self.index].id()
     }
 
-    /// Without its terms, other than the one that is free, that are not worth what they cost beside
-    /// it.
+    /// Removes its terms, other than the one that is free, that are not worth what they cost next
+    /// to it.
     pub(super) fn pruned(mut self, data: &Data, scales: &Scales, least: f64) -> Self {
         loop {
             let others = (0..self.judged.fit.structure.terms.len()).filter(|j| *j != self.index);
@@ -265,7 +266,7 @@ impl Departing {
 
 /// Frees the forms of the laws chosen, and where these are several or leave something, that of each
 /// law that does well alone. Where a free form does the work of more than one term, or predicts
-/// better, the selection holds its law and no more than still earns its place beside it.
+/// better, the selection holds its law and no more than still earns its place next to it.
 pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let chosen = selection.chosen.clone();
     let tried = selection.tried;
@@ -298,7 +299,7 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
     // Ahead of both what was chosen and its own free form, another law may take its place.
     let mut as_good: Vec<(f64, Rival)> = Vec::new();
     // What is as likely with more freedom is nothing that parsimony could settle between laws that
-    // are tied in any case.
+    // are indistinguishable in any case.
     let mut freer: Vec<Rival> = Vec::new();
     let likelihoods = best.iter().map(|(own, _)| own.judged.fit.log_likelihood());
     let most_likely = likelihoods.fold(chosen.fit.log_likelihood(), f64::max);

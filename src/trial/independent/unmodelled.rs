@@ -1,12 +1,12 @@
-//! Driven, foreign: physics that no candidate describes.
+//! Draws unmodelled driven cases: physics that no candidate describes.
 
 use std::f64::consts::TAU;
 
 use super::draw::Draw;
+use super::exact::Made;
 use super::law::{Course, Law};
-use super::letter::Made;
-use super::piece::{Piece, assemble, strengthen, target};
 use super::readout::Readout;
+use super::sizing::{Piece, assemble, strengthen, target};
 use super::stage::{Size, Wish, stage};
 use super::truth::{Truth, effect};
 

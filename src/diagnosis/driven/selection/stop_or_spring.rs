@@ -1,4 +1,4 @@
-//! Tells a stop from a spring of another power than the library's.
+//! Decides between a stop and a spring of another power than the library's.
 
 use crate::driven::identification::fit::{Fit, OMEGA, ZETA, fit};
 use crate::driven::intake::data::Data;
@@ -13,7 +13,7 @@ use crate::physics::scales::Scales;
 use crate::trace::Step;
 
 use super::earned::{ITERATIONS, earned};
-use super::forms::{IMMATERIAL, LEAST_LEAD, MANY, UNDONE, visits, with_instead};
+use super::free_forms::{IMMATERIAL, LEAST_LEAD, MANY, UNDONE, visits, with_instead};
 use super::held_out::compare;
 use super::judged::{Departing, Judged, Rival, Selection, judge};
 use super::residual_structure::residual_structure;
@@ -29,7 +29,7 @@ const LONG: usize = 4 * ITERATIONS;
 /// A fit of the power that starts at the cube ends before it gets there, and a stop whose gap lies
 /// within the motion imitates it. Started where its force is nearest to the stop's, the fit gets
 /// there; where it then does better than the stop, the law is a spring, and where it does as well,
-/// the recording tells neither from the other.
+/// the two are indistinguishable.
 pub(super) fn settle_power(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let found = selection.departing.as_ref().map_or(&selection.chosen, |d| &d.judged);
     let terms = &found.fit.structure.terms;
@@ -124,7 +124,7 @@ fn in_place(data: &Data, model: &Fit, index: usize, scales: &Scales) -> Option<F
 /// Displacements from which a force is known well enough.
 const ENOUGH: usize = 4096;
 
-/// As many of these as are enough, evenly spread.
+/// Returns as many of these as are enough, evenly spread.
 fn thinned(visits: Vec<f64>) -> Vec<f64> {
     let every = visits.len() / ENOUGH + 1;
     visits.into_iter().step_by(every).collect()
@@ -141,7 +141,7 @@ fn as_cube(data: &Data, power: &Departing, scales: &Scales) -> Option<Judged> {
     Some(judge(data, fit(data, &structure, &point, scales, ITERATIONS)?, scales))
 }
 
-/// What a law pushes at the displacements that were visited.
+/// Force of a law at the displacements that were visited.
 struct Force<'a> {
     at: &'a [f64],
     force: Vec<f64>,
@@ -153,7 +153,7 @@ struct Nearest {
     /// Power beyond the cube.
     further: f64,
     linear: f64,
-    /// What is left, as a sum of squares.
+    /// Sum of squares of the residual.
     rest: f64,
 }
 
@@ -165,7 +165,7 @@ impl<'a> Force<'a> {
         Self { at, force }
     }
 
-    /// By least squares over the visits, in units of the spring's size.
+    /// Finds the nearest power by least squares over the visits, in units of the spring's size.
     fn nearest(&self, spring: &FreeForm, further: f64) -> Option<Nearest> {
         let unit = spring.size.powi(3);
         let (mut pp, mut pl, mut ll, mut pf, mut lf, mut ff) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
@@ -206,7 +206,7 @@ impl Nearest {
 mod tests {
     use super::*;
 
-    // The force of x |x|^0.7 beside 0.3 x is found again: power, strength and linear spring.
+    // The force of x |x|^0.7 next to 0.3 x is found again: power, strength and linear spring.
     #[test]
     fn a_power_beside_a_linear_spring_is_its_own_nearest() {
         let at: Vec<f64> = (0..400).map(|i| f64::from(i) / 100.0 - 2.0).collect();

@@ -1,12 +1,12 @@
-//! States how well an effect at rest is seen next to the others of its recording: a known course in
+//! Masking: how well an effect at rest is seen next to the others of its recording, a known trend in
 //! white noise and in random processes whose laws are known, by generalised least squares.
 //!
 //! All random processes of the generator are sums of first-order Markov parts. A Kalman filter
 //! whose state are these parts makes their sum and the white noise white (Kailath, IEEE Trans.
-//! Autom. Control 13 (1968) 646); what it makes of a course is then weighed row by row, exactly.
+//! Autom. Control 13 (1968) 646); what it makes of a trend is then weighed row by row, exactly.
 
 use super::linear::left_by;
-use super::piece::coloured_evidence;
+use super::sizing::coloured_evidence;
 use super::still::{Process, Still, relaxations};
 
 /// A first-order Markov part of a noise, in units of the white noise per sample.

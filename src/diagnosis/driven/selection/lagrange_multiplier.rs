@@ -1,6 +1,6 @@
-//! The score test: whether innovations follow from known quantities, each of which is passed
-//! through the model's own filter first, as the force or the change of the reading that a missing
-//! law would make of it.
+//! The Lagrange multiplier (score) test: asks whether innovations follow from known quantities,
+//! each of which is passed through the model's own filter first, as the force or the change of the
+//! reading that a missing law would make of it.
 //!
 //! Innovations of the right model are unpredictable from what came before, and so from what the
 //! filter makes of it, however slowly the mass answers. The statistic holds for noise of uneven
@@ -21,12 +21,12 @@ const ROWS_PER_COLUMN: usize = 10;
 /// Directions with less than this part of the largest one's variance repeat the others.
 const DISTINCT: f64 = 1e-9;
 
-/// Where a missing law would enter.
+/// Place where a missing law would enter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Entry {
-    /// As a force on the mass, over one sample.
+    /// On the mass as a force, over one sample.
     Force,
-    /// In the reading.
+    /// At the reading.
     Reading,
 }
 
@@ -34,7 +34,7 @@ pub(super) enum Entry {
 pub(super) struct Filter {
     /// Error of the predicted state, from one sample to the next.
     closed: Matrix4<f64>,
-    /// What a unit error of the reading puts into it.
+    /// Correction of its state by a unit error of the reading.
     corrected: Vector4<f64>,
     push: Vector4<f64>,
     sees: Vector4<f64>,
@@ -83,7 +83,8 @@ impl Filter {
         to.iter().enumerate().map(step).collect()
     }
 
-    /// Degrees of freedom per sample that this noise takes up: the trace of its smoother.
+    /// Returns the degrees of freedom per sample that this noise absorbs: the trace of its
+    /// smoother.
     pub(super) fn freedom(&self, noise: Noise) -> f64 {
         let mut own = self.noise;
         for i in 0..4 {
@@ -104,7 +105,7 @@ impl Filter {
     }
 }
 
-/// What a group of columns explains of innovations.
+/// Part of innovations that a group of columns explains.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Score {
     /// Sum of squares explained over the innovations' variance, less what chance explains.
@@ -131,8 +132,8 @@ impl Tested {
         (variance > 0.0).then_some(Self { errors, variance, granted })
     }
 
-    /// What the columns explain beyond what is granted: `None` where the recording is too short to
-    /// say or nothing is left of the columns.
+    /// Returns what the columns explain beyond what is granted: `None` where the recording is too
+    /// short or nothing is left of the columns.
     pub(super) fn score(&self, columns: impl Iterator<Item = Vec<f64>>) -> Option<Score> {
         let mut columns = matrix(columns.filter_map(|c| standard(&c)).collect());
         if columns.nrows() < ROWS_PER_COLUMN * (columns.ncols() + self.granted.ncols()) {
@@ -195,8 +196,8 @@ mod tests {
         Filter { closed, corrected, push, sees, noise, innovation_variance: p + 1.0, breaks: Vec::new() }
     }
 
-    /// How often of 200 a slow known quantity is found (p < 0.01) in innovations that are noise of
-    /// uneven strength and this much of its answer.
+    /// Counts how often of 200 a slow known quantity is found (p < 0.01) in innovations that are
+    /// noise of uneven strength and this much of its answer.
     fn found(part: f64) -> usize {
         let filter = local_level();
         (0..200)
@@ -244,7 +245,7 @@ mod tests {
         let p: f64 = 0.5 * (0.09 + (0.09f64 * 0.09 + 0.36).sqrt());
         let keeps = 1.0 / (p + 1.0);
         assert!((left[10] - keeps.powi(10)).abs() < 1e-9, "{} {}", left[10], keeps.powi(10));
-        // The smoother of a local level takes up K/(2 − K) of each sample's freedom.
+        // The smoother of a local level absorbs K/(2 − K) of each sample's freedom.
         let k = 1.0 - keeps;
         assert!((local_level().freedom(Noise::Walk) - k / (2.0 - k)).abs() < 1e-6);
     }

@@ -1,14 +1,14 @@
-//! Driven, to the letter: each candidate as its statement says, alone, in pairs and triples, at an
-//! operating point, chaotic.
+//! Draws exact driven cases: each candidate to the letter of its statement, alone, in pairs and
+//! triples, at an operating point, chaotic.
 
 use std::f64::consts::TAU;
 
 use super::draw::Draw;
 use super::driven::{Driven, rms};
 use super::law::{Course, Law};
-use super::piece::{Piece, assemble, strengthen, target};
 use super::readout::Readout;
 use super::simulate;
+use super::sizing::{Piece, assemble, strengthen, target};
 use super::stage::{Size, Wish, stage};
 use super::truth::{Truth, effect};
 use super::wave::Shape;

@@ -1,4 +1,4 @@
-//! Writes the answer of a command to stdout. A disk that is full or a stream that is closed is an
+//! Output: writes the answer of a command to stdout. A disk that is full or a stream that is closed is an
 //! error here and not a panic, as it would be in `println!`; control characters in names are shown,
 //! not sent.
 
@@ -22,7 +22,7 @@ pub fn say(text: Arguments<'_>) -> Result<()> {
 /// `NO_COLOR` asks for none (no-color.org).
 ///
 /// # Errors
-/// As [`say`].
+/// When stdout cannot be written.
 pub fn screen(text: Arguments<'_>) -> Result<()> {
     let mut out = std::io::stdout().lock();
     let (text, set) = (text.to_string(), |name| std::env::var_os(name).is_some_and(|v| !v.is_empty()));
@@ -60,7 +60,7 @@ pub fn not_printed(cause: &std::io::Error) -> Error {
 
 /// Like `println!`, with an error to pass on.
 macro_rules! sayln {
-    ($($arg:tt)*) => { $crate::say::say(format_args!("{}\n", format_args!($($arg)*))) };
+    ($($arg:tt)*) => { $crate::output::say(format_args!("{}\n", format_args!($($arg)*))) };
 }
 
 /// Like `eprintln!`, for words whose loss changes nothing.
