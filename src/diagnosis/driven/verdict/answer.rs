@@ -26,7 +26,6 @@ use crate::verdict::{
 
 use super::asked::Asked;
 use super::conclude::Conclusion;
-use super::conclude::WHITE;
 use super::detail::{Account, Detail, Shown};
 use super::detectable::{Limits, limits};
 use super::dropped::Dropped;
@@ -35,6 +34,7 @@ use super::findings;
 use super::form::{self, Freely};
 use super::isolation::{Compared, locate};
 use super::noise_words::how;
+use super::residual_tests::WHITE;
 use super::sensor::repair;
 use super::stated::{stated, unnamed};
 use super::surface::{FreeRun, Surface, surface};

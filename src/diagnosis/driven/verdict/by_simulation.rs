@@ -20,7 +20,7 @@ use crate::ruling::{self, rule};
 use crate::verdict::{DependsOn, Outcome, Share};
 
 use super::conclude::Conclusion;
-use super::elsewhere;
+use super::residual_tests;
 
 /// Results of free simulation that add to a conclusion.
 #[derive(Debug, Clone, Default)]
@@ -120,7 +120,7 @@ fn named(
         return None;
     }
     let left = departing.as_ref().map_or(&model.fit, |d| &d.judged.fit);
-    let elsewhere = elsewhere::left(data, left, scales);
+    let elsewhere = residual_tests::of_what_was_not(data, left, scales);
     let at_noise = Test { p_value: 0.0, size: Size::of(excess, AT_NOISE, FAINT) };
     let outcome = rule(&ruling::Evidence {
         named: named.len(),

@@ -10,12 +10,10 @@ use crate::driven::intake::work::{Budget, Stage};
 use crate::driven::selection::coloured_noise::Coloured;
 use crate::driven::selection::held_out::held_out;
 use crate::driven::selection::judged::{Departing, Judged, Selection};
-use crate::driven::selection::noise_character::{
-    LoudStretch, NoiseCharacter, ReadoutMemory, disturbance_by_chance, noise_character,
-};
+use crate::driven::selection::noise_character::{LoudStretch, NoiseCharacter, ReadoutMemory, noise_character};
 use crate::driven::selection::noise_scale::MassMotion;
 use crate::driven::selection::quantisation_grid::Lattice;
-use crate::driven::selection::residual_structure::{EVEN, Residual, power_structure, residual_structure_of_noise};
+use crate::driven::selection::residual_structure::residual_structure_of_noise;
 use crate::driven::selection::term_worth::{LEAST_ROUNDING_GAIN, Named, rounding};
 use crate::driven::simulation::run::trace;
 use crate::driven::verdict::dropped::{Dropped, LeftOut};
@@ -24,22 +22,14 @@ use crate::numerics::order;
 use crate::parallel;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
-use crate::remainder::{REAL, Remainder, Size, Test};
+use crate::remainder::{REAL, Remainder, Size};
 use crate::ruling::rule;
 use crate::trace::Step;
 use crate::verdict::Outcome;
 
 use super::draft::Draft;
-use super::elsewhere;
+use super::residual_tests::{self, QUESTIONS, WHITE};
 
-/// Share of the innovations' variance that may be predicted before they are no longer called white.
-pub const WHITE: f64 = 0.02;
-/// A residual with less structure than this fraction, with no candidate that earns a name, is too
-/// faint to show that the library fails.
-const FAINT: f64 = 0.05;
-/// Questions that are asked of the residual: structure in the innovations, structure in their
-/// power, a disturbance.
-const QUESTIONS: f64 = 3.0;
 /// Probability below which one of them counts as answered.
 const LEVEL: f64 = REAL / QUESTIONS;
 
@@ -99,8 +89,8 @@ pub(crate) fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> C
     let lattice = rounding(data, &draft.model).filter(named);
     draft.departing = draft.departing.take().filter(|d| draft.names(d));
     let left = draft.departing.as_ref().map_or(&draft.model, |d| &d.judged);
-    let elsewhere = elsewhere::left(data, &left.fit, &draft.scales);
-    let remainder = remainder(data, left, &draft.after).and(elsewhere);
+    let elsewhere = residual_tests::of_what_was_not(data, &left.fit, &draft.scales);
+    let remainder = residual_tests::of_what_was_fitted(data, left, &draft.after).and(elsewhere);
     let outcome = rule(&draft.evidence(nameless, followed || twins, lattice.is_some(), remainder));
     if outcome == Outcome::Unexplained {
         draft.settle_unexplained(r_squared, WHITE);
@@ -158,8 +148,8 @@ pub(crate) fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion
     if !finished {
         left_out.push(LeftOut::Profiles);
     }
-    let elsewhere = elsewhere::left(data, &model.fit, scales);
-    let remainder = remainder(data, &model, &after).and(elsewhere);
+    let elsewhere = residual_tests::of_what_was_not(data, &model.fit, scales);
+    let remainder = residual_tests::of_what_was_fitted(data, &model, &after).and(elsewhere);
     let noise = if remainder.size == Size::Negligible {
         character(data, &model.fit, after.coloured.as_ref())
     } else {
@@ -178,33 +168,6 @@ fn character(data: &Data, fit: &Fit, coloured: Option<&Coloured>) -> NoiseCharac
     let stretch = noise.stretch.map(|s| LoudStretch { from: start + s.from, to: start + s.to, ..s });
     let memory = coloured.map(|c| ReadoutMemory { neighbour: c.neighbour, low_frequency: c.low_frequency });
     NoiseCharacter { stretch, memory, ..noise }
-}
-
-/// Tests how much of a residual its past, the input and the state foretell.
-pub(crate) fn remembers(left: &Structure) -> Test {
-    Test { p_value: QUESTIONS * left.p_value, size: Size::of(left.r_squared, WHITE, FAINT) }
-}
-
-/// The three questions asked of what a model leaves.
-fn remainder(data: &Data, model: &Judged, after: &Residual) -> Remainder {
-    let structure = remembers(&after.structure);
-    // Noise of the sensor's own keeps its strength whatever the sensor does; what does not is a
-    // stand-in for physics.
-    let power = model.fit.structure.is_noisy().then(|| power_structure(data, &model.fit));
-    let kept = |t: &Test, step: Step| t.found() == Size::Negligible || data.trace.acts(step);
-    let power = power.and_then(|p| {
-        let test = Test { p_value: QUESTIONS * p.p_value, size: Size::of(p.r_squared, EVEN, f64::INFINITY) };
-        let step = Step::of(Gate::NoisePower, "noise", "remainder").measured(p.r_squared, EVEN);
-        kept(&test, step).then_some(test)
-    });
-    // A disturbance does not show that the library fails.
-    let errors = &model.fit.linear.residual;
-    let fresh = after.coloured.as_ref().map(|c| c.whitened(errors));
-    let by_chance = QUESTIONS * disturbance_by_chance(fresh.as_ref().unwrap_or(errors));
-    let disturbance = Test { p_value: by_chance, size: Size::Faint };
-    let step = Step::of(Gate::Disturbance, "noise", "faint remainder").measured(by_chance, REAL);
-    let disturbance = kept(&disturbance, step).then_some(disturbance);
-    Remainder::of([structure].into_iter().chain(disturbance).chain(power))
 }
 
 /// Uncertainty of a model's parameters, and whether laws with a corner have the profiles that they
