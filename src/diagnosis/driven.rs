@@ -209,8 +209,7 @@ impl Course {
         Ok((base, scales))
     }
 
-    /// No linear law is to be seen where noise is loud, either: whether the reading follows the
-    /// linear oscillator all the same, so that what it leaves is noise.
+    /// Decides whether a poor linear fit is due to noise or to another law.
     fn settle_whether_it_follows(
         &mut self,
         free: &Result<(Fit, Scales), NoOscillator>,
@@ -238,9 +237,8 @@ impl Course {
         Ok(())
     }
 
-    /// An input that is held between its samples, or goes along straight lines, turns the phase by
-    /// far where there are few samples to a cycle: the mean square `left` that the base model then
-    /// leaves is no physics. Returns whether the base model follows the reading on such an input,
+    /// Tries an input that is held between its samples, or linear: at few samples a cycle the wrong
+    /// interpolation causes a phase error that looks like physics, the mean square `left`. Returns whether the base model follows the reading on such an input,
     /// and no other.
     fn settle_interpolation(&mut self, left: f64) -> bool {
         let least = start::POOR * self.power();

@@ -8,7 +8,7 @@
 //! with the classical curve, from `recording::noise`.
 
 mod agreement;
-mod blocks;
+mod block_means;
 mod candidate;
 mod candidates_round;
 mod cause;

@@ -1,9 +1,9 @@
 //! A reading that is smoothed by a low-pass behind the mass: of first order, τy′ + y = x, or with a
 //! second pole, Q²τ²y″ + τy′ + y = x.
 //!
-//! The form with two poles is not searched for ([`Law::tried`]): a delay lies near it, and next to
-//! one it would only make undecidable what is decided. A diagnosis looks for it where nothing
-//! simpler ends the matter. τ is what a slow reading lags by in either form; up to Q = 1/2 the
+//! The form with two poles is not searched for ([`Law::tried`]): it nests a
+//! delay nearly, so that listing both would turn a clear verdict into a tie. A diagnosis looks for
+//! it where nothing simpler suffices. τ is what a slow reading lags by in either form; up to Q = 1/2 the
 //! poles are real.
 
 use super::candidate::{Candidate, Kind, Parameter};

@@ -7,7 +7,7 @@
 //! with events; how much of an effect can be seen is found by an oracle of its own.
 //!
 //! Imports run `draw` → `wave` → `law` → `readout` → `oscillator` → `motion` → `simulate` →
-//! `driven` → `stage` → `sizing` → `exact` → `near_miss` → `case` → `stated` → `judge` → `run` → `score`.
+//! `driven` → `oscillator_base` → `sizing` → `exact` → `near_miss` → `case` → `stated` → `judge` → `run` → `score`.
 
 pub mod case;
 pub mod columns;
@@ -24,6 +24,7 @@ pub mod near_miss;
 pub mod null;
 mod octave;
 pub mod oscillator;
+pub mod oscillator_base;
 mod posed;
 pub mod readout;
 pub mod rest;
@@ -31,7 +32,6 @@ pub mod run;
 pub mod score;
 pub mod simulate;
 pub mod sizing;
-pub mod stage;
 mod stated;
 pub mod still;
 pub mod truth;

@@ -1,7 +1,7 @@
 //! An environment column, averaged and scaled by its own standard deviation, as the search for
 //! shapes uses it.
 
-use super::blocks;
+use super::block_means;
 use super::cause::Cause;
 use super::channel::{Addition, Curve, Term};
 use super::decimated;
@@ -34,7 +34,7 @@ impl<'a> Column<'a> {
     /// `None` for one that is constant.
     pub(super) fn of(name: &'a str, full: &'a Curve) -> Option<Self> {
         let together = decimated::together(full.values.len());
-        let means = blocks::means(&full.values, together);
+        let means = block_means::means(&full.values, together);
         let (_, unit) = mean_sd(&means);
         (unit > 0.0).then_some(Self { name, full, means, together, unit })
     }

@@ -3,7 +3,7 @@
 //!
 //! A curve that only looks like the drift gains nothing there. Not for fast noise: it is averaged.
 
-use super::blocks;
+use super::block_means;
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Curve, Fitted, Term};
 use super::spectrum::Law;
@@ -28,7 +28,7 @@ pub(super) struct Coarse {
 
 impl Coarse {
     pub(super) fn of(channel: &Channel) -> Self {
-        Self::on(blocks::channel(channel, &channel.values, together(channel.values.len())))
+        Self::on(block_means::channel(channel, &channel.values, together(channel.values.len())))
     }
 
     fn on(channel: Channel) -> Self {
@@ -55,7 +55,7 @@ impl Coarse {
     pub(super) fn without(&self, curves: Vec<Curve>) -> Self {
         let taken = fitted(&self.channel, curves).mean_curve(self.count());
         let left: Vec<f64> = self.channel.values.iter().zip(&taken).map(|(v, t)| v - t).collect();
-        Self::on(blocks::channel(&self.channel, &left, 1))
+        Self::on(block_means::channel(&self.channel, &left, 1))
     }
 }
 

@@ -7,7 +7,7 @@
 //! out: the exponent lies near the law's, the law is refuted, or the recording cannot tell. Not for
 //! channels that share their drift (`common`): that is a course by definition.
 
-use super::blocks;
+use super::block_means;
 use super::candidate::row;
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Curve, Fitted, Term};
@@ -193,9 +193,10 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
         return None;
     }
     let together = channel.values.len().div_ceil(MOST);
-    let own = blocks::channel(channel, &channel.values, together);
+    let own = block_means::channel(channel, &channel.values, together);
     let count = own.values.len();
-    let coarse = |terms: Vec<&Term>| terms.into_iter().filter_map(|t| blocks::term(t, together)).collect::<Vec<Term>>();
+    let coarse =
+        |terms: Vec<&Term>| terms.into_iter().filter_map(|t| block_means::term(t, together)).collect::<Vec<Term>>();
     let rest = coarse(chosen.terms.iter().filter(|t| !drifts(t)).collect());
     let before = own.fit(coarse(chosen.terms.iter().collect()));
     // What a number costs where it is fitted to this many values (Schwarz 1978): a curve absorbs

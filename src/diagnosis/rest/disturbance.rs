@@ -24,8 +24,7 @@ const OUTLYING: f64 = 4.0;
 const RARE: f64 = 15_787.0;
 /// Far readings no further apart than this belong together.
 const CLOSE: usize = 8;
-/// A knock that would come by chance, among far readings placed at random, more often than this is
-/// none.
+/// Outlier clusters more probable than this by chance are not called shocks.
 const CHANCE: f64 = 1e-3;
 
 /// A reading that was left out.

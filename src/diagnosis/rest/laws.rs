@@ -1,7 +1,6 @@
-//! Which slow laws together: every sum of flicker, walk and memory against every other.
+//! Compares every sum of flicker, walk and memory with every other.
 //!
-//! Selection goes forward one law at a time, and what it took first may since be better told by
-//! others: a walk next to a short memory resembles flicker over the decades of one log. So the sums
+//! Selection goes forward one law at a time, and early choices may be superseded by later ones: a walk next to a short memory resembles flicker over the decades of one log. So the sums
 //! are compared as wholes: of those that do as well the simplest is taken, and those as simple are
 //! indistinguishable from it. A walk looks like a line with a memory about it too: each law alone
 //! is also held against the sum without its straight or settling courses.

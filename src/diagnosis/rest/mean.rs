@@ -87,8 +87,8 @@ impl Mean {
     }
 }
 
-/// Models with laws that last in place of a channel's slow laws and courses, as far as they
-/// describe it as well: a walk looks like a long memory or like a course that settles.
+/// Returns equally good models in which the drift is persistent: a walk looks like a long memory or
+/// like a trend that settles.
 fn tied(channel: &Channel, fitted: &Fitted) -> Vec<Fitted> {
     let is_slow = |t: &&Term| SLOW.contains(&t.cause) || is_course(t.cause);
     if !fitted.terms.iter().any(|t| is_slow(&t)) {

@@ -7,7 +7,7 @@
 //! noise a column, at once or delayed, may do as well: then the recording cannot tell which it is,
 //! and other channels of it cannot either.
 
-use super::blocks;
+use super::block_means;
 use super::candidate::row;
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Environment, Fitted, Term};
@@ -53,7 +53,7 @@ pub(super) fn tie(
 fn tied(channel: &Channel, chosen: &Fitted, columns: &[Column<'_>], control: &Control) -> Result<Vec<usize>, Stopped> {
     let mut found = Vec::new();
     for (index, term) in chosen.terms.iter().enumerate().filter(|(_, t)| may_be_a_column(t.cause)) {
-        let Some(own) = blocks::term(term, decimated::together(channel.values.len())) else { continue };
+        let Some(own) = block_means::term(term, decimated::together(channel.values.len())) else { continue };
         let beside = Beside::of(channel, chosen, index);
         let least = beside.merit(own, row(term.cause).numbers) - CLOSE;
         // A column that is followed already is no rival of what is named next to it.
@@ -79,8 +79,8 @@ impl Beside {
     fn of(channel: &Channel, chosen: &Fitted, but: usize) -> Self {
         let together = decimated::together(channel.values.len());
         Self {
-            channel: blocks::channel(channel, &channel.values, together),
-            others: others(chosen, but).iter().filter_map(|t| blocks::term(t, together)).collect(),
+            channel: block_means::channel(channel, &channel.values, together),
+            others: others(chosen, but).iter().filter_map(|t| block_means::term(t, together)).collect(),
         }
     }
 

@@ -11,7 +11,7 @@
 
 use rand::RngExt;
 
-use super::blocks;
+use super::block_means;
 use super::cause::Cause;
 use super::chain::{Chain, Expected, climb};
 use super::channel::{Addition, Channel, Fitted, Term};
@@ -109,9 +109,9 @@ pub(super) fn hops(channel: &Channel, fitted: &Fitted) -> Option<Telegraph> {
         }
     }
     let block = together(fitted, count);
-    let own = blocks::channel(channel, &rest, block);
+    let own = block_means::channel(channel, &rest, block);
     let kept = fitted.terms.iter().filter(|t| drifts(t) || matches!(t.addition, Addition::Law(_)));
-    let terms = kept.filter_map(|t| blocks::term(t, block));
+    let terms = kept.filter_map(|t| block_means::term(t, block));
     let Contest { own, chain, expected, p_value } = contest(own, terms.collect())?;
     let order = usize::from(chain.level[0] > chain.level[1]);
     let dwell = chain.leave.map(|l| block as f64 / l);

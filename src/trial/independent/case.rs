@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::draw::Draw;
 use super::driven::Driven;
-use super::stage::Size;
+use super::oscillator_base::Size;
 use super::still::Still;
 use super::truth::{Family, Kind, Truth};
 use super::turned::Turned;

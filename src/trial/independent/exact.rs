@@ -6,10 +6,10 @@ use std::f64::consts::TAU;
 use super::draw::Draw;
 use super::driven::{Driven, rms};
 use super::law::{Course, Law};
+use super::oscillator_base::{Size, Wish, stage};
 use super::readout::Readout;
 use super::simulate;
 use super::sizing::{Piece, assemble, strengthen, target};
-use super::stage::{Size, Wish, stage};
 use super::truth::{Truth, effect};
 use super::wave::Shape;
 

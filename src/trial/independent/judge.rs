@@ -201,7 +201,7 @@ pub(crate) fn holds(case: &Case, n: &Number) -> Option<(f64, bool)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::independent::stage::Size;
+    use crate::independent::oscillator_base::Size;
     use crate::independent::truth::effect;
 
     fn said(outcome: Ending, groups: &[&[&str]]) -> Said {

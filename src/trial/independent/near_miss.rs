@@ -4,9 +4,9 @@
 use super::draw::Draw;
 use super::exact::{Made, reach};
 use super::law::{Course, Law};
+use super::oscillator_base::{Size, Wish, stage};
 use super::readout::Readout;
 use super::sizing::{Piece, assemble, strengthen, target};
-use super::stage::{Size, Wish, stage};
 use super::truth::{Truth, effect};
 use super::wave::Shape;
 

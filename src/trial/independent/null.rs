@@ -2,8 +2,8 @@
 
 use super::draw::Draw;
 use super::exact::Made;
+use super::oscillator_base::{Size, Wish, stage};
 use super::readout::Noise;
-use super::stage::{Size, Wish, stage};
 use super::truth::Truth;
 
 pub(super) const SUBS: [&str; 12] = [

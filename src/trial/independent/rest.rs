@@ -7,9 +7,9 @@ use super::draw::Draw;
 use super::linear::left_by;
 use super::masking;
 use super::octave::departure_from_flicker;
+use super::oscillator_base::Size;
 use super::readout::Noise;
 use super::sizing::coloured_evidence;
-use super::stage::Size;
 use super::still::{Filter, Process, Still};
 use super::truth::{Effect, Family, Truth};
 

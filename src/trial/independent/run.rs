@@ -13,7 +13,7 @@ use sha2::{Digest, Sha256};
 
 use super::case::Case;
 use super::judge::{Mark, judge};
-use super::stage::Size;
+use super::oscillator_base::Size;
 use crate::ask::{self, Files, Subject};
 use crate::said::Said;
 use crate::scratch::Scratch;

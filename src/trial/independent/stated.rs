@@ -57,7 +57,7 @@ fn stated(still: &Still, said: &Said, channel: usize) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::independent::stage::Size;
+    use crate::independent::oscillator_base::Size;
     use crate::independent::truth::SEEN;
     use crate::said::{Ending, Number};
 

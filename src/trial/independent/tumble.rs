@@ -2,9 +2,9 @@
 //! nulls.
 
 use super::draw::Draw;
+use super::oscillator_base::Size;
 use super::posed;
 use super::readout::Noise;
-use super::stage::Size;
 use super::truth::{Effect, Family, SEEN, Truth};
 use super::turned::{GRAVITY, Sensor, Turned};
 

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use super::draw::Draw;
 use super::exact::Made;
 use super::law::{Course, Law};
+use super::oscillator_base::{Size, Wish, stage};
 use super::readout::Readout;
 use super::sizing::{Piece, assemble, strengthen, target};
-use super::stage::{Size, Wish, stage};
 use super::truth::{Truth, effect};
 
 pub(super) const SUBS: [&str; 11] = [

@@ -1,6 +1,6 @@
 //! Deferred linear laws: a low-pass with a second pole, and a second mass on the first. The search
-//! defers them, because next to a simpler law that does as well they would only make undecidable
-//! what is decided. Where nothing simpler ends the matter, they are tried in the place of all linear
+//! defers them, because they nest simpler laws, and listing both would turn a clear verdict into a
+//! tie. Where nothing simpler suffices, they are tried in the place of all linear
 //! terms together: what one of them absorbs is no delay, no lag and no second effect.
 
 use crate::control::{Control, Stopped};

@@ -23,15 +23,14 @@ use super::stop_or_spring::settle_power;
 
 /// Most terms in a model.
 const MOST_TERMS: usize = 6;
-/// A term must gain at least this part of what is still unexplained with it: first things first.
+/// A term must explain at least this fraction of the remaining residual variance.
 const LEAST_OF_REST: f64 = 0.03;
-/// The same for the third term and later ones: what takes this many terms and is not done is
-/// something else.
+/// The same for the third term and later ones: a model that needs so many is probably misspecified.
 const FAIR_PART_OF_REST: f64 = 0.2;
 /// Unless next to nothing is left of the base model's error: the rest is detail then.
 const NEARLY_NOTHING: f64 = 0.01;
-/// Terms with which a model is given up that leaves more than [`HOPELESS`] and is not nearly done:
-/// what four do not describe by half is something else.
+/// Terms with which a model that leaves more than [`HOPELESS`] is given up: where four laws explain less
+/// than half, the physics is not in the library.
 const MANY: usize = 4;
 /// Fraction of the residual variance that is predictable in such a model.
 const HOPELESS: f64 = 0.5;

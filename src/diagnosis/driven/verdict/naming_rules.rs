@@ -16,9 +16,8 @@ use super::form;
 
 /// Times the residual's structure that what is named next to it must stand above it.
 pub(super) const FAR_ABOVE: f64 = 30.0;
-/// Part of all that is removed that a term must add to be named: a law is rarely truer than to
-/// three parts in a hundred of what it does, and a tenth of a percent in power of it is no other
-/// effect.
+/// Part of all that is removed that a term must add to be named: laws hold to about 3 %, so that what
+/// is below 0.1 % of their power may be model error.
 const LEAST_PART: f64 = 1e-3;
 /// The same for noise, which no law's inexactness can imitate but that of the simulation itself and
 /// that of its form.
