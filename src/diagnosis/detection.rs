@@ -10,7 +10,7 @@ use crate::numerics::special;
 
 /// The predictable part of a sequence of innovations.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Structure {
+pub struct Predictability {
     /// Share of the variance that a linear forecast from everything offered removes, adjusted for
     /// the number of regressors; 0 for white noise on average.
     pub r_squared: f64,
@@ -25,11 +25,11 @@ pub struct Structure {
     pub detectable_r_squared: f64,
 }
 
-const EMPTY: Structure =
-    Structure { r_squared: 0.0, p_value: 1.0, own_r_squared: 0.0, own_p_value: 1.0, detectable_r_squared: 1.0 };
+const EMPTY: Predictability =
+    Predictability { r_squared: 0.0, p_value: 1.0, own_r_squared: 0.0, own_p_value: 1.0, detectable_r_squared: 1.0 };
 
 /// Forecasts `values` from `lags` of its own past and from `regressors` (each as long as `values`).
-pub fn structure(values: &[f64], lags: usize, regressors: &[Vec<f64>]) -> Structure {
+pub fn structure(values: &[f64], lags: usize, regressors: &[Vec<f64>]) -> Predictability {
     let n = values.len();
     if n < 4 * (lags + regressors.len() + 1) {
         return EMPTY;
@@ -46,7 +46,7 @@ pub fn structure(values: &[f64], lags: usize, regressors: &[Vec<f64>]) -> Struct
     let detectable = ((2.326 * (2.0 * degrees_of_freedom).sqrt() + 1.645 * (2.0 * degrees_of_freedom + 40.0).sqrt())
         / rows)
         .min(1.0);
-    Structure {
+    Predictability {
         r_squared: all.0,
         p_value: all.1,
         own_r_squared: own.0,

@@ -121,22 +121,25 @@ fn names_noise_alone(answer: &Answer) -> bool {
 /// The answer by terms that are added step by step, judged by their likelihood.
 fn by_likelihood(recording: &Recording, taken: Taken, model: &model::Driven, control: &Control) -> Result<Answer> {
     let Taken { prepared, pieces, judging } = taken;
-    let mut course = Course::begin(prepared);
-    let (base, scales) = course.base(control).map_err(|refusal| refusal.of(recording))?;
+    let mut diagnosis = Diagnosis::begin(prepared);
+    let (base, scales) = diagnosis.base(control).map_err(|refusal| refusal.of(recording))?;
     let asked =
         Asked { recording, pieces: &pieces, judging: &judging, columns: &model.columns, unit: model.unit.as_deref() };
-    if course.follows
-        && let Some(turns) = free_body::turns_if_free(&course.data, &base)
-        && course.data.trace.acts(Step::of(Gate::FreeBody, "oscillator", "free body").measured(turns, free_body::TURNS))
-        && let Some(answer) = free_body::conclusion::answer(&asked, &course.data, course.notes.clone())
+    if diagnosis.follows
+        && let Some(turns) = free_body::turns_if_free(&diagnosis.data, &base)
+        && diagnosis
+            .data
+            .trace
+            .acts(Step::of(Gate::FreeBody, "oscillator", "free body").measured(turns, free_body::TURNS))
+        && let Some(answer) = free_body::conclusion::answer(&asked, &diagnosis.data, diagnosis.notes.clone())
     {
         return Ok(answer);
     }
-    let selection = course.select(base, &scales, control).map_err(|s| Refusal::from(s).of(recording))?;
+    let selection = diagnosis.select(base, &scales, control).map_err(|s| Refusal::from(s).of(recording))?;
     let _stage = control.stage("intervals, forms and limits of detection", 0);
-    let conclusion = course.conclude(&selection, &scales);
-    let (selection, conclusion, simulation) = course.simulated(selection, conclusion, &scales);
-    let Course { data, notes, .. } = course;
+    let conclusion = diagnosis.conclude(&selection, &scales);
+    let (selection, conclusion, simulation) = diagnosis.simulated(selection, conclusion, &scales);
+    let Diagnosis { data, notes, .. } = diagnosis;
     let mut answer = answer::answer(&asked, &data, &scales, &selection, &conclusion, notes);
     simulation.told(&mut answer, &conclusion, data.own_test);
     Ok(answer)
@@ -144,7 +147,7 @@ fn by_likelihood(recording: &Recording, taken: Taken, model: &model::Driven, con
 
 /// A diagnosis under way. Terms are chosen on a stretch of a long recording and fitted to all of
 /// it.
-struct Course {
+struct Diagnosis {
     data: Data,
     /// Data on which terms are chosen: the loudest stretch of a long recording, else all of it.
     narrow: Data,
@@ -159,7 +162,7 @@ struct Course {
     budget: Budget,
 }
 
-impl Course {
+impl Diagnosis {
     fn begin(prepared: Prepared) -> Self {
         let Prepared { data, start, filled, mut notes, .. } = prepared;
         let narrow = stretches::loudest(&data).unwrap_or_else(|| data.clone());

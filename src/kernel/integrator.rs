@@ -39,7 +39,7 @@ pub enum Integrator {
 
 /// Which proof masses a method can step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Reach {
+pub enum Capability {
     /// No proof mass.
     Nothing,
     /// Linear proof masses.
@@ -62,7 +62,7 @@ pub struct Method {
     /// Says whether there is a state to step.
     pub moves: bool,
     /// The proof masses that it can step.
-    pub reach: Reach,
+    pub reach: Capability,
     /// Above this ω₀h it grows without bound on an undamped oscillator; infinity where the linear
     /// part is exact.
     pub stable_below: f64,
@@ -70,28 +70,40 @@ pub struct Method {
 
 /// The methods, in the order of [`Integrator`]'s variants.
 pub(super) const METHODS: &[Method] = &[
-    Method { name: "ideal", wgsl: "ideal", moves: false, reach: Reach::Nothing, stable_below: f64::INFINITY },
-    Method { name: "exact map", wgsl: "exact_hold", moves: true, reach: Reach::Linear, stable_below: f64::INFINITY },
-    Method { name: "Runge-Kutta 4", wgsl: "runge_kutta_4", moves: true, reach: Reach::Cubic, stable_below: RK4_STABLE },
+    Method { name: "ideal", wgsl: "ideal", moves: false, reach: Capability::Nothing, stable_below: f64::INFINITY },
+    Method {
+        name: "exact map",
+        wgsl: "exact_hold",
+        moves: true,
+        reach: Capability::Linear,
+        stable_below: f64::INFINITY,
+    },
+    Method {
+        name: "Runge-Kutta 4",
+        wgsl: "runge_kutta_4",
+        moves: true,
+        reach: Capability::Cubic,
+        stable_below: RK4_STABLE,
+    },
     Method {
         name: "Runge-Kutta 4 (all terms)",
         wgsl: "runge_kutta_4_general",
         moves: true,
-        reach: Reach::General,
+        reach: Capability::General,
         stable_below: RK4_STABLE,
     },
     Method {
         name: "exponential Runge-Kutta 2",
         wgsl: "exponential_rk_2",
         moves: true,
-        reach: Reach::Cubic,
+        reach: Capability::Cubic,
         stable_below: f64::INFINITY,
     },
     Method {
         name: "exponential Rosenbrock-Euler",
         wgsl: "rosenbrock_euler",
         moves: true,
-        reach: Reach::Hardening,
+        reach: Capability::Hardening,
         stable_below: f64::INFINITY,
     },
 ];
@@ -104,11 +116,11 @@ impl Method {
 
     fn reaches(&self, mass: &ProofMass) -> bool {
         match self.reach {
-            Reach::Nothing => false,
-            Reach::Linear => mass.cubic_per_m2_s2() == 0.0 && !mass.has_further_terms(),
-            Reach::Hardening => mass.cubic_per_m2_s2() >= 0.0 && !mass.has_further_terms(),
-            Reach::Cubic => !mass.has_further_terms(),
-            Reach::General => true,
+            Capability::Nothing => false,
+            Capability::Linear => mass.cubic_per_m2_s2() == 0.0 && !mass.has_further_terms(),
+            Capability::Hardening => mass.cubic_per_m2_s2() >= 0.0 && !mass.has_further_terms(),
+            Capability::Cubic => !mass.has_further_terms(),
+            Capability::General => true,
         }
     }
 }

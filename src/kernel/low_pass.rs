@@ -13,7 +13,7 @@
 
 use nalgebra::Matrix3;
 
-use super::integrator::{Integrator, Reach};
+use super::integrator::{Capability, Integrator};
 use crate::sensor::ProofMass;
 
 /// Weights of one substep.
@@ -37,8 +37,8 @@ pub(super) fn weights(mass: Option<&ProofMass>, integrator: Integrator, substep_
     let renewed = -(-1.0 / ratio).exp_m1();
     let kept = 1.0 - renewed;
     match (integrator.method().reach, mass) {
-        (Reach::Nothing, _) | (_, None) => [kept, 0.0, 0.0, 0.0, 0.0, -ratio * renewed, 0.0],
-        (Reach::Linear, Some(mass)) => {
+        (Capability::Nothing, _) | (_, None) => [kept, 0.0, 0.0, 0.0, 0.0, -ratio * renewed, 0.0],
+        (Capability::Linear, Some(mass)) => {
             let [e, v] = of_linear(mass, substep_s, ratio);
             let stiffness = (mass.natural_frequency_rad_s * substep_s).powi(2);
             let damping = 2.0 * mass.damping_ratio * mass.natural_frequency_rad_s * substep_s;
@@ -46,7 +46,7 @@ pub(super) fn weights(mass: Option<&ProofMass>, integrator: Integrator, substep_
             let rest = renewed - e;
             [kept, e, v, 0.0, 0.0, -ratio * renewed - rest * damping / stiffness, rest]
         }
-        (Reach::Hardening | Reach::Cubic | Reach::General, Some(_)) => {
+        (Capability::Hardening | Capability::Cubic | Capability::General, Some(_)) => {
             let [first, second, third] = moments(ratio, renewed);
             // Hermite's basis, power by power.
             let e_end = 3.0 * second - 2.0 * third;

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
 use super::flicker;
-use super::integrator::{Integrator, Reach};
+use super::integrator::{Capability, Integrator};
 use super::job::{Clock, Member};
 use super::low_pass;
 use crate::physics::coefficients;
@@ -112,7 +112,7 @@ impl Column {
         let mut laws = [0.0; coefficients::MOST];
         if let Some(mass) = &sensor.proof_mass {
             values[..COEFFICIENTS].copy_from_slice(&coefficients(mass, integrator, substep_s));
-            if integrator.method().reach == Reach::General {
+            if integrator.method().reach == Capability::General {
                 let reading_per_m = mass.natural_frequency_rad_s.powi(2);
                 laws = mass.laws.scaled(&Units { y: reading_per_m, u: 1.0, s: 1.0 / substep_s });
             }

@@ -13,7 +13,7 @@ use super::cpu::cheap_noise::EIGHTH;
 use super::cpu::navigate::BOUND_M_S;
 use super::cpu::sums::BOUND_M_S2;
 use super::flicker::{PLACE_MASK, RENEWED, RETAINED, SPREAD};
-use super::integrator::{METHODS, Reach};
+use super::integrator::{Capability, METHODS};
 use super::layout::state;
 use super::low_pass;
 use super::member::{COLUMNS, column};
@@ -92,7 +92,7 @@ fn advance() -> String {
             .to_owned();
     for method in METHODS.iter().filter(|m| m.moves) {
         let (name, code) = (method.wgsl, method.wgsl.to_uppercase());
-        let arguments = if method.reach == Reach::General { "k, laws, s, f, w, time" } else { "k, s, f, w" };
+        let arguments = if method.reach == Capability::General { "k, laws, s, f, w, time" } else { "k, s, f, w" };
         text += &format!("    if INTEGRATOR == {code} {{\n        return {name}({arguments});\n    }}\n");
     }
     text + "    return s;\n}\n"

@@ -8,7 +8,7 @@ use super::linear::Products;
 /// Dampings that are tried together where a full step does not lower the sum of squares.
 const DAMPINGS: [f64; 8] = [1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0, 300.0, 1e4];
 /// A step that lowers n ln(sum of squares) by less than this ends the search.
-const AT_REST: f64 = 0.1;
+const CONVERGED: f64 = 0.1;
 /// A sum of squares this many times what a linear step promises is not at rest.
 const RESTLESS: f64 = 1.05;
 /// Steps of a fit at most.
@@ -45,7 +45,7 @@ pub(crate) fn fit<K: Kind>(kind: &K, set: &[usize], start: &Point, most: usize) 
     for _ in 0..most {
         let products = Products::of(kind.layout(), &model, &outward(kind, set, &point, &model));
         let [sum, promised] = products.sums()?;
-        if rows * (sum / promised.max(1e-300)).ln() < 0.5 * AT_REST || sum <= 0.0 {
+        if rows * (sum / promised.max(1e-300)).ln() < 0.5 * CONVERGED || sum <= 0.0 {
             break;
         }
         // Most steps are good as they are: then the next derivatives are at hand at once.
@@ -65,7 +65,7 @@ pub(crate) fn fit<K: Kind>(kind: &K, set: &[usize], start: &Point, most: usize) 
         });
         let Some(next) = next else { break };
         (point, model) = next;
-        if rows * (sum / squares(&model.residual).max(1e-300)).ln() < AT_REST {
+        if rows * (sum / squares(&model.residual).max(1e-300)).ln() < CONVERGED {
             break;
         }
     }

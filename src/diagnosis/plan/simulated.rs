@@ -13,7 +13,7 @@ use crate::driven::intake::stretches::{interleaved, loudest};
 use crate::driven::intake::work::Work;
 use crate::driven::selection::candidates_round::{round, screen};
 use crate::driven::selection::earned::ITERATIONS;
-use crate::driven::selection::identifiability::Reach;
+use crate::driven::selection::identifiability::Identifiability;
 use crate::driven::selection::judged::{Trial, judge};
 use crate::driven::selection::rivals::alike;
 use crate::driven::simulation::run::{Run, trace};
@@ -167,7 +167,7 @@ impl Motion {
         let deviation = self.variance.sqrt();
         let reading = self.data.reading.iter().map(|y| y + deviation * rng.normal()).collect();
         let common = Fit { variance: self.common.variance + self.variance, ..self.common.clone() };
-        let reach = Reach::of(&Data { reading, ..self.data.clone() }, &common);
+        let reach = Identifiability::of(&Data { reading, ..self.data.clone() }, &common);
         reach.few_cycles.is_none() && !reach.tells_nothing_linear_apart()
     }
 

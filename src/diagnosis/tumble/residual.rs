@@ -14,9 +14,9 @@ const NOISE_FREEDOM: f64 = 60.0;
 /// can promise.
 const MATERIAL: f64 = 1.6;
 /// Residuals at rest: one of gravity, three of the gyro.
-const AT_REST: usize = 4;
+const STILL_RESIDUALS: usize = 4;
 /// Tests of one model: each group against its noise, each residual at rest against the pose before.
-const TESTS: f64 = (GROUPS.len() + AT_REST) as f64;
+const TESTS: f64 = (GROUPS.len() + STILL_RESIDUALS) as f64;
 
 /// Holds what is left after repair.
 #[derive(Debug, Clone)]
@@ -44,7 +44,7 @@ impl Residual {
         order::sort_by_key(&mut above, |a| -a.1);
         // Per pose one row of gravity, then three of the gyro at rest, where there is one.
         let at_rest: Vec<usize> = (0..fit.rows.group.len()).filter(|r| fit.rows.group[*r] != Group::Turn).collect();
-        let channels = if fit.rows.group.contains(&Group::Still) { AT_REST } else { 1 };
+        let channels = if fit.rows.group.contains(&Group::Still) { STILL_RESIDUALS } else { 1 };
         for channel in 0..channels {
             let values: Vec<f64> =
                 at_rest.chunks_exact(channels).map(|rows| fit.rows.residual[rows[channel]]).collect();

@@ -19,7 +19,7 @@ const KNOCKED: [f64; 2] = [1.5, 0.2];
 /// Swings of a stretch at least.
 const FEWEST: usize = 4;
 /// Cycles that are kept after the last swing: where the mass comes to rest shows friction.
-const AT_REST: f64 = 4.0;
+const CYCLES_AFTER: f64 = 4.0;
 
 /// One swing to one side.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,7 +69,7 @@ pub(crate) fn motion(reading: &[f64], rows: Range<usize>, noise: f64) -> Option<
             starts.push((i, swings[i].peak));
         }
     }
-    let last = swings.last()?.to as f64 + AT_REST * 2.0 * half;
+    let last = swings.last()?.to as f64 + CYCLES_AFTER * 2.0 * half;
     let mut stretches = Vec::new();
     for (n, (first, from)) in starts.iter().enumerate() {
         let next = starts.get(n + 1);

@@ -106,7 +106,7 @@ impl Regression {
                 blocks.push(Block { range, one_step: sum, free: sum });
             }
         }
-        HeldOut { blocks, colour: correlation(&errors, MEMORY) }
+        HeldOut { blocks, autocorrelation_factor: correlation(&errors, MEMORY) }
     }
 
     /// Root mean square of both sides' difference over that of the force, on a range.

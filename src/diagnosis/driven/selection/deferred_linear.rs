@@ -39,7 +39,7 @@ const HEATS: usize = 4;
 ///
 /// # Errors
 /// Stopped.
-pub(super) fn settle_kept_back(
+pub(super) fn try_deferred_linear(
     data: &Data,
     selection: &mut Selection,
     scales: &Scales,

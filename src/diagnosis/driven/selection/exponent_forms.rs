@@ -28,7 +28,7 @@ use super::rivals::TIE;
 /// Most further heats of a fit that moves exponent and strength along each other.
 const HEATS: usize = 4;
 /// A heat that gains less log-likelihood than this was the last.
-const AT_REST: f64 = 0.1;
+const CONVERGED: f64 = 0.1;
 /// Place of the exponent among the values of a power, and of hysteresis.
 const OF_POWER: usize = 2;
 const OF_MEMORY: usize = 3;
@@ -39,7 +39,7 @@ const MEMORIES: [f64; 4] = [0.7, 1.0, 1.6, 2.6];
 
 /// Puts a law with its own exponent in the place of one that departs from its form, where the data
 /// distinguish that form from others.
-pub(super) fn settle_shape(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
+pub(super) fn decide_exponents(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let search = Search { data, scales, tried: selection.tried, budget };
     let departing = selection.departing.as_ref().filter(|_| data.trace.is_on(Gate::OwnPower));
     let power = departing.and_then(|departing| search.power(&selection.chosen, departing));
@@ -173,7 +173,7 @@ impl Search<'_> {
                 break;
             }
             best = further;
-            if gained < AT_REST {
+            if gained < CONVERGED {
                 break;
             }
         }

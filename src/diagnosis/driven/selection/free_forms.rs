@@ -267,7 +267,7 @@ impl Departing {
 /// Frees the forms of the laws chosen, and where these are several or leave something, that of each
 /// law that does well alone. Where a free form does the work of more than one term, or predicts
 /// better, the selection holds its law and no more than still earns its place next to it.
-pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
+pub(crate) fn decide(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let chosen = selection.chosen.clone();
     let tried = selection.tried;
     let laws = chosen.fit.structure.terms.iter().filter(|t| t.noise().is_none()).count();

@@ -39,7 +39,7 @@ pub struct HeldOut {
     /// Errors of each block, in the order of the recording.
     pub blocks: Vec<Block>,
     /// Samples per independent one, by the correlation of the one-step errors.
-    pub colour: f64,
+    pub autocorrelation_factor: f64,
 }
 
 impl HeldOut {
@@ -98,7 +98,7 @@ pub fn compare(before: &HeldOut, after: &HeldOut) -> Comparison {
     let t = mean / deviation;
     let two_sided = special::f_survival(t * t, 1.0, n - 1.0);
     let by_blocks = if t > 0.0 { 0.5 * two_sided } else { 1.0 - 0.5 * two_sided };
-    let rows = after.samples() as f64 / after.colour.max(1.0);
+    let rows = after.samples() as f64 / after.autocorrelation_factor.max(1.0);
     let by_likelihood = (-0.5 * rows * (before.one_step() / after.one_step().max(1e-300)).ln()).exp();
     let p_value = (2.0 * by_blocks.min(by_likelihood)).min(1.0);
     Comparison { gain, ci95: interval(before, after), p_value }
@@ -127,26 +127,26 @@ pub(crate) fn held_out(data: &Data, fit: &Fit, scales: &Scales, ranges: &[Range<
     let (mut blocks, mut errors) = (Vec::new(), Vec::new());
     let total: usize = ranges.iter().map(Range::len).sum();
     let length = (total / BLOCKS).max(20);
-    let hull = Evaluation::new(data, fit, &fit.point, &at_rest(data, fit, scales), data.hull.clone());
+    let hull = Evaluation::new(data, fit, &fit.point, &for_free_simulation(data, fit, scales), data.hull.clone());
     for range in ranges {
         let inside = range.start >= data.hull.start && range.end <= data.hull.end;
         if inside {
             hull.cut(range.clone(), length, &mut blocks);
             hull.one_step(range, &mut errors);
         } else {
-            let point = settled(data, fit, scales, range);
+            let point = with_state_at(data, fit, scales, range);
             let here = Evaluation::new(data, fit, &point, &point, range.clone());
             let judged = range.start + LEAD.min(range.len() / 4)..range.end;
             here.cut(judged.clone(), length, &mut blocks);
             here.one_step(&judged, &mut errors);
         }
     }
-    HeldOut { blocks, colour: correlation(&errors, MEMORY) }
+    HeldOut { blocks, autocorrelation_factor: correlation(&errors, MEMORY) }
 }
 
 /// The fitted model with its state at the beginning of a separate range found from the first
 /// samples there.
-pub(crate) fn settled(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usize>) -> Vec<f64> {
+pub(crate) fn with_state_at(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usize>) -> Vec<f64> {
     let lead = LEAD.min(range.len() / 4).max(4);
     let mut point = fit.point.clone();
     let mut free = fit.structure.beginnings();
@@ -173,7 +173,7 @@ pub(crate) fn settled(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usi
 
 /// The fitted model with offset and initial state as free simulation of the training rows wants
 /// them: a filter that corrects itself leaves them undetermined.
-pub(crate) fn at_rest(data: &Data, fit: &Fit, scales: &Scales) -> Vec<f64> {
+pub(crate) fn for_free_simulation(data: &Data, fit: &Fit, scales: &Scales) -> Vec<f64> {
     if !fit.structure.is_noisy() {
         return fit.point.clone();
     }

@@ -32,7 +32,7 @@ pub(crate) const FEWEST_CYCLES: f64 = 4.0;
 
 /// Limits of what the input and the length of the recording determine.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Reach {
+pub struct Identifiability {
     /// Frequencies of the input's lines, Hz, strongest first; empty where there are many, or no
     /// input.
     pub lines_hz: Vec<f64>,
@@ -40,7 +40,7 @@ pub struct Reach {
     pub few_cycles: Option<f64>,
 }
 
-impl Reach {
+impl Identifiability {
     /// Finds the limits of a recording and its base model.
     pub fn of(data: &Data, base: &Fit) -> Self {
         let cycles = base.point[OMEGA] * data.hull.len() as f64 * data.interval_s() / TAU;
@@ -140,7 +140,7 @@ mod tests {
 
     const RATE_HZ: f64 = 1000.0;
 
-    fn reach(u: Vec<f64>) -> Reach {
+    fn reach(u: Vec<f64>) -> Identifiability {
         let n = u.len();
         let data = Data {
             reading: (0..n).map(|k| 1e-3 * (k as f64 * 12.9898).sin().mul_add(43758.5, 0.0).fract()).collect(),
@@ -174,7 +174,7 @@ mod tests {
             variance: 1e-6,
             converged: true,
         };
-        Reach::of(&data, &base)
+        Identifiability::of(&data, &base)
     }
 
     fn sines(hz: &[f64]) -> Vec<f64> {
@@ -212,7 +212,7 @@ mod tests {
     fn two_parameters_a_line_and_no_more_are_told_apart() {
         let delay = Term::ReadoutDelay(ReadoutDelay);
         let (mode, cubic) = (Term::ParasiticMode(ParasiticMode), Term::CubicStiffness(CubicStiffness));
-        let lines = |n: usize| Reach { lines_hz: vec![1.0; n], few_cycles: None };
+        let lines = |n: usize| Identifiability { lines_hz: vec![1.0; n], few_cycles: None };
         // One line, two numbers, four parameters; two lines, four numbers, four parameters; three
         // lines, six numbers.
         let lag = Term::InputLag(InputLag);

@@ -6,7 +6,7 @@ use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 
 use super::held_out::{Comparison, HeldOut, held_out};
-use super::identifiability::Reach;
+use super::identifiability::Identifiability;
 
 /// A model with its record.
 #[derive(Debug, Clone)]
@@ -94,7 +94,7 @@ pub struct Selection {
     /// States whether an oscillation was left that the input may cause.
     pub follows_input: bool,
     /// Limits of what the input and the length of the recording determine.
-    pub reach: Reach,
+    pub reach: Identifiability,
     /// States whether some of those candidates were not tried because the work for it was spent.
     pub rivals_left_out: bool,
 }

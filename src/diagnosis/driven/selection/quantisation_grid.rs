@@ -6,7 +6,7 @@ use crate::numerics::special::normal_cdf;
 
 /// A lattice that readings fall on, and what it explains.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lattice {
+pub struct QuantisationGrid {
     /// Distance of neighbouring values.
     pub step: f64,
     /// Standard deviation of the noise before rounding.
@@ -19,7 +19,7 @@ pub struct Lattice {
 
 /// The lattice of `reading` and its likelihood, given the innovations of a model; `None` where
 /// values do not fall on one or it is finer than the noise.
-pub(crate) fn lattice(reading: &[f64], innovations: &[f64]) -> Option<Lattice> {
+pub(crate) fn lattice(reading: &[f64], innovations: &[f64]) -> Option<QuantisationGrid> {
     let step = spacing(reading)?;
     let variance = innovations.iter().map(|e| e * e).sum::<f64>() / innovations.len().max(1) as f64;
     let sigma = variance.sqrt();
@@ -27,7 +27,7 @@ pub(crate) fn lattice(reading: &[f64], innovations: &[f64]) -> Option<Lattice> {
         return None;
     }
     let gaussian = -0.5 * ((2.0 * std::f64::consts::PI * variance).ln() + 1.0);
-    let mut best = Lattice { step, noise: sigma, gain: f64::NEG_INFINITY, log_score: f64::NEG_INFINITY };
+    let mut best = QuantisationGrid { step, noise: sigma, gain: f64::NEG_INFINITY, log_score: f64::NEG_INFINITY };
     for k in 0..24 {
         let noise = sigma * 0.03 * 1.19f64.powi(k);
         let sum: f64 = innovations
@@ -39,7 +39,7 @@ pub(crate) fn lattice(reading: &[f64], innovations: &[f64]) -> Option<Lattice> {
             .sum();
         let log_score = sum / innovations.len() as f64;
         if log_score > best.log_score {
-            best = Lattice { step, noise, gain: log_score - gaussian, log_score };
+            best = QuantisationGrid { step, noise, gain: log_score - gaussian, log_score };
         }
     }
     Some(best)

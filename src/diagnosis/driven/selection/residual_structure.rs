@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::detection::{Structure, structure};
+use crate::detection::{Predictability, structure};
 use crate::driven::base::{OMEGA, ZETA};
 use crate::driven::identification::fit::Fit;
 use crate::driven::intake::data::Data;
@@ -31,15 +31,15 @@ pub(crate) const MEMORY: usize = 40;
 
 /// Returns how much can still be predicted of a model's innovations, from their past, the input and
 /// the state.
-pub(crate) fn residual_structure(data: &Data, fit: &Fit) -> Structure {
+pub(crate) fn residual_structure(data: &Data, fit: &Fit) -> Predictability {
     let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     structure(&innovations, OWN_LAGS, &regressors(data, &states))
 }
 
-/// Structure that noise alone does not account for, and the memory of that noise.
+/// Predictability that noise alone does not account for, and the memory of that noise.
 #[derive(Debug, Clone)]
 pub(crate) struct Residual {
-    pub(crate) structure: Structure,
+    pub(crate) structure: Predictability,
     /// Memory of the readout noise, where it accounts for all that is predictable.
     pub(crate) coloured: Option<Coloured>,
 }
@@ -69,7 +69,7 @@ pub(crate) fn of_noise(data: &Data, fit: &Fit, (innovations, states): (Vec<f64>,
     let errors = weighed(&innovations);
     let even = structure(&errors, OWN_LAGS, &known);
     let [p_value, own_p_value] = [plain.p_value.max(even.p_value), plain.own_p_value.max(even.own_p_value)];
-    let found = Structure { p_value, own_p_value, ..plain };
+    let found = Predictability { p_value, own_p_value, ..plain };
     // With noise inside the model, or starts in the middle, errors have a memory that is not the
     // readout's.
     if p_value >= REAL || fit.structure.is_noisy() || data.windows.is_some() {
@@ -127,7 +127,7 @@ pub(crate) fn regressors(data: &Data, states: &States) -> Vec<Vec<f64>> {
 
 /// Returns how much of the innovations' *power* can be predicted from the input, the state and
 /// time: noise that belongs to the sensor does not know what the sensor is doing.
-pub(crate) fn power_structure(data: &Data, fit: &Fit) -> Structure {
+pub(crate) fn power_structure(data: &Data, fit: &Fit) -> Predictability {
     let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let size = innovations.iter().map(|e| e * e).sum::<f64>() / innovations.len().max(1) as f64;
     // Limited, so that single outliers do not speak for the rest.

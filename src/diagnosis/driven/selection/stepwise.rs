@@ -11,15 +11,15 @@ use crate::physics::scales::Scales;
 use crate::trace::Step;
 
 use super::candidates_round::{SURE, round};
-use super::deferred_linear::settle_kept_back;
+use super::deferred_linear::try_deferred_linear;
 use super::earned::{earned, pruned};
-use super::exponent_forms::settle_shape;
+use super::exponent_forms::decide_exponents;
 use super::free_forms;
-use super::identifiability::Reach;
+use super::identifiability::Identifiability;
 use super::judged::{Judged, Selection, Trial};
 use super::residual_structure::residual_structure;
 use super::rivals::Look;
-use super::stop_or_spring::settle_power;
+use super::stop_or_spring::decide_stop_or_spring;
 
 /// Most terms in a model.
 const MOST_TERMS: usize = 6;
@@ -64,7 +64,7 @@ pub(crate) fn search(
         alone: Vec::new(),
         follows_input: false,
     };
-    let reach = Reach::of(data, &base.fit);
+    let reach = Identifiability::of(data, &base.fit);
     let Way { chosen, predictable: rest, cut_short, follows_input } = steps.forward(candidates)?;
     let mut look = Look {
         data,
@@ -101,12 +101,12 @@ pub(crate) fn search(
     // In windows a form has too little of the motion at a time.
     if data.windows.is_none() {
         let budget = data.work.budget(Stage::KeptBack, data.hull.len());
-        settle_kept_back(data, &mut selection, scales, budget, control)?;
+        try_deferred_linear(data, &mut selection, scales, budget, control)?;
         let budget = data.work.budget(Stage::Forms, data.hull.len());
-        free_forms::settle(data, &mut selection, scales, budget);
-        settle_power(data, &mut selection, scales, budget);
+        free_forms::decide(data, &mut selection, scales, budget);
+        decide_stop_or_spring(data, &mut selection, scales, budget);
         let budget = data.work.budget(Stage::KeptShapes, data.hull.len());
-        settle_shape(data, &mut selection, scales, budget);
+        decide_exponents(data, &mut selection, scales, budget);
     }
     Ok(selection)
 }

@@ -30,7 +30,7 @@ const LONG: usize = 4 * ITERATIONS;
 /// within the motion imitates it. Started where its force is nearest to the stop's, the fit gets
 /// there; where it then does better than the stop, the law is a spring, and where it does as well,
 /// the two are indistinguishable.
-pub(super) fn settle_power(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
+pub(super) fn decide_stop_or_spring(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let found = selection.departing.as_ref().map_or(&selection.chosen, |d| &d.judged);
     let terms = &found.fit.structure.terms;
     let Some(index) = terms.iter().position(|t| stop(t).is_some()) else { return };

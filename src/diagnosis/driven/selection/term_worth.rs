@@ -4,7 +4,7 @@
 //! Not what follows from that (`conclude`).
 
 use crate::driven::intake::data::Data;
-use crate::driven::selection::quantisation_grid::{Lattice, lattice};
+use crate::driven::selection::quantisation_grid::{QuantisationGrid, lattice};
 use crate::parallel;
 use crate::physics::scales::Scales;
 
@@ -49,7 +49,7 @@ impl Named {
 }
 
 /// Coarse rounding, where it explains what a model leaves.
-pub(crate) fn rounding(data: &Data, model: &Judged) -> Option<Lattice> {
+pub(crate) fn rounding(data: &Data, model: &Judged) -> Option<QuantisationGrid> {
     lattice(&data.reading[data.hull.clone()], &model.fit.linear.residual).filter(|l| l.gain > LEAST_ROUNDING_GAIN)
 }
 

@@ -11,7 +11,7 @@ use crate::driven::intake::data::Data;
 use crate::driven::intake::notes::Notes;
 use crate::driven::intake::reading_noise::{ReadingNoise, Sample, reading_noise};
 use crate::driven::intake::several::Piece;
-use crate::driven::selection::held_out::{Block, HeldOut, at_rest, ratio_interval, settled};
+use crate::driven::selection::held_out::{Block, HeldOut, for_free_simulation, ratio_interval, with_state_at};
 use crate::driven::selection::judged::{Judged, Selection};
 use crate::driven::selection::term_worth::Named;
 use crate::driven::simulation::filter::States;
@@ -67,7 +67,7 @@ pub fn answer(
     let forms = forms(data, c, scales);
     let named = effects::effects(data, c, selection, scales, &channels, &forms);
     let ranking = effects::ranking(data, c, selection, &channels);
-    let free = |fit: &Fit| trace(data, &fit.structure, &at_rest(data, fit, scales), &fit.run(data, false));
+    let free = |fit: &Fit| trace(data, &fit.structure, &for_free_simulation(data, fit, scales), &fit.run(data, false));
     let (before, states) = free(&c.base.fit);
     let (after, repaired) = free(&c.model.fit);
     let missing = |fit: &Fit, error: &[f64], states: &States| {
@@ -350,7 +350,7 @@ fn shown(data: &Data, c: &Conclusion, scales: &Scales, [before, after]: [&[f64];
         let range = window(test);
         let simulated = |fit: &Fit| {
             let run = Run { range: test.start..range.end, steps: fit.steps, corrected: false };
-            let (errors, _) = trace(data, &fit.structure, &settled(data, fit, scales, test), &run);
+            let (errors, _) = trace(data, &fit.structure, &with_state_at(data, fit, scales, test), &run);
             errors[range.start - test.start..].to_vec()
         };
         let errors = [simulated(&c.base.fit), simulated(&c.model.fit)];

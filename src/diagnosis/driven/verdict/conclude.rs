@@ -1,7 +1,7 @@
 //! Concludes from the model chosen: which terms hold, which are indistinguishable, and what the
 //! residual is.
 
-use crate::detection::Structure;
+use crate::detection::Predictability;
 use crate::driven::base::OMEGA;
 use crate::driven::identification::fit::{Fit, fit};
 use crate::driven::identification::interval::{self, Spread};
@@ -12,7 +12,7 @@ use crate::driven::selection::held_out::held_out;
 use crate::driven::selection::judged::{Departing, Judged, Selection};
 use crate::driven::selection::noise_character::{LoudStretch, NoiseCharacter, ReadoutMemory, noise_character};
 use crate::driven::selection::noise_scale::MassMotion;
-use crate::driven::selection::quantisation_grid::Lattice;
+use crate::driven::selection::quantisation_grid::QuantisationGrid;
 use crate::driven::selection::residual_structure::residual_structure_of_noise;
 use crate::driven::selection::term_worth::{LEAST_ROUNDING_GAIN, Named, rounding};
 use crate::driven::simulation::run::trace;
@@ -48,8 +48,8 @@ pub struct Conclusion {
     pub dropped: Vec<(Term, Dropped)>,
     /// The final model with the form of one law free, where that law departs from its stated form.
     pub departing: Option<Departing>,
-    /// Structure that remains in the final model's innovations.
-    pub after: Structure,
+    /// Predictability that remains in the final model's innovations.
+    pub after: Predictability,
     /// All tests of the residual, in the vocabulary of every kind.
     pub remainder: Remainder,
     /// Size of what the model leaves of samples outside the recordings fitted, where such judge it.
@@ -57,7 +57,7 @@ pub struct Conclusion {
     /// Character of the noise, where nothing else is left.
     pub noise: NoiseCharacter,
     /// Coarse rounding, where it explains the residual.
-    pub lattice: Option<Lattice>,
+    pub lattice: Option<QuantisationGrid>,
     /// Uncertainty of the final model's parameters.
     pub spread: Spread,
     /// Fineness of the integration of the final models' terms, as `Scales::fineness`.
@@ -82,7 +82,7 @@ pub(crate) fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> C
     let followed = draft.drop_noise_that_follows() | draft.drop_walk_that_is_smooth();
     let twins = draft.drop_twins();
     order::sort_by_key(&mut draft.named, |n| -n.growth);
-    let named = |l: &Lattice| {
+    let named = |l: &QuantisationGrid| {
         let step = Step::of(Gate::RoundedReadings, "not named", "named");
         data.trace.acts(step.measured(l.gain, LEAST_ROUNDING_GAIN))
     };

@@ -1,7 +1,7 @@
 //! Writes findings besides the physics, as clauses.
 
 use crate::driven::identification::chaos::Chaos;
-use crate::driven::selection::identifiability::{FEWEST_CYCLES, Reach};
+use crate::driven::selection::identifiability::{FEWEST_CYCLES, Identifiability};
 use crate::driven::selection::known::Known;
 use crate::driven::selection::noise_character::NoiseCharacter;
 use crate::number::short;
@@ -58,7 +58,7 @@ pub fn dropped(reason: Dropped) -> String {
 }
 
 /// States what the input and the length of the recording leave undetermined, in sentences.
-pub(crate) fn reach(reach: &Reach) -> Vec<String> {
+pub(crate) fn reach(reach: &Identifiability) -> Vec<String> {
     let mut out = Vec::new();
     if reach.tells_nothing_linear_apart() {
         let lines: Vec<String> = reach.lines_hz.iter().map(|f| short(*f)).collect();

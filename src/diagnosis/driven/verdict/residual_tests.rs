@@ -3,11 +3,11 @@
 
 use std::ops::Range;
 
-use crate::detection::Structure;
+use crate::detection::Predictability;
 use crate::driven::base::OFFSET;
 use crate::driven::identification::fit::{Fit, Search};
 use crate::driven::intake::data::Data;
-use crate::driven::selection::held_out::{LEAD, settled};
+use crate::driven::selection::held_out::{LEAD, with_state_at};
 use crate::driven::selection::judged::Judged;
 use crate::driven::selection::noise_character::disturbance_by_chance;
 use crate::driven::selection::residual_structure::{EVEN, Residual, of_noise, power_structure};
@@ -28,7 +28,7 @@ const FAINT: f64 = 0.05;
 pub(super) const QUESTIONS: f64 = 3.0;
 
 /// Tests how much of a residual its past, the input and the state foretell.
-pub(crate) fn remembers(left: &Structure) -> Test {
+pub(crate) fn remembers(left: &Predictability) -> Test {
     Test { p_value: QUESTIONS * left.p_value, size: Size::of(left.r_squared, WHITE, FAINT) }
 }
 
@@ -70,14 +70,14 @@ pub(super) fn of_what_was_not(data: &Data, fit: &Fit, scales: &Scales) -> Remain
 }
 
 /// Returns the structure that the innovations of a range outside give away.
-fn of_noise_there(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usize>) -> Structure {
+fn of_noise_there(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usize>) -> Predictability {
     let mut free = fit.structure.beginnings();
     free.push(OFFSET);
     let run = Run { range: range.clone(), steps: fit.steps, corrected: false };
     let search = Search {
         data,
         structure: &fit.structure,
-        point: settled(data, fit, scales, range),
+        point: with_state_at(data, fit, scales, range),
         free,
         coordinates: coordinates(&fit.structure, scales),
         run: run.clone(),
