@@ -10,9 +10,9 @@ use proofmass_base::output::{self, Folder};
 use proofmass_trial::ask::Subject;
 use proofmass_trial::independent::case::Case;
 use proofmass_trial::independent::judge::coverage;
+use proofmass_trial::independent::oscillator_base::Size;
 use proofmass_trial::independent::run::{self, Plan};
 use proofmass_trial::independent::score::Score;
-use proofmass_trial::independent::stage::Size;
 use proofmass_trial::page::independent as report;
 use proofmass_trial::scratch::Scratch;
 

@@ -181,7 +181,7 @@ impl Decay {
         self.system.members.iter().map(|m| m.term.id()).find(|known| *known == id)
     }
 
-    /// Predictability in what a model leaves, by its own past.
+    /// Structure in what a model leaves, by its own past.
     fn structure(&self, errors: &[f64]) -> crate::detection::Predictability {
         let counted = errors.iter().zip(&self.system.rows.layout.counts).filter(|(_, c)| **c).map(|(e, _)| *e);
         structure(&counted.collect::<Vec<f64>>(), LAGS, &[])

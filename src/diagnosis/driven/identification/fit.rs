@@ -20,7 +20,7 @@ pub use crate::driven::simulation::structure::{ModelStructure, coordinates};
 pub struct Search<'a> {
     /// The recording as fits see it.
     pub data: &'a Data,
-    /// Predictability of the model that is fitted.
+    /// Structure of the model that is fitted.
     pub structure: &'a ModelStructure,
     /// Values at which parameters that do not move stay.
     pub point: Vec<f64>,
@@ -166,7 +166,7 @@ impl Residuals for Search<'_> {
 /// A model fitted to the recording: structure, parameters, likelihood.
 #[derive(Debug, Clone)]
 pub struct Fit {
-    /// Predictability of the model.
+    /// Structure of the model.
     pub structure: ModelStructure,
     /// Parameter vector at the maximum of the likelihood.
     pub point: Vec<f64>,

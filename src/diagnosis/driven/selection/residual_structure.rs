@@ -36,7 +36,7 @@ pub(crate) fn residual_structure(data: &Data, fit: &Fit) -> Predictability {
     structure(&innovations, OWN_LAGS, &regressors(data, &states))
 }
 
-/// Predictability that noise alone does not account for, and the memory of that noise.
+/// Structure that noise alone does not account for, and the memory of that noise.
 #[derive(Debug, Clone)]
 pub(crate) struct Residual {
     pub(crate) structure: Predictability,

@@ -48,7 +48,7 @@ pub struct Conclusion {
     pub dropped: Vec<(Term, Dropped)>,
     /// The final model with the form of one law free, where that law departs from its stated form.
     pub departing: Option<Departing>,
-    /// Predictability that remains in the final model's innovations.
+    /// Structure that remains in the final model's innovations.
     pub after: Predictability,
     /// All tests of the residual, in the vocabulary of every kind.
     pub remainder: Remainder,
