@@ -150,7 +150,7 @@ fn by_likelihood(recording: &Recording, taken: Taken, model: &model::Driven, con
 struct Diagnosis {
     data: Data,
     /// Data on which terms are chosen: the loudest stretch of a long recording, else all of it.
-    narrow: Data,
+    excerpt: Data,
     /// Hints that can be right.
     start: model::Start,
     /// States whether the reading follows a linear oscillator at all.
@@ -165,31 +165,31 @@ struct Diagnosis {
 impl Diagnosis {
     fn begin(prepared: Prepared) -> Self {
         let Prepared { data, start, filled, mut notes, .. } = prepared;
-        let narrow = stretches::loudest(&data).unwrap_or_else(|| data.clone());
-        if narrow.hull != data.hull {
+        let excerpt = stretches::loudest(&data).unwrap_or_else(|| data.clone());
+        if excerpt.hull != data.hull {
             notes.findings.push(format!(
                 "terms were chosen on the loudest {} samples, from sample {}, and fitted to all",
-                narrow.hull.len(),
-                narrow.hull.start
+                excerpt.hull.len(),
+                excerpt.hull.start
             ));
         }
-        let budget = narrow.work.budget(Stage::Search, narrow.hull.len());
-        Self { data, narrow, start, follows: true, filled, notes, budget }
+        let budget = excerpt.work.budget(Stage::Search, excerpt.hull.len());
+        Self { data, excerpt, start, follows: true, filled, notes, budget }
     }
 
     /// Returns whether terms are chosen on all of the recording.
     fn is_whole(&self) -> bool {
-        self.narrow.hull == self.data.hull
+        self.excerpt.hull == self.data.hull
     }
 
     /// The base model; what was not recorded is bridged by its readings.
     fn base(&mut self, control: &Control) -> Result<(Fit, Scales), Refusal> {
         let mut notes = self.notes.clone();
-        let mut free = base_model::base(&self.narrow, &self.start, &mut notes);
+        let mut free = base_model::base(&self.excerpt, &self.start, &mut notes);
         let left = free.as_ref().map_or(self.power(), |found| found.0.variance);
         if self.settle_interpolation(left) {
             notes.clone_from(&self.notes);
-            free = base_model::base(&self.narrow, &self.start, &mut notes);
+            free = base_model::base(&self.excerpt, &self.start, &mut notes);
         }
         self.settle_whether_it_follows(&free, &mut notes, control)?;
         if let Some(found) = self.chaotic(free.as_ref().ok().map(|f| &f.0)) {
@@ -204,11 +204,11 @@ impl Diagnosis {
             }
         };
         self.notes = notes;
-        base_model::bridge(&mut self.narrow, &base, &self.filled);
+        base_model::bridge(&mut self.excerpt, &base, &self.filled);
         if self.is_whole() {
-            self.data.reading.clone_from(&self.narrow.reading);
+            self.data.reading.clone_from(&self.excerpt.reading);
         }
-        let scales = refined(&self.narrow, &base, &scales);
+        let scales = refined(&self.excerpt, &base, &scales);
         Ok((base, scales))
     }
 
@@ -227,8 +227,8 @@ impl Diagnosis {
             _ => return Ok(()),
         };
         self.follows = match free {
-            Ok((fit, _)) => !base_model::leaves_more_than_noise(&self.narrow, fit, control)?,
-            Err(NoOscillator::Poor { best, .. }) => !base_model::follows_another_law(&self.narrow, &best.0, control)?,
+            Ok((fit, _)) => !base_model::leaves_more_than_noise(&self.excerpt, fit, control)?,
+            Err(NoOscillator::Poor { best, .. }) => !base_model::follows_another_law(&self.excerpt, &best.0, control)?,
             Err(NoOscillator::None) => true,
         };
         self.follows |= !self.follows && !self.data.trace.acts(Step::of(Gate::NoLinearLaw, "followed", "not followed"));
@@ -246,12 +246,12 @@ impl Diagnosis {
     fn settle_interpolation(&mut self, left: f64) -> bool {
         let least = start::POOR * self.power();
         let is_asked = left >= least && self.filled.is_empty() && self.data.trace.is_on(Gate::BaseInterpolation);
-        let Some(input) = self.narrow.input.as_ref().filter(|_| is_asked) else {
+        let Some(input) = self.excerpt.input.as_ref().filter(|_| is_asked) else {
             return false;
         };
         let fitted = |data: &Data| start::base(data, &self.start).map_or(f64::INFINITY, |found| found.0.variance);
         let others = [Interpolation::Hold, Interpolation::Linear].map(|how| {
-            let data = Data { input: Some(input.clone().gone(how)), ..self.narrow.clone() };
+            let data = Data { input: Some(input.clone().gone(how)), ..self.excerpt.clone() };
             (how, fitted(&data))
         });
         let best = others.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
@@ -263,7 +263,7 @@ impl Diagnosis {
             return false;
         }
         self.notes.findings.push(base_model::interpolated(how));
-        for data in [&mut self.data, &mut self.narrow] {
+        for data in [&mut self.data, &mut self.excerpt] {
             data.input = data.input.take().map(|input| input.gone(how));
         }
         true
@@ -271,7 +271,7 @@ impl Diagnosis {
 
     /// Mean square of the reading that is fitted, about its mean.
     fn power(&self) -> f64 {
-        let rows = self.narrow.train.iter().flat_map(|r| &self.narrow.reading[r.clone()]).copied();
+        let rows = self.excerpt.train.iter().flat_map(|r| &self.excerpt.reading[r.clone()]).copied();
         mean_sd(&rows.collect::<Vec<f64>>()).1.powi(2)
     }
 
@@ -282,21 +282,21 @@ impl Diagnosis {
         if follows || self.notes.broken.is_some() || !self.filled.is_empty() || !self.data.breaks.is_empty() {
             return None;
         }
-        let chaos = chaos::chaos(&self.narrow)?;
+        let chaos = chaos::chaos(&self.excerpt)?;
         let step = Step::of(Gate::Chaos, "whole", "windows").measured(chaos.exponent_per_s, 0.0);
         if !self.data.trace.acts(step) {
             return None;
         }
-        let mut narrow = self.narrow.clone();
-        chaos.in_windows(&mut narrow);
-        let (base, scales) = start::base_from(&narrow, &chaos.force.base)?;
+        let mut excerpt = self.excerpt.clone();
+        chaos.in_windows(&mut excerpt);
+        let (base, scales) = start::base_from(&excerpt, &chaos.force.base)?;
         if self.is_whole() {
-            self.data = narrow.clone();
+            self.data = excerpt.clone();
         } else {
             chaos.in_windows(&mut self.data);
         }
-        self.narrow = narrow;
-        let scales = refined(&self.narrow, &base, &scales);
+        self.excerpt = excerpt;
+        let scales = refined(&self.excerpt, &base, &scales);
         let [clause, more] = findings::chaos(&chaos);
         self.notes.doubt(clause, &more);
         Some((base, scales))
@@ -306,29 +306,29 @@ impl Diagnosis {
     /// its samples fits better.
     fn select(&mut self, base: Fit, scales: &Scales, control: &Control) -> Result<Selection, Stopped> {
         let candidates = self.candidates(scales);
-        let base = judged::judge(&self.narrow, base, scales);
-        let mut selection = stepwise::search(&self.narrow, base, scales, &candidates, self.budget, control)?;
+        let base = judged::judge(&self.excerpt, base, scales);
+        let mut selection = stepwise::search(&self.excerpt, base, scales, &candidates, self.budget, control)?;
         if let Some(base) = self.on_another_input(&selection, scales) {
-            self.budget = self.budget.or(self.narrow.work.budget(Stage::SearchAgain, self.narrow.hull.len()));
-            selection = stepwise::search(&self.narrow, base, scales, &candidates, self.budget, control)?;
+            self.budget = self.budget.or(self.excerpt.work.budget(Stage::SearchAgain, self.excerpt.hull.len()));
+            selection = stepwise::search(&self.excerpt, base, scales, &candidates, self.budget, control)?;
         }
         if self.data.trace.is_on(Gate::SmoothInput)
-            && let Some(smooth) = held_input::smooth_input(&self.narrow, &selection.chosen)
+            && let Some(smooth) = held_input::smooth_input(&self.excerpt, &selection.chosen)
         {
             let base = base_again(&smooth, &selection, scales);
             let is_half =
-                self.data.trace.is_on(Gate::HalfSample) && held_input::is_half_a_sample(&self.narrow, &selection);
+                self.data.trace.is_on(Gate::HalfSample) && held_input::is_half_a_sample(&self.excerpt, &selection);
             let other = if is_half {
                 held_input::on_a_smooth_one(&smooth, base, &selection, scales, control)?
             } else {
-                self.budget = self.budget.or(self.narrow.work.budget(Stage::SearchAgain, self.narrow.hull.len()));
+                self.budget = self.budget.or(self.excerpt.work.budget(Stage::SearchAgain, self.excerpt.hull.len()));
                 let other = stepwise::search(&smooth, base, scales, &candidates, self.budget, control)?;
                 held_input::is_better(&smooth, &other, &selection).then_some(other)
             };
             if let Some(other) = other {
-                let how = self.narrow.input.as_ref().map(|i| base_model::interpolated(i.interpolation));
+                let how = self.excerpt.input.as_ref().map(|i| base_model::interpolated(i.interpolation));
                 self.notes.findings.retain(|finding| Some(finding) != how.as_ref());
-                (self.narrow, selection) = (smooth, other);
+                (self.excerpt, selection) = (smooth, other);
             }
         }
         if !self.follows {
@@ -336,7 +336,7 @@ impl Diagnosis {
             selection.base_follows = false;
             selection.reach.few_cycles = None;
         }
-        self.data.input.clone_from(&self.narrow.input);
+        self.data.input.clone_from(&self.excerpt.input);
         self.note_what_was_not_tried(&selection);
         Ok(selection)
     }
@@ -353,17 +353,17 @@ impl Diagnosis {
     /// The base model with the input going another way between its samples, where that fits better
     /// than the terms chosen.
     fn on_another_input(&mut self, selection: &Selection, scales: &Scales) -> Option<Judged> {
-        let settled = self.narrow.input.as_ref().is_none_or(|i| i.interpolation != Interpolation::BandLimited);
-        if self.narrow.windows.is_some() || settled || !self.data.trace.is_on(Gate::OtherInput) {
+        let settled = self.excerpt.input.as_ref().is_none_or(|i| i.interpolation != Interpolation::BandLimited);
+        if self.excerpt.windows.is_some() || settled || !self.data.trace.is_on(Gate::OtherInput) {
             return None;
         }
         // A stated form that departs bends what stands next to it: half a sample is seen where it
         // is free.
         let best = selection.departing.as_ref().map_or(&selection.chosen, |d| &d.judged);
-        let how = base_model::other_input(&mut self.narrow, best, scales)?;
+        let how = base_model::other_input(&mut self.excerpt, best, scales)?;
         self.data.trace.acts(Step::of(Gate::OtherInput, best.words(), how.words()));
         self.notes.findings.push(base_model::interpolated(how));
-        Some(base_again(&self.narrow, selection, scales))
+        Some(base_again(&self.excerpt, selection, scales))
     }
 
     fn note_what_was_not_tried(&mut self, selection: &Selection) {
@@ -392,8 +392,8 @@ impl Diagnosis {
         let conclusion = if self.is_whole() {
             conclude::conclude(&self.data, selection, scales)
         } else {
-            self.narrow.test.clone_from(&self.data.test);
-            conclude::widened(conclude::conclude(&self.narrow, selection, scales), &self.data, scales)
+            self.excerpt.test.clone_from(&self.data.test);
+            conclude::widened(conclude::conclude(&self.excerpt, selection, scales), &self.data, scales)
         };
         let left_out = conclusion.left_out.iter();
         let left_out =
@@ -416,7 +416,8 @@ impl Diagnosis {
             return by_simulation::simulated(&self.data, selection, conclusion, scales);
         }
         let had = conclusion.named.len();
-        let (selection, conclusion, simulation) = by_simulation::simulated(&self.narrow, selection, conclusion, scales);
+        let (selection, conclusion, simulation) =
+            by_simulation::simulated(&self.excerpt, selection, conclusion, scales);
         let is_new = conclusion.named.len() > had;
         let conclusion = if is_new { conclude::widened(conclusion, &self.data, scales) } else { conclusion };
         (selection, conclusion, simulation)

@@ -95,9 +95,9 @@ fn settle(
     let without = channel.fit(others(&selected[i].chosen, index));
     let shared = |t: &Standing| common(t.cause) && t.counts(correction);
     let Tried { standings, best } = try_all(channel, &without, environment, control, shared)?;
-    let Some(mine) = standings.iter().find(|t| t.cause == cause).map(Standing::merit) else { return Ok(()) };
+    let Some(mine) = standings.iter().find(|t| t.cause == cause).map(Standing::minus_aic) else { return Ok(()) };
     let Some((theirs, fitted)) = best else { return Ok(()) };
-    let better_by = mine - theirs.merit() - PENALTY;
+    let better_by = mine - theirs.minus_aic() - PENALTY;
     if better_by < 0.0 {
         let chosen = prune(channel, fitted, correction);
         let named = selection::named(channel, &selected[i].base, &chosen, correction, &Vec::new());

@@ -37,7 +37,8 @@ pub(super) fn try_all(
             };
             let standing = Standing { cause, gain, p_value: probability(cause, gain, channel), held_out };
             tried.standings.push(standing);
-            if wanted(&standing) && tried.best.as_ref().is_none_or(|(best, _)| standing.merit() > best.merit()) {
+            if wanted(&standing) && tried.best.as_ref().is_none_or(|(best, _)| standing.minus_aic() > best.minus_aic())
+            {
                 tried.best = Some((standing, fitted));
             }
         }

@@ -205,9 +205,9 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
     let with = |curves: Vec<Curve>| -> f64 {
         own.fit(rest.iter().cloned().chain([term(Cause::RateRamp, curves)]).collect()).log_likelihood()
     };
-    let merit = |log_likelihood: f64, numbers: f64| 2.0 * log_likelihood - penalty * numbers;
+    let score = |log_likelihood: f64, numbers: f64| 2.0 * log_likelihood - penalty * numbers;
     let numbers: f64 = drift.iter().map(|c| row(*c).numbers).sum();
-    let held = merit(before.log_likelihood(), numbers);
+    let held = score(before.log_likelihood(), numbers);
     let (free, best) = profile(EXPONENTS.map(f64::ln), 12, |p: f64| with(vec![course(count, |u| u.powf(p.exp()))]));
     let free = free.map(f64::exp);
     if drift[..] == [Cause::RateRamp] {
@@ -215,8 +215,8 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
         let better_by = 2.0 * (best - before.log_likelihood()) - penalty;
         return Some(Departure { ruling, of: Of::Time, exponent: Some(free), better_by, takes_courses: true });
     }
-    let power = merit(best, 2.0);
-    let smooth = smooth(count).map(|(curves, numbers)| merit(with(curves), numbers)).fold(f64::NEG_INFINITY, f64::max);
+    let power = score(best, 2.0);
+    let smooth = smooth(count).map(|(curves, numbers)| score(with(curves), numbers)).fold(f64::NEG_INFINITY, f64::max);
     let exponent = (power >= smooth).then_some(free);
     let better_by = power.max(smooth) - held;
     let ruling = match drift[..] {

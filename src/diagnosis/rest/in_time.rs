@@ -27,7 +27,7 @@ impl Told {
     }
 
     /// Minus Schwarz's information criterion: larger is better.
-    pub(super) fn merit(&self) -> f64 {
+    pub(super) fn minus_bic(&self) -> f64 {
         2.0 * self.log_likelihood - PENALTY * self.numbers
     }
 }
@@ -36,15 +36,15 @@ impl Told {
 /// that course: both may act.
 pub(super) fn beats_time(coarse: &Coarse, by_column: &Told) -> bool {
     let Some(in_time) = best(coarse) else { return true };
-    if by_column.merit() >= in_time.merit() {
+    if by_column.minus_bic() >= in_time.minus_bic() {
         return true;
     }
     let curves = by_column.curves.iter().chain(&in_time.curves).cloned().collect();
     let both = Told::of(coarse, curves, by_column.numbers + in_time.numbers);
-    both.merit() >= in_time.merit() + PENALTY
+    both.minus_bic() >= in_time.minus_bic() + PENALTY
 }
 
-/// The smooth course in time of most merit: a power of time, a settling, a kinked line, a
+/// The smooth course in time of the largest criterion: a power of time, a settling, a kinked line, a
 /// polynomial of time or of its logarithm.
 fn best(coarse: &Coarse) -> Option<Told> {
     let count = coarse.count();
@@ -54,7 +54,7 @@ fn best(coarse: &Coarse) -> Option<Told> {
     let (part, _) = peak(SETTLING.map(f64::ln), 12, |part| coarse.with(settling(part)));
     let all = [(vec![course(count, |u| u)], 1.0), (power(p), 2.0), (settling(part), 2.0)];
     let told = all.into_iter().chain(smooth(count)).map(|(curves, numbers)| Told::of(coarse, curves, numbers));
-    told.max_by(|a, b| a.merit().total_cmp(&b.merit()))
+    told.max_by(|a, b| a.minus_bic().total_cmp(&b.minus_bic()))
 }
 
 #[cfg(test)]

@@ -26,7 +26,7 @@ fn is_slow_law(term: &Term) -> bool {
 }
 
 /// Akaike's criterion, turned so that more is better; what all models here share is left out.
-pub(super) fn merit(fitted: &Fitted) -> f64 {
+pub(super) fn minus_aic(fitted: &Fitted) -> f64 {
     let numbers: f64 = fitted.terms.iter().map(|t| row(t.cause).numbers).sum();
     2.0 * (fitted.log_likelihood() - numbers)
 }
@@ -88,16 +88,16 @@ pub(super) fn settle(
             all.push(fit_beside(&bare, &[law])?);
         }
     }
-    all.retain(|f| !is_filter(f) && merit(f) > merit(&selected) - CLOSE && needs_all(channel, f, correction));
+    all.retain(|f| !is_filter(f) && minus_aic(f) > minus_aic(&selected) - CLOSE && needs_all(channel, f, correction));
     all.push(selected);
-    let most = all.iter().map(merit).fold(f64::NEG_INFINITY, f64::max);
+    let most = all.iter().map(minus_aic).fold(f64::NEG_INFINITY, f64::max);
     // Of those as good as the best the simplest; all of its size are indistinguishable from it.
-    all.retain(|f| merit(f) > most - CLOSE);
+    all.retain(|f| minus_aic(f) > most - CLOSE);
     let with_courses = all.iter().filter(|f| f.terms.iter().any(|t| is_course(t.cause)));
-    let best_with_courses = with_courses.map(merit).fold(f64::NEG_INFINITY, f64::max);
+    let best_with_courses = with_courses.map(minus_aic).fold(f64::NEG_INFINITY, f64::max);
     let fewest = all.iter().map(|f| f.terms.len()).min().unwrap_or(0);
     all.retain(|f| f.terms.len() == fewest);
-    let Some(best) = (0..all.len()).max_by(|a, b| merit(&all[*a]).total_cmp(&merit(&all[*b]))) else {
+    let Some(best) = (0..all.len()).max_by(|a, b| minus_aic(&all[*a]).total_cmp(&minus_aic(&all[*b]))) else {
         return Ok((channel.fit(rest), Vec::new()));
     };
     let best = all.swap_remove(best);
@@ -110,7 +110,7 @@ pub(super) fn settle(
             let mut found: Vec<Cause> = of.copied().filter(|r| !causes.contains(r) && !contains(*r, *cause)).collect();
             found.dedup();
             // A course given up for a law that does no better is a rival of that law.
-            if !best.terms.iter().any(|t| is_course(t.cause)) && merit(&best) < best_with_courses {
+            if !best.terms.iter().any(|t| is_course(t.cause)) && minus_aic(&best) < best_with_courses {
                 found.extend(courses.iter().map(|t| t.cause));
             }
             (*cause, found)

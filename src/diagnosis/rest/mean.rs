@@ -11,7 +11,7 @@ use super::cause::Cause;
 use super::channel::{Addition, Channel, Fitted, Term};
 use super::course::is_course;
 use super::describe;
-use super::laws::{SLOW, merit};
+use super::laws::{SLOW, minus_aic};
 use super::spectrum::Law;
 use super::standing::CLOSE;
 use super::statement::Statement;
@@ -106,8 +106,8 @@ fn tied(channel: &Channel, fitted: &Fitted) -> Vec<Fitted> {
     };
     let [flicker, walk] = [(Cause::FlickerNoise, Law::Flicker), (Cause::RandomWalk, Law::Walk)];
     let all = [vec![flicker], vec![walk], vec![flicker, walk]].map(|laws| with(&laws));
-    let least = merit(fitted) - CLOSE;
-    all.into_iter().filter(|f| merit(f) > least).collect()
+    let least = minus_aic(fitted) - CLOSE;
+    all.into_iter().filter(|f| minus_aic(f) > least).collect()
 }
 
 /// Half the 95 % interval at this variance.

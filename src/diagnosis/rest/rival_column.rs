@@ -55,12 +55,12 @@ fn tied(channel: &Channel, chosen: &Fitted, columns: &[Column<'_>], control: &Co
     for (index, term) in chosen.terms.iter().enumerate().filter(|(_, t)| may_be_a_column(t.cause)) {
         let Some(own) = block_means::term(term, decimated::together(channel.values.len())) else { continue };
         let beside = Beside::of(channel, chosen, index);
-        let least = beside.merit(own, row(term.cause).numbers) - CLOSE;
+        let least = beside.minus_aic(own, row(term.cause).numbers) - CLOSE;
         // A column that is followed already is no rival of what is named next to it.
         let other = |column: &&Column<'_>| !chosen.terms.iter().any(|t| t.follows(column.name()));
         for column in columns.iter().filter(other) {
             control.go_on()?;
-            if beside.merit_of(column) > least {
+            if beside.minus_aic_of(column) > least {
                 found.push(index);
                 break;
             }
@@ -86,16 +86,19 @@ impl Beside {
 
     /// Minus Akaike's information criterion of the model with this term added, which has `numbers`
     /// parameters: larger is better.
-    fn merit(&self, term: Term, numbers: f64) -> f64 {
+    fn minus_aic(&self, term: Term, numbers: f64) -> f64 {
         let terms = self.others.iter().cloned().chain([term]).collect();
         2.0 * (self.channel.fit(terms).log_likelihood() - numbers)
     }
 
     /// The best of a column along a straight line: at once, with a lag, with play.
-    fn merit_of(&self, column: &Column<'_>) -> f64 {
+    fn minus_aic_of(&self, column: &Column<'_>) -> f64 {
         let straight = |delayed: &[f64], numbers: f64| {
             let addition = Addition::Curves(column.powers(delayed, STRAIGHT));
-            self.merit(Term { cause: Cause::TemperatureSensitivity, addition, searched: 0.0, column: None }, numbers)
+            self.minus_aic(
+                Term { cause: Cause::TemperatureSensitivity, addition, searched: 0.0, column: None },
+                numbers,
+            )
         };
         let late = |l: f64| straight(&lagged(&column.means, l.exp()), 2.0);
         let loose = |p: f64| straight(&played(&column.means, p.exp()), 2.0);

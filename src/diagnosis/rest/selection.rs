@@ -166,9 +166,9 @@ fn beside(
         let mut close: Vec<Standing> = standings
             .into_iter()
             .filter(|t| t.cause != best.cause && row(t.cause).entry.is_some() && !contains(t.cause, best.cause))
-            .filter(|t| best.merit() - t.merit() < CLOSE)
+            .filter(|t| best.minus_aic() - t.minus_aic() < CLOSE)
             .collect();
-        order::sort_by_key(&mut close, |t| -t.merit());
+        order::sort_by_key(&mut close, |t| -t.minus_aic());
         rivals.push((best.cause, close.iter().map(|t| t.cause).collect()));
         current = prune(channel, fitted, correction);
     }

@@ -59,7 +59,7 @@ pub(super) fn find(
         for of in POWERS {
             let numbers = of.len() as f64 + if delay == Delay::None { 0.0 } else { 1.0 };
             let told = Told::of(coarse, column.powers(&delayed, of), numbers);
-            if best.as_ref().is_none_or(|b| told.merit() > b.0.merit()) {
+            if best.as_ref().is_none_or(|b| told.minus_bic() > b.0.minus_bic()) {
                 best = Some((told, delay, of));
             }
         }

@@ -9,7 +9,7 @@ use super::channel::{Channel, Fitted, Term};
 pub(super) const ALPHA: f64 = 0.004;
 /// Candidates tried per channel.
 const TRIED: f64 = 9.0;
-/// Candidates whose merits differ by less are indistinguishable: so much chance does to a
+/// Candidates whose criteria differ by less are indistinguishable: so much chance does to a
 /// difference of likelihoods.
 pub(super) const CLOSE: f64 = 4.0;
 /// Corrected probability above which a term is superfluous next to the others.
@@ -58,7 +58,7 @@ impl HeldOut {
 
 impl Standing {
     /// Akaike's criterion, turned so that more is better.
-    pub(super) fn merit(&self) -> f64 {
+    pub(super) fn minus_aic(&self) -> f64 {
         self.gain - 2.0 * row(self.cause).numbers
     }
 

@@ -60,7 +60,7 @@ fn best(to: &Offer<'_>) -> Option<Filter> {
         laws.push(Law::Walk);
     }
     let promised = &to.channel.promised;
-    let merit = |filter: &Filter| {
+    let score = |filter: &Filter| {
         let with: Vec<Law> = laws.iter().copied().chain([Law::Filtered(*filter)]).collect();
         let fit = spectrum::fit(&to.current.bins, &with, promised, Part::All);
         // One pole next to white noise is a memory of the bias, which has a name of its own.
@@ -78,7 +78,7 @@ fn best(to: &Offer<'_>) -> Option<Filter> {
         .chain(averages.into_iter().flatten())
         .chain(poles.into_iter().flatten())
         .chain(pairs.into_iter().flatten());
-    let mut best = all.filter_map(|f| merit(&f)).max_by(better)?;
+    let mut best = all.filter_map(|f| score(&f)).max_by(better)?;
     let mut factor: f64 = 1.5;
     for _ in 0..REFINEMENTS {
         factor = factor.sqrt();
@@ -90,7 +90,7 @@ fn best(to: &Offer<'_>) -> Option<Filter> {
             }
             Filter::Smoothing(_) | Filter::MovingAverage { .. } => Vec::new(),
         };
-        let found = [factor, 1.0 / factor].into_iter().flat_map(near).filter_map(|f| merit(&f)).max_by(better);
+        let found = [factor, 1.0 / factor].into_iter().flat_map(near).filter_map(|f| score(&f)).max_by(better);
         if let Some(found) = found.filter(|f| better(f, &best).is_gt()) {
             best = found;
         }
