@@ -4,15 +4,14 @@
 use std::ops::Range;
 
 use crate::detection::Predictability;
-use crate::driven::base::OFFSET;
-use crate::driven::identification::fit::{Fit, Search};
+use crate::driven::identification::fit::{Fit, fit as fitted};
 use crate::driven::intake::data::Data;
-use crate::driven::selection::held_out::{LEAD, with_state_at};
+use crate::driven::selection::held_out::LEAD;
 use crate::driven::selection::judged::Judged;
 use crate::driven::selection::noise_character::disturbance_by_chance;
 use crate::driven::selection::residual_structure::{EVEN, Residual, of_noise, power_structure};
-use crate::driven::simulation::run::{Run, trace};
-use crate::driven::simulation::structure::coordinates;
+use crate::driven::simulation::filter::States;
+use crate::driven::simulation::run::trace;
 use crate::gate::Gate;
 use crate::physics::scales::Scales;
 use crate::remainder::{REAL, Remainder, Size, Test};
@@ -26,6 +25,9 @@ const FAINT: f64 = 0.05;
 /// Questions that are asked of the residual: structure in the innovations, structure in their
 /// power, a disturbance.
 pub(super) const QUESTIONS: f64 = 3.0;
+
+/// Iterations of the fit to all samples.
+const ITERATIONS: usize = 20;
 
 /// Tests how much of a residual its past, the input and the state foretell.
 pub(crate) fn remembers(left: &Predictability) -> Test {
@@ -54,44 +56,43 @@ pub(super) fn of_what_was_fitted(data: &Data, model: &Judged, after: &Residual) 
     Remainder::of([structure].into_iter().chain(disturbance).chain(power))
 }
 
-/// Tests the residual of each range outside, with the offset and the beginning that fit there; noise
-/// where there is none, and where the response is chaotic, as no simulation of it lasts.
+/// Tests what the model leaves of each range outside when it is fitted to those as well: what one
+/// recording leaves open another may settle, and what both cannot share is left. Noise where there is
+/// no such range, and where the response is chaotic, as no simulation of it lasts.
 pub(super) fn of_what_was_not(data: &Data, fit: &Fit, scales: &Scales) -> Remainder {
-    if !data.own_test || data.windows.is_some() {
+    let outside: Vec<&Range<usize>> = data.test.iter().filter(|r| is_outside(data, r)).collect();
+    if !data.own_test || data.windows.is_some() || outside.is_empty() {
         return Remainder::of([]);
     }
-    let ranges: Vec<&Range<usize>> = data.test.iter().filter(|r| is_outside(data, r)).collect();
-    let several = ranges.len() as f64;
-    let test = |range: &&Range<usize>| {
-        let left = remembers(&of_noise_there(data, fit, scales, range));
-        Test { p_value: several * left.p_value, ..left }
+    let together = with_all(data, &outside);
+    let Some(joint) = fitted(&together, &fit.structure, &fit.point, scales, ITERATIONS) else {
+        return Remainder::of([Test { p_value: 0.0, size: Size::Material }]);
     };
-    Remainder::of(ranges.iter().map(test))
+    let run = joint.run(&together, true);
+    let (innovations, states) = trace(&together, &joint.structure, &joint.point, &run);
+    let several = outside.len() as f64;
+    let test = |range: &&Range<usize>| {
+        let lead = LEAD.min(range.len() / 4);
+        let here = range.start + lead..range.end;
+        let rows = here.start - together.hull.start..here.end - together.hull.start;
+        let at = States { x: states.x[rows.clone()].to_vec(), v: states.v[rows.clone()].to_vec() };
+        let there = Data { hull: here.clone(), breaks: Vec::new(), train: vec![here], ..data.clone() };
+        let left = of_noise(&there, &joint, (innovations[rows].to_vec(), at)).structure;
+        // What is faint does not say that both recordings differ.
+        Test { p_value: several * QUESTIONS * left.p_value, size: Size::of(left.r_squared, FAINT, FAINT) }
+    };
+    Remainder::of(outside.iter().map(test))
 }
 
-/// Returns the structure that the innovations of a range outside give away.
-fn of_noise_there(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usize>) -> Predictability {
-    let mut free = fit.structure.beginnings();
-    free.push(OFFSET);
-    let run = Run { range: range.clone(), steps: fit.steps, corrected: false };
-    let search = Search {
-        data,
-        structure: &fit.structure,
-        point: with_state_at(data, fit, scales, range),
-        free,
-        coordinates: coordinates(&fit.structure, scales),
-        run: run.clone(),
-        rows: vec![range.clone()],
-    };
-    let point = search.minimise(10).map_or_else(|| search.point.clone(), |m| search.point(&m.z));
-    let (mut innovations, mut states) = trace(data, &fit.structure, &point, &Run { corrected: true, ..run });
-    let lead = LEAD.min(range.len() / 4);
-    innovations.drain(..lead);
-    states.x.drain(..lead);
-    states.v.drain(..lead);
-    let here = range.start + lead..range.end;
-    let there = Data { hull: here.clone(), breaks: Vec::new(), train: vec![here], ..data.clone() };
-    of_noise(&there, fit, (innovations, states)).structure
+/// All samples to be fitted, those of each range outside with an offset and a beginning of their own.
+fn with_all(data: &Data, outside: &[&Range<usize>]) -> Data {
+    let mut train: Vec<Range<usize>> = data.train.iter().cloned().chain(outside.iter().map(|r| (*r).clone())).collect();
+    train.sort_by_key(|r| r.start);
+    let mut starts: Vec<usize> =
+        data.recordings().iter().map(|r| r.start).chain(outside.iter().map(|r| r.start)).collect();
+    starts.sort_unstable();
+    let hull = starts[0]..train.iter().map(|r| r.end).max().unwrap_or(data.hull.end).max(data.hull.end);
+    Data { hull, breaks: starts.split_off(1), train, ..data.clone() }
 }
 
 fn is_outside(data: &Data, range: &Range<usize>) -> bool {
