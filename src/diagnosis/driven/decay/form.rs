@@ -17,7 +17,7 @@ const PLACES: usize = 41;
 /// Visits that the departure is weighed by.
 const VISITS: usize = 400;
 
-/// The free form that `freed` has in the place of a law of the final model; `None` where it is not one
+/// The free form that `freed` has instead of a law of the final model; `None` where it is not one
 /// of displacement or velocity.
 pub(super) fn form(decay: &Decay, freed: &Fitted, gain: Gain) -> Option<Form> {
     let law = freed.set.iter().position(|l| !decay.found.model.set.contains(l))?;

@@ -20,7 +20,7 @@ pub enum Stage {
     Search,
     /// The search again, with the input going otherwise between its samples.
     SearchAgain,
-    /// Candidates in the place of others.
+    /// Candidates instead of others.
     Rivals,
     /// Linear laws that the search defers.
     KeptBack,

@@ -1,6 +1,6 @@
 //! Deferred linear laws: a low-pass with a second pole, and a second mass on the first. The search
 //! defers them, because they nest simpler laws, and listing both would turn a clear verdict into a
-//! tie. Where nothing simpler suffices, they are tried in the place of all linear
+//! tie. Where nothing simpler suffices, they are tried instead of all linear
 //! terms together: what one of them absorbs is no delay, no lag and no second effect.
 
 use crate::control::{Control, Stopped};
@@ -78,7 +78,7 @@ pub(super) fn try_deferred_linear(
             };
             let mode = alone(MODE)?;
             let masses = mode.as_ref().and_then(|mode| search.two_masses(mode, &here));
-            // One mode in the place of one linear term, or of none, the search has had.
+            // One mode instead of one linear term, or of none, the search has had.
             let mode = mode.filter(|_| linear > 1);
             let found = [alone(TWO_POLES)?, mode, masses].into_iter().flatten();
             all.extend(found.filter(is_earned));
@@ -90,7 +90,7 @@ pub(super) fn try_deferred_linear(
         }
     }
     all.retain(|f| !f.fit.at_bound(&refined(data, &f.fit, scales)));
-    order::sort_by_key(&mut all, |j| -worth(j));
+    order::sort_by_key(&mut all, |j| -score_without_initial_states(j));
     selection.rivals_left_out |= left_out;
     for found in all {
         weigh(data, selection, found);
@@ -125,17 +125,17 @@ impl KeptBack<'_> {
     /// A fit that had not come to rest, taken further as long as what it gained last would bring it
     /// to the chosen model.
     fn rested(&self, mut found: Judged, scales: &Scales) -> Judged {
-        let goal = worth(self.chosen) - TIE;
+        let goal = score_without_initial_states(self.chosen) - TIE;
         let mut gained = f64::INFINITY;
         for heat in 1..=HEATS {
-            let reach = worth(&found) + gained * (HEATS - heat + 1) as f64;
+            let reach = score_without_initial_states(&found) + gained * (HEATS - heat + 1) as f64;
             if found.fit.converged || reach < goal || self.data.work.is_spent(self.budget) {
                 break;
             }
             let fit = &found.fit;
             let Some(further) = fitted(self.data, &fit.structure, &fit.point, scales, HEAT) else { break };
             let further = judge(self.data, further, scales);
-            gained = worth(&further) - worth(&found);
+            gained = score_without_initial_states(&further) - score_without_initial_states(&found);
             found = further;
         }
         found
@@ -224,7 +224,7 @@ fn masses(modes: &Fit, index: usize) -> Option<([f64; 3], [f64; 5])> {
 /// Returns the log-likelihood less the penalty of the parameters, without that of initial values: a
 /// second state's fades, so that more samples show no more of it, and Schwarz's penalty is of what
 /// they do.
-pub(super) fn worth(model: &Judged) -> f64 {
+pub(super) fn score_without_initial_states(model: &Judged) -> f64 {
     let fit = &model.fit;
     let beginnings = fit.structure.all_beginnings();
     let parameters = fit.free.iter().filter(|i| !beginnings.contains(i)).count();
@@ -237,7 +237,7 @@ fn weigh(data: &Data, selection: &mut Selection, found: Judged) {
     let chosen = &selection.chosen;
     let terms = &chosen.fit.structure.terms;
     let Some(kept) = found.fit.structure.terms.iter().copied().find(is_linear) else { return };
-    let lead = worth(&found) - worth(chosen);
+    let lead = score_without_initial_states(&found) - score_without_initial_states(chosen);
     let is_lean = found.fit.structure.terms.len() < terms.len();
     let is_same = !terms.is_empty() && terms.iter().all(|t| found.has(t.id()));
     let replaces = lead
@@ -270,7 +270,7 @@ fn weigh(data: &Data, selection: &mut Selection, found: Judged) {
     let mut tied: Vec<Rival> = Vec::new();
     for rival in before.chain(alone) {
         let is_new = !found.has(rival.id) && tied.iter().all(|r| r.id != rival.id);
-        if is_new && worth(&found) - worth(&rival.judged) < TIE {
+        if is_new && score_without_initial_states(&found) - score_without_initial_states(&rival.judged) < TIE {
             tied.push(rival);
         }
     }

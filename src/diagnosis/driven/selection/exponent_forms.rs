@@ -37,7 +37,7 @@ const SAME: f64 = 2.0;
 /// Exponents of a memory from which fits begin, next to the stated one.
 const MEMORIES: [f64; 4] = [0.7, 1.0, 1.6, 2.6];
 
-/// Puts a law with its own exponent in the place of one that departs from its form, where the data
+/// Puts a law with its own exponent instead of one that departs from its form, where the data
 /// distinguish that form from others.
 pub(super) fn decide_exponents(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let search = Search { data, scales, tried: selection.tried, budget };
@@ -52,7 +52,7 @@ pub(super) fn decide_exponents(data: &Data, selection: &mut Selection, scales: &
     }
 }
 
-/// Puts a model in the place of the chosen one: what stood next to each of its terms and is not
+/// Puts a model instead of the chosen one: what stood next to each of its terms and is not
 /// clearly behind it stays its rival.
 fn take(selection: &mut Selection, found: Judged) {
     let before = &selection.chosen.fit.structure.terms;
@@ -76,7 +76,7 @@ struct Search<'a> {
     budget: Budget,
 }
 
-/// Law of one power that may stand in the place of a free form, its strength and exponent where it
+/// Law of one power that may stand instead of a free form, its strength and exponent where it
 /// comes nearest, and the exponents that other names have.
 struct Power {
     term: fn(Exponent) -> Term,
@@ -196,7 +196,7 @@ impl Search<'_> {
         found <= UNDONE || found <= left(than)
     }
 
-    /// Fits a law of one power in the place of the law that departs, where the data show that it is
+    /// Fits a law of one power instead of the law that departs, where the data show that it is
     /// one.
     fn power(&self, stated: &Judged, departing: &Departing) -> Option<Judged> {
         let (free, index) = (&departing.judged, departing.index);
@@ -278,7 +278,7 @@ impl Search<'_> {
         self.fitted(&found.fit, index, Term::QuadraticDamping(Default::default()), &[strength / size])
     }
 
-    /// Hysteresis with an exponent in the place of one with n = 1 that was chosen; or of all that was
+    /// Hysteresis with an exponent instead of one with n = 1 that was chosen; or of all that was
     /// chosen, where that leaves something, departs or is several laws.
     fn memory(&self, selection: &Selection) -> Option<Judged> {
         let chosen = &selection.chosen;

@@ -37,7 +37,7 @@ const LEAST_PROMISE: f64 = 8.0;
 /// Laws next to the chosen ones that are tried alone with a free form, of those that were fitted
 /// alone.
 const OTHERS: usize = 4;
-/// Share of the residual's variance from which on one law with a free form is tried in the place of
+/// Share of the residual's variance from which on one law with a free form is tried instead of
 /// all.
 pub(super) const UNDONE: f64 = 0.02;
 /// Terms beyond which a model is that of a series.
@@ -99,7 +99,7 @@ fn sizes(data: &Data, model: &Fit, law: Freed, stated: &[f64]) -> Option<(f64, f
     (size > 0.0 && size.is_finite()).then_some((typical, size))
 }
 
-/// A model with another term in the place of one of its own.
+/// A model with another term instead of one of its own.
 pub(super) fn with_instead(model: &Fit, index: usize, term: Term, values: &[f64]) -> (ModelStructure, Vec<f64>) {
     let mut terms = model.structure.terms.clone();
     terms[index] = term;

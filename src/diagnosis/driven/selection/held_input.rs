@@ -14,7 +14,7 @@ use crate::physics::scales::Scales;
 use crate::trace::Step;
 
 use super::candidates_round::round;
-use super::deferred_linear::worth;
+use super::deferred_linear::score_without_initial_states;
 use super::earned::earned;
 use super::free_forms::LEAST_LEAD;
 use super::identifiability::is_linear;
@@ -45,12 +45,12 @@ pub(crate) fn is_better(data: &Data, smooth: &Selection, other: &Selection) -> b
     let [here, there] = [smooth, other].map(|s| s.departing.as_ref().map_or(&s.chosen, |d| &d.judged));
     let [fewer, more] = [here, there].map(|j| j.fit.structure.terms.len());
     let least = if fewer < more { -LEAST_LEAD } else { LEAST_LEAD };
-    let lead = worth(here) - worth(there);
+    let lead = score_without_initial_states(here) - score_without_initial_states(there);
     lead > least && data.trace.acts(Step::of(Gate::SmoothInput, there.words(), here.words()).measured(lead, least))
 }
 
 /// Selects the readout behind a smooth input, late or smoothed, where that does as well as a held
-/// input that comes late: one law in the place of two. Where it does not lead, the two are
+/// input that comes late: one law instead of two. Where it does not lead, the two are
 /// indistinguishable. `base` is the base model on the smooth input.
 ///
 /// # Errors
@@ -68,17 +68,22 @@ pub(crate) fn on_a_smooth_one(
     let readouts = round(smooth, &base, &readouts, &here, readouts.len(), control)?;
     let found = readouts.iter().filter_map(|t| Some(Rival { judged: t.judged.clone()?, id: t.term.id() }));
     let found: Vec<Rival> = found.filter(|r| !r.judged.fit.at_bound(&here)).collect();
-    let best = found.iter().max_by(|a, b| worth(&a.judged).total_cmp(&worth(&b.judged))).cloned();
+    let best = found
+        .iter()
+        .max_by(|a, b| score_without_initial_states(&a.judged).total_cmp(&score_without_initial_states(&b.judged)))
+        .cloned();
     let is_earned = |best: &Rival| earned(smooth, &base, &best.judged, scales, held.tried).is_some();
-    let best = best.filter(|best| worth(&best.judged) > worth(&held.chosen) - TIE && is_earned(best));
-    let lead = |best: &Rival| worth(&best.judged) - worth(&held.chosen);
+    let best = best.filter(|best| {
+        score_without_initial_states(&best.judged) > score_without_initial_states(&held.chosen) - TIE && is_earned(best)
+    });
+    let lead = |best: &Rival| score_without_initial_states(&best.judged) - score_without_initial_states(&held.chosen);
     let step = |best: &Rival| Step::of(Gate::HalfSample, held.chosen.words(), best.id).measured(lead(best), -TIE);
     let Some(best) = best.filter(|best| smooth.trace.acts(step(best))) else { return Ok(None) };
     let lag = Rival { judged: held.chosen.clone(), id: held.chosen.fit.structure.terms[0].id() };
     let mut tied: Vec<Rival> = Vec::new();
     for rival in found.into_iter().chain([lag]) {
         let is_new = rival.id != best.id && tied.iter().all(|r| r.id != rival.id);
-        if is_new && worth(&best.judged) - worth(&rival.judged) < TIE {
+        if is_new && score_without_initial_states(&best.judged) - score_without_initial_states(&rival.judged) < TIE {
             tied.push(rival);
         }
     }

@@ -85,7 +85,7 @@ pub struct Selection {
     pub tried: usize,
     /// For each term of the chosen model, the candidates that would do as well in its place.
     pub rivals: Vec<Vec<Rival>>,
-    /// All other candidates that were fitted in the place of the term, where one was chosen.
+    /// All other candidates that were fitted instead of the term, where one was chosen.
     pub stand_ins: Vec<Rival>,
     /// The model with the form of one law free, where that law departs from its stated form.
     pub departing: Option<Departing>,

@@ -1,4 +1,4 @@
-//! Looks for other candidates that would do as well in the place of a term that was chosen: a
+//! Looks for other candidates that would do as well instead of a term that was chosen: a
 //! better one takes it, an equal one is remembered, so that no name is given where the recording
 //! cannot distinguish two.
 
@@ -42,7 +42,7 @@ pub(super) struct Look<'a> {
 }
 
 impl Look<'_> {
-    /// Tries every other candidate in the place of each chosen term.
+    /// Tries every other candidate instead of each chosen term.
     ///
     /// # Errors
     /// Stopped.
@@ -98,7 +98,7 @@ impl Look<'_> {
         selection.chosen.fit.structure.terms.iter().enumerate().map(of_term).collect()
     }
 
-    /// Candidates in the place of one chosen term: all that it can be mistaken for, and where it is
+    /// Candidates instead of one chosen term: all that it can be mistaken for, and where it is
     /// the only one, all that were fitted. Under one line or two a law of any kind is seen at one
     /// amplitude and phase, and by harmonics if these are above the noise: there any can be mistaken
     /// for any other.

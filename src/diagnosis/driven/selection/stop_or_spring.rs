@@ -101,7 +101,7 @@ fn stop(term: &Term) -> Option<FreeForm> {
     }
 }
 
-/// A model with a spring of one power in the place of a stop, fitted from where it comes nearest to
+/// A model with a spring of one power instead of a stop, fitted from where it comes nearest to
 /// the stop's force on the mass.
 fn in_place(data: &Data, model: &Fit, index: usize, scales: &Scales) -> Option<Fit> {
     let form = stop(&model.structure.terms[index])?;
@@ -130,7 +130,7 @@ fn thinned(visits: Vec<f64>) -> Vec<f64> {
     visits.into_iter().step_by(every).collect()
 }
 
-/// The same terms with the cube in the place of the power, fitted.
+/// The same terms with the cube instead of the power, fitted.
 fn as_cube(data: &Data, power: &Departing, scales: &Scales) -> Option<Judged> {
     let (model, index) = (&power.judged.fit, power.index);
     let Term::FreeForm(form) = model.structure.terms[index] else { return None };

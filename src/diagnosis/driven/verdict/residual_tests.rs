@@ -72,8 +72,7 @@ pub(super) fn of_what_was_not(data: &Data, fit: &Fit, scales: &Scales) -> Remain
     let (innovations, states) = trace(&together, &joint.structure, &joint.point, &run);
     let several = outside.len() as f64;
     let test = |range: &&Range<usize>| {
-        let lead = LEAD.min(range.len() / 4);
-        let here = range.start + lead..range.end;
+        let here = range.start + LEAD.min(range.len() / 4)..range.end;
         let rows = here.start - together.hull.start..here.end - together.hull.start;
         let at = States { x: states.x[rows.clone()].to_vec(), v: states.v[rows.clone()].to_vec() };
         let there = Data { hull: here.clone(), breaks: Vec::new(), train: vec![here], ..data.clone() };
