@@ -102,6 +102,8 @@ fn recognised() -> Result<(), Failed> {
             }
         }
     }
+    // Hundredths in decimal are no sums of a power of two: the rate is still the number that they mean.
+    Log::new("t", 60_000, |n| format!("{:.2}", n as f64 / 100.0)).has("hundredths", 100.0, 0.0, 60_000)?;
     // Stamps rounded to whole ms, faster and slower than one per ms; every row is a sample. The
     // edge of a rounded stamp is worth one part in a span of five seconds.
     for rate in [1024.0, 1600.0, 990.0, 600.0, 333.0] {

@@ -221,6 +221,9 @@ fn said() -> Result<(), Failed> {
     }
     let drawn = "[accelerometer]\nnoise_density_ug_rthz = { mean = 60.0, sd = 6.0 }\n";
     check(exported("kalibr", drawn)?.contains("sd 10 %"), "a drawn level is not said")?;
+    let biased = "[accelerometer]\nnoise_density_ug_rthz = 60.0\nbias_mg = { mean = 0.0, sd = 5.0 }\n";
+    let text = exported("kalibr", biased)?;
+    check(text.contains("bias_mg = 0 (sd 5.00) mg"), format!("the spread of a bias is not said\n{text}"))?;
     check(Imu::parse("empty.toml", "[sensor]\nsample_rate_hz = 10.0\n").is_err(), "a sensor without noise was exported")
 }
 
