@@ -22,6 +22,7 @@ pub type Staged<T, const N: usize> = [[T; N]; MOST_STAGED];
 
 /// The base model of N masses: x″ + 2ζω₀x′ + ω₀²x = gain · input.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C, align(64))]
 pub struct Base<T, const N: usize> {
     /// Force per unit mass for one unit of input.
     pub gain: [T; N],
@@ -56,15 +57,17 @@ pub struct Instant<'a, T> {
     pub environment: &'a [f64],
 }
 
-/// N masses at one instant; fields as in [`Instant`].
+/// N masses at one instant; fields as in [`Instant`]. Rows begin on lines of the cache, as vectors are
+/// stored and read again at every stage of a step.
 #[derive(Debug, Clone, Copy)]
 #[allow(missing_docs, reason = "the fields are those of `Instant`")]
+#[repr(C, align(64))]
 pub struct Instants<'a, T, const N: usize> {
-    pub time: T,
-    pub step: T,
     pub input: [T; N],
     pub x: [T; N],
     pub v: [T; N],
+    pub time: T,
+    pub step: T,
     pub base: &'a Base<T, N>,
     pub environment: &'a [f64],
 }
@@ -91,9 +94,8 @@ pub type Constants = [Lanes; 6];
 
 /// One step of the masses: states before and after, and the input.
 #[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
 pub struct Stride {
-    /// Length of the step, s.
-    pub step_s: f64,
     /// Displacement at the beginning of the step.
     pub x0: Lanes,
     /// Velocity at the beginning of the step.
@@ -104,4 +106,6 @@ pub struct Stride {
     pub v1: Lanes,
     /// Input at its beginning, middle and end.
     pub input: [Lanes; 3],
+    /// Length of the step, s.
+    pub step_s: f64,
 }

@@ -16,7 +16,7 @@ use crate::physics::law::Role;
 use crate::physics::state::{Instants, LANES, Lanes};
 
 use super::propagator::Shift;
-use super::step::{MOST_STATES, Mover, Parts, Plan, StepState, movers, together};
+use super::step::{Force, MOST_STATES, Mover, Parts, Plan, StepState, movers, together};
 
 /// Specification of one pass of a simulation.
 #[derive(Debug)]
@@ -96,25 +96,25 @@ impl Pass<'_> {
                 return unsafe { self.middle(keep) };
             }
         }
-        self.plain(keep)
+        self.by(Force::plain(), keep)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx512f")]
-    unsafe fn wide<K: Keep>(&self, keep: &mut K) -> Vec<Lanes> {
-        self.plain(keep)
+    fn wide<K: Keep>(&self, keep: &mut K) -> Vec<Lanes> {
+        self.by(Force::wide(), keep)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma")]
-    unsafe fn middle<K: Keep>(&self, keep: &mut K) -> Vec<Lanes> {
-        self.plain(keep)
+    fn middle<K: Keep>(&self, keep: &mut K) -> Vec<Lanes> {
+        self.by(Force::middle(), keep)
     }
 
     #[inline(always)]
-    fn plain<K: Keep>(&self, keep: &mut K) -> Vec<Lanes> {
+    fn by<K: Keep>(&self, force: Force, keep: &mut K) -> Vec<Lanes> {
         let Parts { steps, interval_s, .. } = self.parts;
-        let plan = Plan::of(&self.parts);
+        let plan = Plan::of(&self.parts, force);
         let [begin, later @ ..] = self.beginnings.as_slice() else { return Vec::new() };
         let (mut later, mut offset, mut motion) = (later.iter(), begin.offset, self.beginning(&plan, begin));
         let mut next = later.next();
@@ -184,7 +184,7 @@ impl Pass<'_> {
             let (x, v) = together(&plan.modes, &own, [&x, &v]);
             m.term.begin(&x, &v, &values(m), &mut own[m.state..]);
         }
-        StepState { x, v, bias: [0.0; LANES], own }
+        StepState::new([x, v], own)
     }
 
     /// The reading expected before it is seen.

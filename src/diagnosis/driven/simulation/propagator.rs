@@ -9,6 +9,7 @@ use crate::physics::free_oscillator::transition;
 use crate::physics::state::{LANES, Lanes};
 
 /// exp(At) in every lane.
+#[repr(C, align(64))]
 pub(super) struct Transition {
     pub xx: Lanes,
     pub xv: Lanes,
@@ -24,6 +25,12 @@ impl Transition {
             [m.xx[l], m.xv[l], m.vx[l], m.vv[l]] = transition(oscillator[0][l], oscillator[1][l], t);
         }
         m
+    }
+
+    /// The same, times a length of time.
+    pub(super) fn times(&self, length_s: f64) -> Self {
+        let times = |row: &Lanes| row.map(|part| length_s * part);
+        Self { xx: times(&self.xx), xv: times(&self.xv), vx: times(&self.vx), vv: times(&self.vv) }
     }
 
     /// Displacement and velocity afterwards.

@@ -23,7 +23,20 @@ pub(super) const MOST_STATES: usize = 8;
 /// many as a law is given.
 const STAGED_ROWS: usize = 2 * MOST_STAGED;
 
-/// Everything that moves during a pass.
+/// One of the four stages of a step.
+#[derive(Clone, Copy)]
+struct Stage {
+    /// Time since the step began, s.
+    lead_s: f64,
+    /// Weight of its rates in the step, s.
+    weight_s: f64,
+    /// States whether it is the first.
+    begins: bool,
+}
+
+/// Everything that moves during a pass. Rows begin on lines of the cache: a vector that is stored across
+/// two of them is not at hand when it is read again.
+#[repr(C, align(64))]
 pub(super) struct StepState {
     pub x: Lanes,
     pub v: Lanes,
@@ -31,6 +44,22 @@ pub(super) struct StepState {
     pub bias: Lanes,
     /// States of the terms.
     pub own: [Lanes; MOST_STATES],
+    /// States of the terms that act on the mass at one stage of a step, and their rates there.
+    here: [Lanes; STAGED_ROWS],
+    rate: [Lanes; STAGED_ROWS],
+    /// By how much these states change over the step, so far.
+    sums: [Lanes; MOST_STAGED],
+    /// Way that dry friction pushes in this step.
+    side: Lanes,
+}
+
+impl StepState {
+    /// A mass at this displacement and velocity, with the states of its terms.
+    pub(super) fn new([x, v]: [Lanes; 2], own: [Lanes; MOST_STATES]) -> Self {
+        let none = [0.0; LANES];
+        let (here, rate) = ([none; STAGED_ROWS], [none; STAGED_ROWS]);
+        Self { x, v, bias: none, own, here, rate, sums: [none; MOST_STAGED], side: none }
+    }
 }
 
 /// Parts that move: the base model and its terms, at some parameters.
@@ -52,13 +81,63 @@ pub(crate) struct Parts<'a> {
     pub observed: Observed,
 }
 
+/// Adds the force of a term to the acceleration and writes the rates of its states. A call, and not
+/// inlined: in the loop over the terms of a stage the compiler would prepare what any law might need.
+#[derive(Clone, Copy)]
+pub(super) struct Force(unsafe fn(&Mover<'_>, &Instants<'_, f64, LANES>, &Rows, &mut Rows, &mut Lanes));
+
+type Rows = Staged<f64, LANES>;
+
+impl Force {
+    /// For a processor with AVX-512F.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f")]
+    pub(super) fn wide() -> Self {
+        #[target_feature(enable = "avx512f")]
+        fn add(m: &Mover<'_>, at: &Instants<'_, f64, LANES>, own: &Rows, rate: &mut Rows, sum: &mut Lanes) {
+            m.term.force::<f64, LANES, false>(at, &m.values, own, rate, sum);
+        }
+        Self(add)
+    }
+
+    /// For a processor with AVX2 and FMA.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma")]
+    pub(super) fn middle() -> Self {
+        #[target_feature(enable = "avx2,fma")]
+        fn add(m: &Mover<'_>, at: &Instants<'_, f64, LANES>, own: &Rows, rate: &mut Rows, sum: &mut Lanes) {
+            m.term.force::<f64, LANES, false>(at, &m.values, own, rate, sum);
+        }
+        Self(add)
+    }
+
+    /// For any processor.
+    pub(super) fn plain() -> Self {
+        fn add(m: &Mover<'_>, at: &Instants<'_, f64, LANES>, own: &Rows, rate: &mut Rows, sum: &mut Lanes) {
+            m.term.force::<f64, LANES, false>(at, &m.values, own, rate, sum);
+        }
+        Self(add)
+    }
+
+    #[inline(always)]
+    fn add(self, m: &Mover<'_>, at: &Instants<'_, f64, LANES>, own: &Rows, rate: &mut Rows, sum: &mut Lanes) {
+        // SAFETY: it can be had only where the processor has what the function needs.
+        unsafe { (self.0)(m, at, own, rate, sum) }
+    }
+}
+
 /// Plan of a pass, computed before its first step.
+#[repr(C, align(64))]
 pub(super) struct Plan<'a> {
-    parts: &'a Parts<'a>,
-    /// Length of a step.
-    pub step_s: f64,
     half: Transition,
     full: Transition,
+    /// Displacement and velocity at the second and the last stage, by the acceleration of the one before.
+    pushes: [Transition; 2],
+    parts: &'a Parts<'a>,
+    /// Adds the force of a term.
+    force: Force,
+    /// Length of a step.
+    pub step_s: f64,
     /// States whether nothing acts on the mass but the input.
     pub linear: bool,
     moving: Vec<Mover<'a>>,
@@ -81,7 +160,7 @@ pub(super) struct Plan<'a> {
 
 impl<'a> Plan<'a> {
     /// For steps of these parts.
-    pub(super) fn of(parts: &'a Parts<'a>) -> Self {
+    pub(super) fn of(parts: &'a Parts<'a>, force: Force) -> Self {
         let Parts { terms, first, parameters, .. } = *parts;
         let step_s = parts.interval_s / parts.steps as f64;
         let placed = |kept: fn(&Term) -> bool| -> Vec<Mover<'a>> {
@@ -104,10 +183,13 @@ impl<'a> Plan<'a> {
             found.map(|(_, f)| &parameters[*f])
         };
         let rubbing = terms.iter().zip(first).find(|(t, _)| t.role() == Role::Friction);
+        let half = Transition::new(&parts.oscillator, 0.5 * step_s);
         Self {
             parts,
+            force,
             step_s,
-            half: Transition::new(&parts.oscillator, 0.5 * step_s),
+            pushes: [half.times(0.5 * step_s), half.times(step_s)],
+            half,
             full: Transition::new(&parts.oscillator, step_s),
             linear: !terms.iter().any(|t| t.role().acts_on_mass()),
             staged: moving.iter().any(|m| m.term.states() > 0),
@@ -148,95 +230,87 @@ impl<'a> Plan<'a> {
     /// One step under forces that depend on the motion; `at` stands at its beginning.
     #[inline(always)]
     pub(super) fn pushed(&self, at: &mut Instants<'_, f64, LANES>, u: [Lanes; 3], motion: &mut StepState) -> Stride {
-        let Self { parts, half, full, .. } = self;
-        let (h, from, staged, friction) = (self.step_s, at.time, self.staged, self.friction.as_ref());
-        let (mut x, mut v, own) = (motion.x, motion.v, &mut motion.own);
-        let (hx, hv) = half.apply(&x, &v);
-        let (fx, fv) = full.apply(&x, &v);
-        let mut a = [[0.0; LANES]; 4];
-        let mut rate = [[0.0; LANES]; STAGED_ROWS];
-        let mut sums = [[0.0; LANES]; MOST_STAGED];
-        let mut here: [Lanes; STAGED_ROWS] = std::array::from_fn(|s| own[s]);
-        let mut side = [0.0; LANES];
-        for stage in 0..4 {
-            let lead = if stage == 3 { h } else { 0.5 * h };
-            if staged && stage > 0 {
-                for s in 0..MOST_STAGED {
-                    for l in 0..LANES {
-                        here[s][l] = own[s][l] + lead * rate[s][l];
-                    }
-                }
-            }
-            match stage {
-                0 => (at.x, at.v, at.time, at.input) = (x, v, from, u[0]),
-                1 => {
-                    for l in 0..LANES {
-                        at.x[l] = hx[l] + 0.5 * h * half.xv[l] * a[0][l];
-                        at.v[l] = hv[l] + 0.5 * h * half.vv[l] * a[0][l];
-                    }
-                    (at.time, at.input) = (from + 0.5 * h, u[1]);
-                }
-                2 => {
-                    at.x = hx;
-                    for l in 0..LANES {
-                        at.v[l] = hv[l] + 0.5 * h * a[1][l];
-                    }
-                }
-                _ => {
-                    for l in 0..LANES {
-                        at.x[l] = fx[l] + h * half.xv[l] * a[2][l];
-                        at.v[l] = fv[l] + h * half.vv[l] * a[2][l];
-                    }
-                    (at.time, at.input) = (from + h, u[2]);
-                }
-            }
-            let mut acceleration = [0.0; LANES];
-            for l in 0..LANES {
-                acceleration[l] = parts.base.gain[l] * at.input[l];
-            }
-            // In the order of their states: rows beyond a term's own are zero until the next writes them.
-            for m in &self.moving {
-                let (Some(own), Some(rate)) = (here[m.state..].first_chunk(), rate[m.state..].first_chunk_mut()) else {
-                    continue;
-                };
-                m.term.force::<f64, LANES, false>(at, &m.values, own, rate, &mut acceleration);
-            }
-            if let Some(friction) = friction {
-                if stage == 0 {
-                    side = coulomb_friction::sides(&parts.base, friction, [&x, &v, &acceleration]);
-                }
-                for l in 0..LANES {
-                    acceleration[l] -= coulomb_friction::against(friction, side[l], l);
-                }
-            }
-            let weight = if stage == 0 || stage == 3 { h / 6.0 } else { h / 3.0 };
-            if staged {
-                for s in 0..MOST_STAGED {
-                    for l in 0..LANES {
-                        sums[s][l] += weight * rate[s][l];
-                    }
-                }
-            }
-            a[stage] = acceleration;
-        }
-        let (x0, v0) = (x, v);
+        let Self { half, full, pushes, .. } = self;
+        let (h, from, x0, v0) = (self.step_s, at.time, motion.x, motion.v);
+        let (hx, hv) = half.apply(&x0, &v0);
+        let (fx, fv) = full.apply(&x0, &v0);
+        (at.x, at.v, at.input) = (x0, v0, u[0]);
+        let a0 = self.acceleration(at, motion, Stage { lead_s: 0.0, weight_s: h / 6.0, begins: true });
+        (at.time, at.input) = (from + 0.5 * h, u[1]);
         for l in 0..LANES {
-            x[l] = fx[l] + h / 6.0 * (full.xv[l] * a[0][l] + 2.0 * half.xv[l] * (a[1][l] + a[2][l]));
-            v[l] = fv[l] + h / 6.0 * (full.vv[l] * a[0][l] + 2.0 * half.vv[l] * (a[1][l] + a[2][l]) + a[3][l]);
+            at.x[l] = hx[l] + pushes[0].xv[l] * a0[l];
+            at.v[l] = hv[l] + pushes[0].vv[l] * a0[l];
         }
-        if let Some(friction) = friction {
-            let sliding = Sliding { step_s: h, base: &parts.base, friction, side: &side, ends: [&a[0], &a[3]] };
-            sliding.switch([&x0, &v0], [&mut x, &mut v]);
+        let a1 = self.acceleration(at, motion, Stage { lead_s: 0.5 * h, weight_s: h / 3.0, begins: false });
+        at.x = hx;
+        for l in 0..LANES {
+            at.v[l] = hv[l] + 0.5 * h * a1[l];
         }
-        if staged {
+        let a2 = self.acceleration(at, motion, Stage { lead_s: 0.5 * h, weight_s: h / 3.0, begins: false });
+        (at.time, at.input) = (from + h, u[2]);
+        for l in 0..LANES {
+            at.x[l] = fx[l] + pushes[1].xv[l] * a2[l];
+            at.v[l] = fv[l] + pushes[1].vv[l] * a2[l];
+        }
+        let a3 = self.acceleration(at, motion, Stage { lead_s: h, weight_s: h / 6.0, begins: false });
+        for l in 0..LANES {
+            motion.x[l] = fx[l] + h / 6.0 * (full.xv[l] * a0[l] + 2.0 * half.xv[l] * (a1[l] + a2[l]));
+            motion.v[l] = fv[l] + h / 6.0 * (full.vv[l] * a0[l] + 2.0 * half.vv[l] * (a1[l] + a2[l]) + a3[l]);
+        }
+        if let Some(friction) = &self.friction {
+            let (base, side) = (&self.parts.base, &motion.side);
+            let sliding = Sliding { step_s: h, base, friction, side, ends: [&a0, &a3] };
+            sliding.switch([&x0, &v0], [&mut motion.x, &mut motion.v]);
+        }
+        if self.staged {
             for s in 0..MOST_STAGED {
                 for l in 0..LANES {
-                    own[s][l] += sums[s][l];
+                    motion.own[s][l] += motion.sums[s][l];
                 }
             }
         }
-        (motion.x, motion.v) = (x, v);
-        Stride { step_s: h, x0, v0, x1: x, v1: v, input: u }
+        Stride { x0, v0, x1: motion.x, v1: motion.v, input: u, step_s: h }
+    }
+
+    /// Acceleration besides that of the base at one stage of a step, where `at` stands.
+    #[inline(always)]
+    fn acceleration(&self, at: &Instants<'_, f64, LANES>, motion: &mut StepState, stage: Stage) -> Lanes {
+        let StepState { x, v, own, rate, here, sums, side, .. } = motion;
+        let base = &self.parts.base;
+        let mut sum = [0.0; LANES];
+        for l in 0..LANES {
+            sum[l] = base.gain[l] * at.input[l];
+        }
+        if self.staged {
+            for s in 0..MOST_STAGED {
+                for l in 0..LANES {
+                    here[s][l] = if stage.begins { own[s][l] } else { own[s][l] + stage.lead_s * rate[s][l] };
+                }
+            }
+        }
+        // In the order of their states: rows beyond a term's own are zero until the next writes them.
+        for m in &self.moving {
+            let (Some(own), Some(rate)) = (here[m.state..].first_chunk(), rate[m.state..].first_chunk_mut()) else {
+                continue;
+            };
+            self.force.add(m, at, own, rate, &mut sum);
+        }
+        if let Some(friction) = &self.friction {
+            if stage.begins {
+                *side = coulomb_friction::sides(base, friction, [x, v, &sum]);
+            }
+            for l in 0..LANES {
+                sum[l] -= coulomb_friction::against(friction, side[l], l);
+            }
+        }
+        if self.staged {
+            for s in 0..MOST_STAGED {
+                for l in 0..LANES {
+                    sums[s][l] = if stage.begins { 0.0 } else { sums[s][l] } + stage.weight_s * rate[s][l];
+                }
+            }
+        }
+        sum
     }
 
     /// Velocity or acceleration of mass and modes together, as the displacement that stands for it,
@@ -250,7 +324,7 @@ impl<'a> Plan<'a> {
             let mut rate: Staged<f64, LANES> = [[0.0; LANES]; MOST_STAGED];
             for m in &self.moving {
                 let Some(own) = motion.own[m.state..].first_chunk() else { continue };
-                m.term.force::<f64, LANES, false>(&at, &m.values, own, &mut rate, &mut push);
+                self.force.add(m, &at, own, &mut rate, &mut push);
             }
             let sides = self.friction.map(|friction| coulomb_friction::sides(&base, &friction, [&at.x, &at.v, &push]));
             for l in 0..LANES {
@@ -309,13 +383,14 @@ fn delay(late: Option<&Lanes>, early: Option<&Lanes>) -> Option<Lanes> {
 }
 
 /// A term, its values and where its states begin.
+#[repr(C, align(64))]
 pub(super) struct Mover<'a> {
+    /// Its values, with those of the first recording where it has some of each.
+    pub values: Values<f64, LANES>,
     pub term: &'a Term,
     pub role: Role,
     /// Index of its first value among those of all terms.
     pub first: usize,
-    /// Its values, with those of the first recording where it has some of each.
-    pub values: Values<f64, LANES>,
     pub state: usize,
 }
 
