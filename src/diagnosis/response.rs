@@ -8,7 +8,9 @@
 //! its jumps are predicted and compared. Not for time series: those are `driven`.
 
 mod answer;
+mod balance;
 mod base_model;
+mod beginnings;
 pub mod detail;
 mod effects;
 mod intake;

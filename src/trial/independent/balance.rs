@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 
-use super::law::Law;
+use super::law::{Course, Law};
 use super::linear::left_by;
 use super::stepped::Step;
 use super::swept::Swept;
@@ -52,8 +52,12 @@ pub(super) struct Sizes {
     pub whole: f64,
     /// Of each law next to the others.
     pub each: Vec<f64>,
-    /// Left by each statement in the place of the only effect.
-    pub left: Vec<(&'static str, f64)>,
+    /// Left by the law that acts, in its own form: more than that no statement can be held against.
+    pub floor: f64,
+    /// Left by each statement in the place of the only effect, over what its own law leaves.
+    pub alone: Vec<(&'static str, f64)>,
+    /// The same by a spring and a drag together.
+    pub paired: Vec<([&'static str; 2], f64)>,
 }
 
 /// A recording about its true motion.
@@ -95,10 +99,7 @@ impl<'a> Balance<'a> {
 
     /// Numbers of a column, X and Y of each step.
     fn column(&self, of: impl Fn(usize) -> Complex<f64>) -> Vec<f64> {
-        let mut all: Vec<f64> = (0..self.steps.len()).map(of).flat_map(|y| [y.re, y.im]).collect();
-        let size = all.iter().map(|v| v * v).sum::<f64>().sqrt().max(1e-300);
-        all.iter_mut().for_each(|v| *v /= size);
-        all
+        (0..self.steps.len()).map(of).flat_map(|y| [y.re, y.im]).collect()
     }
 
     /// Column of a stiffness or damping N.
@@ -128,16 +129,10 @@ impl<'a> Balance<'a> {
         all
     }
 
-    /// Sum of squares of a change of the reading that the base model with these columns leaves.
-    fn left(&self, more: &[Vec<f64>], change: &[Complex<f64>]) -> f64 {
-        let columns: Vec<&[f64]> = self.base.iter().chain(more).map(Vec::as_slice).collect();
-        let change: Vec<f64> = change.iter().flat_map(|y| [y.re, y.im]).collect();
-        left_by(&columns, &change).iter().map(|v| v * v).sum()
-    }
-
-    /// Change of the readings where a law acts that has this N.
-    fn change(&self, n: impl Fn(usize) -> Complex<f64>) -> Vec<Complex<f64>> {
-        (0..self.steps.len()).map(|k| self.reading[k] * self.moved(k, n(k) / self.impedance[k][0])).collect()
+    /// Returns what the base model cannot imitate of a change of the reading.
+    fn beyond_base(&self, change: &[f64]) -> Vec<f64> {
+        let columns: Vec<&[f64]> = self.base.iter().map(Vec::as_slice).collect();
+        left_by(&columns, change)
     }
 
     /// N of everything that acts on the mass: of the motion.
@@ -146,40 +141,60 @@ impl<'a> Balance<'a> {
         self.impedance[k][0] - Complex::new(1.0 - w * w, w * damping)
     }
 
-    fn of_law(&self, law: &Law, k: usize) -> Complex<f64> {
-        fundamental(law, self.motion[k].norm(), self.steps[k].omega)
+    /// Change of the reading by a law, as far as the base model cannot imitate it.
+    fn by_law(&self, law: &Law) -> Vec<f64> {
+        self.beyond_base(&self.by(|k| match law {
+            Law::SpringDrift { size, course } => Complex::from(size * course.at(self.steps[k].when)),
+            _ => fundamental(law, self.motion[k].norm(), self.steps[k].omega),
+        }))
     }
+}
+
+/// Sum of squares that a combination of columns leaves of a change.
+fn left(columns: &[&[f64]], change: &[f64]) -> f64 {
+    left_by(columns, change).iter().map(|v| v * v).sum()
 }
 
 /// Sizes of what is in a recording of this motion.
 pub(super) fn sizes(swept: &Swept, motion: &[Complex<f64>]) -> Sizes {
     let balance = Balance::new(swept, motion);
-    let mut whole = balance.change(|k| balance.acting(k));
-    for (k, change) in whole.iter_mut().enumerate() {
-        *change += balance.reading[k] - motion[k];
-    }
+    let acting = balance.by(|k| balance.acting(k));
+    let read = balance.column(|k| balance.reading[k] - motion[k]);
+    let change: Vec<f64> = acting.iter().zip(read).map(|(a, r)| a + r).collect();
+    let change = balance.beyond_base(&change);
     let laws = &swept.resonator.laws;
-    let each = |i: usize| {
-        let others: Vec<Vec<f64>> = laws
-            .iter()
-            .enumerate()
-            .filter(|(j, _)| *j != i)
-            .map(|(_, l)| balance.by(|k| balance.of_law(l, k)))
-            .collect();
-        balance.left(&others, &balance.change(|k| balance.of_law(&laws[i], k)))
+    let own: Vec<Vec<f64>> = laws.iter().map(|law| balance.by_law(law)).collect();
+    let without = |i: usize| -> Vec<&[f64]> { (0..own.len()).filter(|j| *j != i).map(|j| &own[j][..]).collect() };
+    let whole = left(&[], &change);
+    let each = if laws.len() < 2 { vec![whole] } else { (0..laws.len()).map(|i| left(&without(i), &own[i])).collect() };
+    // Of a law of x and v alone its own form leaves harmonics, folds and what has not settled.
+    let is_known = |law: &Law| law.states() == 0 && !matches!(law, Law::EvenSpring { .. });
+    let floor = match !laws.is_empty() && laws.iter().all(is_known) {
+        true => left(&without(laws.len()), &change),
+        false => 0.0,
     };
-    let all = balance.left(&[], &whole);
-    let each = if laws.len() > 1 { (0..laws.len()).map(each).collect() } else { vec![all] };
-    let in_place = |forms: Vec<Law>| {
-        let one = |form: Law| balance.left(&[balance.by(|k| balance.of_law(&form, k))], &whole);
-        forms.into_iter().map(one).fold(f64::INFINITY, f64::min)
-    };
-    let mut left: Vec<(&str, f64)> = statements().into_iter().map(|(name, forms)| (name, in_place(forms))).collect();
+    let left = |columns: &[&[f64]]| (left(columns, &change) - floor).max(0.0);
+    let columns: Vec<(&str, Vec<Vec<f64>>)> = statements()
+        .into_iter()
+        .map(|(name, forms)| (name, forms.iter().map(|law| balance.by_law(law)).collect()))
+        .collect();
+    let least = |of: &mut dyn Iterator<Item = f64>| of.fold(f64::INFINITY, f64::min);
+    let mut alone: Vec<(&str, f64)> =
+        columns.iter().map(|(name, forms)| (*name, least(&mut forms.iter().map(|f| left(&[f]))))).collect();
     let late = balance.column(|k| balance.reading[k] * Complex::new(0.0, balance.steps[k].omega - 1.0));
-    left.extend(["readout-delay", "readout-lowpass"].map(|name| (name, balance.left(&[late.clone()], &whole))));
+    let late = balance.beyond_base(&late);
+    alone.extend(["readout-delay", "readout-lowpass"].map(|name| (name, left(&[&late]))));
     if swept.written.clock {
-        let slow = balance.by(|k| Complex::from(balance.steps[k].when));
-        left.push(("stiffness-drift", balance.left(&[slow], &whole)));
+        let slow = balance.by_law(&Law::SpringDrift { size: 1.0, course: Course::Linear });
+        alone.push(("stiffness-drift", left(&[&slow])));
     }
-    Sizes { whole: all, each, left }
+    // Springs are the first two statements.
+    let mut paired = Vec::new();
+    for (spring, a) in &columns[..2] {
+        for (drag, b) in &columns[2..] {
+            let mut pairs = a.iter().flat_map(|a| b.iter().map(|b| left(&[a, b])));
+            paired.push(([*spring, *drag], least(&mut pairs)));
+        }
+    }
+    Sizes { whole, each, floor, alone, paired }
 }

@@ -59,9 +59,8 @@ const NULL: [&str; 10] = [
     "slightly coloured noise",
 ];
 
-/// Sums of squares, for noise of unit variance, from which on two statements are told apart: of the
-/// difference of two models' errors, 2√E from chance, 1.64 standard errors are seen in 99 of 100.
-const APART: f64 = 64.0;
+/// Draws until a foreign effect is one that no statement imitates.
+const MOST_TRIES: usize = 12;
 
 /// Family of the n-th case, and its number in the family.
 pub(super) fn turn(n: usize) -> (Family, usize) {
@@ -96,6 +95,16 @@ type Named = (Law, &'static [&'static str]);
 /// Names of springs of a power, and of drags of one.
 const SPRINGS: [&str; 2] = ["cubic-stiffness", "power-law-stiffness"];
 const DRAGS: [&str; 2] = ["quadratic-damping", "power-law-damping"];
+
+/// Names of all that depends on amplitude.
+const AMPLITUDE: [&str; 6] = [
+    "cubic-stiffness",
+    "power-law-stiffness",
+    "quadratic-damping",
+    "power-law-damping",
+    "squeeze-film-damping",
+    "coulomb-friction",
+];
 
 /// A law whose fundamental at unit amplitude has this size.
 fn sized(of: impl Fn(f64) -> Law, size: f64) -> Law {
@@ -156,7 +165,7 @@ fn laws(sub: &str, damping: f64, least: f64, draw: &mut Draw) -> Vec<Named> {
         "Bouc–Wen" => vec![(Law::BoucWen { size: 3.0 * moves, b: draw.between(1.0, 4.0), g: 1.0, n: 1.0 }, &[])],
         "quadratic and cubic spring" => {
             let square = Law::EvenSpring { size: (moves.min(0.1)).sqrt() };
-            vec![(square, &SPRINGS[..1]), (spring(3.0, 1.0), &SPRINGS[..1])]
+            vec![(square, &[]), (spring(3.0, 1.0), &SPRINGS[..1])]
         }
         "gap on both sides" => vec![(stop(draw.between(0.3, 0.7), true, 1.0), &[])],
         "gap on one side" => vec![(stop(draw.between(0.3, 0.7), false, sign), &[])],
@@ -171,7 +180,8 @@ fn tolerable(sub: &str) -> &'static [&'static str] {
         "power spring" | "spring sin x" | "cubic spring" | "softening spring" | "quadratic spring" => &SPRINGS,
         "power drag" | "quadratic drag" => &DRAGS,
         "friction tanh" | "friction Stribeck" | "dry friction" => &["power-law-damping"],
-        "Bouc–Wen" => &["cubic-stiffness", "power-law-stiffness", "coulomb-friction", "power-law-damping"],
+        // Stiffness and damping of a loop depend on amplitude both.
+        "Bouc–Wen" => &AMPLITUDE,
         "delay" | "low-pass" => &["readout-delay", "readout-lowpass"],
         _ => &[],
     }
@@ -181,7 +191,7 @@ fn tolerable(sub: &str) -> &'static [&'static str] {
 fn lock_in(sub: &str, half: f64, draw: &mut Draw) -> (LockIn, &'static [&'static str]) {
     let plain = LockIn { lag: if draw.chance(0.3) { draw.between(0.02, 0.15) } else { 0.0 }, ..LockIn::default() };
     match sub {
-        "delay" => (LockIn { delay: draw.log_between(0.5, 6.0) / half, ..plain }, &["readout-delay"]),
+        "delay" => (LockIn { delay: draw.log_between(0.3, 2.0) / half, ..plain }, &["readout-delay"]),
         "low-pass" => (LockIn { tau: draw.log_between(0.3, 3.0), ..plain }, &["readout-lowpass"]),
         "gain drifts" => (LockIn { drift: draw.sign() * draw.log_between(0.02, 0.3), ..plain }, &[]),
         "gain drifts within the noise" => (LockIn { drift: 0.01 * draw.sign(), ..plain }, &[]),
@@ -218,15 +228,45 @@ fn drives(draw: &mut Draw) -> Vec<f64> {
 /// The n-th case of a family.
 pub(super) fn draw(family: Family, nth: usize, draw: &mut Draw) -> (String, Swept, Truth) {
     let sub = sub(family, nth);
+    let mut tries = 0;
+    loop {
+        tries += 1;
+        let (mut swept, rights) = recipe(sub, draw);
+        let motion = swept.resonator.motion(&swept.taken());
+        let peak = motion.iter().map(|x| x.norm()).fold(0.0, f64::max);
+        let size = sizes(&swept, &motion);
+        swept.sigma *= peak;
+        if family == Family::Null {
+            // What a null has besides noise stays within it.
+            swept.sigma = swept.sigma.max((size.whole / (0.2 * SEEN)).sqrt());
+            return (sub.to_owned(), swept, Truth::default());
+        }
+        // Quieter where the effect would not be seen; one in ten stays as it is. What is foreign must be
+        // seen as such.
+        let shows = if family == Family::Foreign { nearest(&size) } else { size.whole };
+        let seen = (shows / (SEEN * draw.log_between(1.5, 50.0))).sqrt();
+        if family == Family::Foreign || !draw.chance(0.1) {
+            swept.sigma = swept.sigma.min(seen).max(1e-3 * peak);
+        }
+        if family != Family::Foreign || shows > SEEN * swept.sigma.powi(2) || tries == MOST_TRIES {
+            let truth = truth(family, &swept, &size, &rights, tolerable(sub));
+            return (sub.to_owned(), swept, truth);
+        }
+    }
+}
+
+/// The recording of a sub-family, its noise as a part of the peak, and the right names of each effect.
+fn recipe(sub: &str, draw: &mut Draw) -> (Swept, Vec<&'static [&'static str]>) {
     // A filter shows where the band is wide.
     let quality = if sub == "low-pass" { draw.between(8.0, 20.0) } else { draw.log_between(20.0, 200.0) };
     let (damping, drives) = (1.0 / quality, drives(draw));
     let least = drives.iter().copied().fold(1.0, f64::min);
     let named = laws(sub, damping, least, draw);
-    let warms = if sub == "warms with its own power" {
-        [2.0 * damping * draw.sign() * draw.log_between(0.2, 2.0), draw.between(2.0, 8.0)]
-    } else {
-        [0.0; 2]
+    let warms = match sub {
+        "warms with its own power" => {
+            [2.0 * damping * draw.sign() * draw.log_between(0.2, 2.0), draw.between(2.0, 8.0)]
+        }
+        _ => [0.0; 2],
     };
     let side = damping * draw.between(2.5, 5.0);
     // The band follows the resonance to where springs move it.
@@ -235,10 +275,9 @@ pub(super) fn draw(family: Family, nth: usize, draw: &mut Draw) -> (String, Swep
     let (lock_in, read) = lock_in(sub, 0.5 * (band[1] - band[0]), draw);
     let strong = if sub == "strong background" { 1.0 } else { 0.15 };
     let background = std::array::from_fn(|_| [0, 1].map(|_| strong * draw.between(-1.0, 1.0)));
-    let laws = named.iter().map(|(law, _)| law.clone()).collect();
-    let mut swept = Swept {
+    let swept = Swept {
         seed: draw.bits(),
-        resonator: Resonator { quality, laws, warms },
+        resonator: Resonator { quality, laws: named.iter().map(|(law, _)| law.clone()).collect(), warms },
         drives,
         band,
         steps: 40 + draw.below(50),
@@ -253,49 +292,49 @@ pub(super) fn draw(family: Family, nth: usize, draw: &mut Draw) -> (String, Swep
             drive: draw.log_between(1e-6, 10.0),
             mirrored: draw.chance(0.2),
             polar: draw.chance(0.25),
-            clock: sub.starts_with("spring drift") && family != Family::Foreign
-                || draw.chance(0.2) && family != Family::Foreign,
+            clock: matches!(sub, "spring drift" | "spring drift t^p"),
             kilo: draw.chance(0.3),
         },
     };
-    let motion = swept.resonator.motion(&swept.taken());
-    let peak = motion.iter().map(|x| x.norm()).fold(0.0, f64::max);
-    let size = sizes(&swept, &motion);
-    swept.sigma *= peak;
-    if family == Family::Null {
-        // What a null has besides noise stays within it.
-        swept.sigma = swept.sigma.max((size.whole / (0.2 * SEEN)).sqrt());
-        return (sub.to_owned(), swept, Truth::default());
-    }
-    // Quieter where the effect would not be seen; one in ten stays as it is.
-    let seen = (size.whole / (SEEN * draw.log_between(1.5, 50.0))).sqrt();
-    if !draw.chance(0.1) {
-        swept.sigma = swept.sigma.min(seen).max(1e-3 * peak);
-    }
-    let rights: Vec<&[&str]> = named.iter().map(|(_, right)| *right).chain([read]).filter(|r| !r.is_empty()).collect();
-    let truth = truth(family, &swept, &size, &rights, tolerable(sub));
-    (sub.to_owned(), swept, truth)
+    let rights = named.iter().map(|(_, right)| *right).chain([read]).filter(|r| !r.is_empty()).collect();
+    (swept, rights)
+}
+
+/// Left by the nearest statement, or the nearest two.
+fn nearest(size: &Sizes) -> f64 {
+    let all = size.alone.iter().map(|l| l.1).chain(size.paired.iter().map(|l| l.1));
+    all.fold(size.whole, f64::min)
 }
 
 fn truth(family: Family, swept: &Swept, size: &Sizes, rights: &[&[&str]], tolerable: &[&str]) -> Truth {
-    let over = swept.sigma.powi(2).max(1e-300);
+    let over = swept.sigma.powi(2);
     let rows = (4 * swept.steps * swept.drives.len()) as f64;
     let words = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+    // A statement that leaves less than a good test sees, and takes more than half of what there is, is
+    // as right.
+    let is_near = |left: f64| left.max(size.floor) < SEEN * over && left < 0.5 * size.whole;
+    let near: Vec<&str> = size.alone.iter().filter(|(_, left)| is_near(*left)).map(|(name, _)| *name).collect();
+    let pairs = size.paired.iter().filter(|(_, left)| is_near(*left)).flat_map(|(names, _)| *names);
+    // Two in the place of one are as right where no single one is.
+    let pairs: Vec<&str> = if rights.is_empty() && near.is_empty() { pairs.collect() } else { Vec::new() };
     let effect = |(i, right): (usize, &&[&str])| {
-        let evidence = size.each.get(i).copied().unwrap_or(size.whole) / over;
-        Effect { right: words(right), evidence, over_noise: (evidence / rows).sqrt() }
+        let several = rights.len() > 1;
+        let evidence = if several { size.each[i] } else { size.whole } / over;
+        let right = words(&if several { right.to_vec() } else { [right, &near[..]].concat() });
+        Effect { right, evidence, over_noise: (evidence / rows).sqrt() }
     };
-    // A statement that leaves too little to be told apart from the truth, of more than half of which it
-    // accounts, is as right.
-    let is_near = |left: f64| left < APART * over && left < 0.5 * size.whole;
-    let near: Vec<&str> = size.left.iter().filter(|(_, left)| is_near(*left)).map(|(name, _)| *name).collect();
-    let nearest = size.left.iter().map(|(_, left)| left / over).fold(f64::INFINITY, f64::min);
+    let also = [near.clone(), pairs].concat();
+    let mut effects: Vec<Effect> = rights.iter().enumerate().map(effect).collect();
+    if effects.is_empty() && !also.is_empty() {
+        effects.push(effect((0, &&also[..])));
+    }
+    let is_stated = rights.iter().all(|right| size.alone.iter().any(|(name, _)| right.contains(name)));
     Truth {
-        effects: rights.iter().enumerate().map(effect).collect(),
-        also: words(&near),
+        effects,
+        also: words(&also),
         tolerable: words(tolerable),
         evidence: size.whole / over,
-        departure: (family == Family::Near && rights.len() == 1).then_some(nearest),
+        departure: (family == Family::Near && is_stated && rights.len() == 1).then_some(nearest(size) / over),
         parameters: if family == Family::Letter { parameters(swept) } else { Vec::new() },
         ..Truth::default()
     }
@@ -337,7 +376,7 @@ mod tests {
         for (nth, own) in [(0, "cubic-stiffness"), (1, "quadratic-damping"), (4, "squeeze-film-damping")] {
             let (sub, swept, truth) = draw(Family::Letter, nth, &mut Draw::new(5, nth as u64, 1));
             let size = sizes(&swept, &swept.resonator.motion(&swept.taken()));
-            let left = |name: &str| size.left.iter().find(|l| l.0 == name).map_or(f64::NAN, |l| l.1 / size.whole);
+            let left = |name: &str| size.alone.iter().find(|l| l.0 == name).map_or(f64::NAN, |l| l.1 / size.whole);
             assert!(left(own) < 0.02, "{sub}: {}", left(own));
             let other = if own == "cubic-stiffness" { "quadratic-damping" } else { "cubic-stiffness" };
             assert!(left(other) > 0.2, "{sub}: {}", left(other));
