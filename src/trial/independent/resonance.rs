@@ -320,7 +320,8 @@ fn truth(family: Family, swept: &Swept, size: &Sizes, rights: &[&[&str]], tolera
     let effect = |(i, right): (usize, &&[&str])| {
         let several = rights.len() > 1;
         let evidence = if several { size.each[i] } else { size.whole } / over;
-        let right = words(&if several { right.to_vec() } else { [right, &near[..]].concat() });
+        let others = near.iter().filter(|name| !several && !right.contains(name)).copied();
+        let right = words(&right.iter().copied().chain(others).collect::<Vec<_>>());
         Effect { right, evidence, over_noise: (evidence / rows).sqrt() }
     };
     let also = [near.clone(), pairs].concat();
