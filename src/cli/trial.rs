@@ -28,6 +28,7 @@ use proofmass_trial::ask::{Files, Subject};
 use proofmass_trial::blind::{self, Verdicts};
 use proofmass_trial::campaign::Campaign;
 use proofmass_trial::divided::COMMAND;
+use proofmass_trial::independent::truth::Kind;
 use proofmass_trial::judge;
 use proofmass_trial::like;
 use proofmass_trial::outcome::Outcome;
@@ -83,6 +84,10 @@ pub struct Arguments {
     /// real noise; driven, at rest and hand-rotated
     #[arg(long, conflicts_with_all = ["planted", "like", "recordings"])]
     pub independent: bool,
+    /// Only cases of this kind of the second generator: driven, static, tumble, or response, whose
+    /// stepped-sine sweeps no other trial has
+    #[arg(long, value_name = "KIND", requires = "independent", value_parser = kind)]
+    pub kind: Option<Kind>,
     /// Resume the trial in --out, or the book
     #[arg(long, requires = "folder")]
     pub resume: bool,
@@ -141,6 +146,12 @@ impl Arguments {
     }
 }
 
+/// The kind of this name.
+fn kind(name: &str) -> std::result::Result<Kind, String> {
+    let known = || Kind::ALL.map(Kind::name).join(", ");
+    Kind::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| format!("the kinds are {}", known()))
+}
+
 /// Runs it.
 ///
 /// # Errors
@@ -165,8 +176,8 @@ fn trial(arguments: &Arguments, json: bool, control: &Control) -> Result<()> {
         return like(recording, model, arguments, json, control);
     }
     if arguments.independent {
-        let Arguments { out, force, quick, resume, cases, seed, samples: rows, case, .. } = arguments.clone();
-        let request = independent::Request { out, force, quick, resume, cases, seed, rows, case };
+        let Arguments { out, force, quick, resume, cases, seed, samples: rows, case, kind, .. } = arguments.clone();
+        let request = independent::Request { out, force, quick, resume, cases, seed, rows, case, kind };
         return independent::run(&request, &tool(control), json, control);
     }
     let plan = arguments.plan();

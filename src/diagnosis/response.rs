@@ -8,7 +8,9 @@
 //! its jumps are predicted and compared. Not for time series: those are `driven`.
 
 mod answer;
+mod balance;
 mod base_model;
+mod beginnings;
 pub mod detail;
 mod effects;
 mod intake;
@@ -65,6 +67,7 @@ pub fn diagnose(recording: &Recording, model: &model::Response, control: &Contro
     let (system, base) = base_model::base(&sweeps).ok_or_else(none)?;
     let least = LEAST_NOISE * system.sizes.reading;
     // Without seven steps in a row the base model itself must say it.
+    let measured = measured.map(|measured| noise::allowed(measured, sweeps.len()));
     let deviation = measured.unwrap_or_else(|| base.variance.sqrt()).max(least);
     let (search, base) = Search::begin(&system, deviation.powi(2), &base.point).ok_or_else(none)?;
     control

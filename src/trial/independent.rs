@@ -6,9 +6,12 @@
 //! of columns); verdicts must agree. Motion is integrated in continuous time by an adaptive method
 //! with events; how much of an effect can be seen is found by an oracle of its own.
 //!
+//! Sweeps of a resonator (`stepped`, `swept`, `balance`, `resonance`) are a trial of their own.
+//!
 //! Imports run `draw` → `wave` → `law` → `readout` → `oscillator` → `motion` → `simulate` →
 //! `driven` → `oscillator_base` → `sizing` → `exact` → `near_miss` → `case` → `stated` → `judge` → `run` → `score`.
 
+mod balance;
 pub mod case;
 pub mod columns;
 pub mod draw;
@@ -27,13 +30,16 @@ pub mod oscillator;
 pub mod oscillator_base;
 mod posed;
 pub mod readout;
+mod resonance;
 pub mod rest;
 pub mod run;
 pub mod score;
 pub mod simulate;
 pub mod sizing;
 mod stated;
+pub mod stepped;
 pub mod still;
+pub mod swept;
 pub mod truth;
 pub mod tumble;
 pub mod turned;

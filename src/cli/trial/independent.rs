@@ -13,6 +13,7 @@ use proofmass_trial::independent::judge::coverage;
 use proofmass_trial::independent::oscillator_base::Size;
 use proofmass_trial::independent::run::{self, Plan};
 use proofmass_trial::independent::score::Score;
+use proofmass_trial::independent::truth::Kind;
 use proofmass_trial::page::independent as report;
 use proofmass_trial::scratch::Scratch;
 
@@ -38,11 +39,14 @@ pub(super) struct Request {
     pub rows: Option<usize>,
     /// Number of the only case to run.
     pub case: Option<usize>,
+    /// The only kind.
+    pub kind: Option<Kind>,
 }
 
 fn plan(request: &Request) -> Result<Plan> {
     let (cases, rows) = if request.quick { (100, 5000) } else { (2000, 40_000) };
-    let plan = Plan { seed: request.seed, cases: request.cases.unwrap_or(cases), rows: request.rows.unwrap_or(rows) };
+    let Request { seed, kind, .. } = *request;
+    let plan = Plan { seed, cases: request.cases.unwrap_or(cases), rows: request.rows.unwrap_or(rows), kind };
     if !(1..1_000_000).contains(&plan.cases) || !(2000..=1_000_000).contains(&plan.rows) {
         let cause = format!("{} cases of at most {} rows", plan.cases, plan.rows);
         return Err(Error::new("could not plan the trial", cause, "use at least one case and 2000 rows"));
@@ -52,6 +56,9 @@ fn plan(request: &Request) -> Result<Plan> {
 
 fn command(request: &Request) -> String {
     let mut command = format!("proofmass trial --independent --seed {}", request.seed);
+    if let Some(kind) = request.kind {
+        command += &format!(" --kind {}", kind.name());
+    }
     if request.quick {
         command += " --quick";
     }

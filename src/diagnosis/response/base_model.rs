@@ -3,63 +3,57 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 
-use nalgebra::Complex;
-
 use crate::engine::fit::{Fitted, MOST_STEPS, fit};
 use crate::engine::kind::Point;
 use crate::numerics::order;
 use crate::physics::scales::Scales;
 
+use super::beginnings::{Beginning, beginnings};
 use super::intake::Sweeps;
+use super::predicted::shapes;
 use super::space;
 use super::system::{OWN, System};
 use super::values::Sizes;
 
-/// Widths at which a fit begins, in that of the band.
-const WIDTHS: [f64; 4] = [0.01, 0.04, 0.15, 0.5];
 /// Steps of a first fit.
 const FIRST_STEPS: usize = 12;
 
 /// The base model, with the laws whose sizes it sets.
 pub(super) fn base(sweeps: &Sweeps) -> Option<(System<'_>, Fitted)> {
     let counted = || (0..sweeps.len()).filter(|k| sweeps.counts[*k]);
-    let of_drive = |k: &usize| sweeps.reading[*k].norm() / sweeps.drive[*k];
-    let peak = counted().max_by(|a, b| of_drive(a).total_cmp(&of_drive(b)))?;
     let reading = counted().map(|k| sweeps.reading[k].norm()).fold(0.0, f64::max);
     if reading <= 0.0 {
         return None;
     }
-    let omega_rad_s = TAU * sweeps.frequency_hz[peak];
     let band_hz = sweeps.span_hz();
-    let amplitude = reading / omega_rad_s.powi(sweeps.derivatives);
     let drive = counted().map(|k| sweeps.drive[k]).fold(0.0, f64::max);
-    let sizes = |damping_per_s: f64, omega_rad_s: f64| Sizes {
-        laws: scales(sweeps, omega_rad_s, damping_per_s, amplitude),
-        damping_per_s,
-        reading,
-        amplitude,
-        drive,
-        band_hz,
+    let sizes = |damping_per_s: f64, omega_rad_s: f64| {
+        let amplitude = reading / omega_rad_s.powi(sweeps.derivatives);
+        let laws = scales(sweeps, omega_rad_s, damping_per_s, amplitude);
+        Sizes { laws, damping_per_s, reading, amplitude, drive, band_hz }
     };
-    let begin = |part: &f64| {
-        let damping_per_s = TAU * part * (band_hz[1] - band_hz[0]);
-        let mut system = System::new(sweeps, sizes(damping_per_s, omega_rad_s));
-        let readout = Complex::new(0.0, omega_rad_s).powi(sweeps.derivatives);
-        // At its resonance a displacement lags the drive by a quarter of a turn.
-        let angle = (sweeps.reading[peak] / (readout * Complex::new(0.0, -1.0))).arg();
+    let [low, high] = band_hz.map(|f| TAU * f);
+    let one = System::new(sweeps, sizes(high - low, 0.5 * (low + high)));
+    let shapes: Vec<Vec<f64>> =
+        (0..one.backgrounds).map(|i| (0..sweeps.len()).map(|k| shapes(sweeps, &one.sizes, k)[i]).collect()).collect();
+    let begin = |from: Beginning| {
+        let mut system = System::new(sweeps, sizes(from.damping_per_s, from.omega_rad_s));
         let mut shared = vec![0.0; system.own()];
-        (shared[2], shared[3]) = ((of_drive(&peak) * drive / reading).max(1e-6).ln(), angle);
+        (shared[2], shared[3]) = ((from.gain.norm() * drive / reading).max(1e-9).ln(), from.gain.arg());
+        let background = from.background.iter().flat_map(|b| [b.re, b.im]);
+        shared[OWN..].iter_mut().zip(background).for_each(|(z, b)| *z = b / (0.1 * reading));
         let first = fit(&system, &[], &Point { shared, starts: empty(sweeps) }, FIRST_STEPS)?;
         // Coordinates are measured by what was found.
         let values = system.values(&[], &first.point);
+        let mass = values.mass;
+        system.sizes = sizes(mass.damping_per_s, mass.omega_rad_s);
         let mut point = first.point.clone();
-        (point.shared[0], point.shared[1]) = (0.0, 0.0);
-        point.shared[2] -= (values.mass.damping_per_s * values.mass.omega_rad_s / damping_per_s / omega_rad_s).ln();
-        system.sizes = sizes(values.mass.damping_per_s, values.mass.omega_rad_s);
+        let unit = system.sizes.amplitude * mass.omega_rad_s * mass.damping_per_s / drive;
+        (point.shared[0], point.shared[1], point.shared[2]) = (0.0, 0.0, (values.gain / unit).ln());
         let again = fit(&system, &[], &point, MOST_STEPS)?;
         Some((system, again))
     };
-    let mut all: Vec<_> = WIDTHS.iter().filter_map(begin).collect();
+    let mut all: Vec<_> = beginnings(sweeps, &shapes).into_iter().filter_map(begin).collect();
     order::sort_by_key(&mut all, |(_, f)| f.variance);
     let (mut system, fitted) = all.into_iter().next()?;
     system.members = space::members(&system.sizes.laws, sweeps.time_s.is_some());

@@ -15,6 +15,8 @@ use super::pole::{Local, pole};
 const HALF: usize = 3;
 /// Median of χ² of eight degrees of freedom over its mean: fourteen numbers less six that are fitted.
 const MEDIAN: f64 = 0.918;
+/// Standard error of that median of one value over the mean: 1.25 of √(2/8).
+const SCATTER: f64 = 0.63;
 /// Free numbers of a window.
 const FREE: f64 = 8.0;
 
@@ -30,6 +32,14 @@ pub(super) fn deviation(sweeps: &Sweeps) -> Option<f64> {
         }
     }
     order::median(all).map(|variance| (variance / MEDIAN).sqrt())
+}
+
+/// The largest standard deviation that a measured one may stand for, by one standard error: the median of n
+/// values of χ²₈ over its mean scatters by 0.63/√n, and windows that share no step are as many as there
+/// are sevens of steps.
+pub(super) fn allowed(deviation: f64, steps: usize) -> f64 {
+    let apart = (steps as f64 / (2 * HALF + 1) as f64).max(1.0);
+    deviation * (1.0 + SCATTER / apart.sqrt()).sqrt()
 }
 
 /// Variance of a component after the best pole is subtracted.

@@ -14,9 +14,9 @@ use super::values::{Sizes, Values};
 /// rounding.
 pub(super) const NUDGE: f64 = 1e-4;
 /// Amplitudes are tabulated up to so many times the largest that was read.
-const REACH: f64 = 1.6;
-/// Least slope of the push with amplitude, in that of a linear spring: at a fold it is zero, and a
-/// derivative that grows beyond all bounds leads no fit.
+pub(super) const REACH: f64 = 1.6;
+/// Least slope of the push with amplitude, in that of a linear spring: at a fold it is zero, and a step
+/// whose derivative grows beyond all bounds leads no fit.
 const LEAST_SLOPE: f64 = 0.3;
 
 type Phasor = Complex<f64>;
@@ -57,7 +57,7 @@ pub(super) struct Predicted {
 
 /// Reading for a unit of displacement: its derivative by time, the lock-in's angle, and what the
 /// laws of the readout do.
-fn readout(sweeps: &Sweeps, sizes: &Sizes, values: &Values, k: usize) -> Phasor {
+pub(super) fn readout(sweeps: &Sweeps, sizes: &Sizes, values: &Values, k: usize) -> Phasor {
     let omega = TAU * sweeps.frequency_hz[k];
     let mut all = Phasor::new(0.0, omega).powi(sweeps.derivatives) * Phasor::from_polar(1.0, values.angle_rad);
     for law in &values.laws {
@@ -167,7 +167,10 @@ impl Predicted {
         let w = z + slope * self.amplitude[k];
         let square = z.norm_sqr().max(1e-300);
         let along = z.conj() * w;
-        let grows = (z.conj() * change).re / along.re.max(LEAST_SLOPE * square);
+        if along.re < LEAST_SLOPE * square {
+            return Phasor::from(0.0);
+        }
+        let grows = (z.conj() * change).re / along.re;
         let turns = ((z.conj() * change).im - grows * along.im) / square;
         Phasor::new(grows, turns)
     }

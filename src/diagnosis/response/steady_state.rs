@@ -63,9 +63,14 @@ impl Law {
         Answer { force, rates }
     }
 
+    /// Returns whether it is a force on the mass.
+    pub(super) fn acts(&self) -> bool {
+        self.term.role().acts_on_mass()
+    }
+
     /// Returns whether its force is tabulated over amplitude.
     pub(super) fn is_tabulated(&self) -> bool {
-        self.term.role().acts_on_mass() && !self.is_linear()
+        self.acts() && !self.is_linear()
     }
 
     /// Returns whether its force depends on velocity, at this motion.

@@ -11,8 +11,9 @@ use crate::physics::free_form::Freed;
 use crate::physics::library::Term;
 use crate::physics::scales::Coordinate;
 
+use super::balance::balanced;
 use super::intake::Sweeps;
-use super::predicted::{Amplitude, Predicted, predicted};
+use super::predicted::{Amplitude, Predicted, REACH, predicted};
 use super::space::{self, Member};
 use super::steady_state::{Law, Oscillator};
 use super::values::{Sizes, Values};
@@ -104,6 +105,11 @@ impl<'a> System<'a> {
         predicted(self.sweeps, &self.sizes, &self.values(set, point), amplitude)
     }
 
+    /// Largest displacement that is tabulated.
+    pub(super) fn reach(&self) -> f64 {
+        REACH * self.sizes.amplitude
+    }
+
     fn residual(&self, predicted: &[Complex<f64>]) -> Vec<f64> {
         let pairs = self.sweeps.reading.iter().zip(predicted);
         pairs.flat_map(|(y, p)| [y.re - p.re, y.im - p.im]).collect()
@@ -126,7 +132,7 @@ impl<'a> System<'a> {
         };
         let coordinates = self.law_coordinates(term);
         let of = |start: Vec<f64>| {
-            let mut own: Vec<f64> = coordinates.iter().zip(&start).map(|(c, v)| z(*c, *v)).collect();
+            let mut own: Vec<f64> = coordinates.iter().zip(&start).map(|(c, v)| coordinate(*c, *v)).collect();
             if start[0] == 0.0 {
                 own[0] = JOINS;
             }
@@ -146,7 +152,7 @@ pub(super) fn value(coordinate: Coordinate, z: f64) -> f64 {
 }
 
 /// The coordinate of a value.
-fn z(coordinate: Coordinate, value: f64) -> f64 {
+pub(super) fn coordinate(coordinate: Coordinate, value: f64) -> f64 {
     match coordinate {
         Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => value / scale,
         Coordinate::Log(low, high) => value.clamp(low, high).ln(),
@@ -184,7 +190,15 @@ impl Kind for System<'_> {
         let begin = |own: Vec<f64>| {
             let mut point = point.clone();
             point.shared.extend(own);
-            fit(&read, &larger, &point, MOST_STEPS)
+            let balanced = balanced(&read, &larger, &point);
+            let starts: Vec<Point> = std::iter::once(point).chain(balanced).collect();
+            let left = |residual: &[f64]| {
+                residual.iter().zip(&self.layout.counts).filter(|(_, c)| **c).map(|(e, _)| e * e).sum::<f64>()
+            };
+            let residuals = read.residuals(&larger, &starts);
+            let pairs = starts.into_iter().zip(residuals).filter_map(|(p, e)| Some((left(&e?), p)));
+            let (_, best) = pairs.min_by(|a, b| a.0.total_cmp(&b.0))?;
+            fit(&read, &larger, &best, MOST_STEPS)
         };
         let mut fits: Vec<_> = self.beginnings(&self.members[law].term).into_iter().filter_map(begin).collect();
         order::sort_by_key(&mut fits, |f| f.variance);

@@ -77,7 +77,7 @@ fn is_possible(order: &Order) -> bool {
         (_, None) => true,
         (Kind::Driven, Some(change)) => order.rows / change.every() >= Case::LEAST_ROWS,
         (Kind::Static, Some(change)) => matches!(change, Change::Units | Change::Sign),
-        (Kind::Tumble, Some(_)) => false,
+        (Kind::Tumble | Kind::Response, Some(_)) => false,
     }
 }
 

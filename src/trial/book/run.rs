@@ -73,7 +73,7 @@ pub(super) fn made<'a>(
 ) -> Result<(String, Vec<Made<'a>>)> {
     let orders: Vec<run::Order> =
         items.iter().filter_map(|item| if let Item::Drawn(order) = item { Some(*order) } else { None }).collect();
-    let (sealed, cases) = seal(Plan { seed, cases: CASES, rows: ROWS }, &orders, truth, control)?;
+    let (sealed, cases) = seal(Plan { seed, cases: CASES, rows: ROWS, kind: None }, &orders, truth, control)?;
     control.remark(&format!("sealed truth of {} cases, SHA-256 {sealed}", cases.len()));
     let recorded =
         items.iter().filter_map(|item| if let Item::Recorded(real) = item { Some(Made::Recorded(real)) } else { None });

@@ -7,9 +7,10 @@ use super::draw::Draw;
 use super::driven::Driven;
 use super::oscillator_base::Size;
 use super::still::Still;
+use super::swept::Swept;
 use super::truth::{Family, Kind, Truth};
 use super::turned::Turned;
-use super::{exact, near_miss, null, rest, tumble, unmodelled};
+use super::{exact, near_miss, null, resonance, rest, tumble, unmodelled};
 
 /// States how a case is linked to another: the same recording, written otherwise. Their verdicts
 /// must agree.
@@ -67,6 +68,8 @@ pub enum Body {
     Still(Box<Still>),
     /// An IMU hand-rotated.
     Turned(Box<Turned>),
+    /// Stepped-sine sweeps of a resonator.
+    Swept(Box<Swept>),
 }
 
 /// A case with its truth.
@@ -111,6 +114,8 @@ const LINKED: usize = 1_000_000;
 const BESIDE: usize = 100 * LINKED;
 /// States how many cases there are for each of these.
 const EACH_BESIDE: usize = 100;
+/// First number of the cases of sweeps, which are a trial of their own.
+const SWEPT: usize = 2 * BESIDE;
 
 /// Kind, family and how many of the same came before.
 fn slot(number: usize) -> (Kind, Family, usize) {
@@ -146,6 +151,10 @@ pub struct Place {
 impl Place {
     /// Returns the place of a case.
     pub fn of(number: usize) -> Self {
+        if number >= SWEPT {
+            let (family, nth) = resonance::turn(number - SWEPT);
+            return Self { kind: Kind::Response, family, sub: resonance::sub(family, nth), change: None };
+        }
         if number >= BESIDE {
             return Self { kind: Kind::Static, family: Family::Near, sub: rest::BESIDE_SILENT, change: None };
         }
@@ -157,6 +166,7 @@ impl Place {
             (Kind::Driven, Family::Null) => null::sub(nth),
             (Kind::Static, _) => rest::sub(family, nth),
             (Kind::Tumble, _) => tumble::sub(family, nth),
+            (Kind::Response, _) => resonance::sub(family, nth),
         };
         let how = number / LINKED;
         Self { kind, family, sub, change: how.checked_sub(1).and_then(|how| Change::ALL.get(how)).copied() }
@@ -175,6 +185,13 @@ impl Case {
 
     /// Makes a case by its number. None where it cannot be written that way: too few rows, say.
     pub fn make(seed: u64, number: usize, size: Size) -> Option<Self> {
+        if number >= SWEPT {
+            let (family, nth) = resonance::turn(number - SWEPT);
+            let mut draw = Draw::new(seed, number as u64, 1);
+            let (sub, swept, truth) = resonance::draw(family, nth, &mut draw);
+            let (kind, body) = (Kind::Response, Body::Swept(Box::new(swept)));
+            return Some(Self { number, kind, family, sub, change: None, truth, body });
+        }
         if number >= BESIDE {
             let (sub, still, truth) = rest::draw_beside_silent(&mut Draw::new(seed, number as u64, 1), size);
             let (kind, family) = (Kind::Static, Family::Near);
@@ -197,6 +214,7 @@ impl Case {
                 let (sub, turned, truth) = tumble::draw(family, nth, &mut draw, size);
                 (sub, Body::Turned(Box::new(turned)), truth)
             }
+            (Kind::Response, _) => return None,
         };
         let mut case = Self { number, kind, family, sub, change: None, truth, body };
         if how > 0 {
@@ -216,6 +234,15 @@ impl Case {
         (0..cases).chain(linked).chain((0..cases / EACH_BESIDE).map(|n| BESIDE + n)).collect()
     }
 
+    /// Case numbers of a trial of one kind: those of that kind in a trial of so many cases, and so
+    /// many of sweeps, which no other trial has.
+    pub fn numbers_of(kind: Kind, cases: usize) -> Vec<usize> {
+        match kind {
+            Kind::Response => (SWEPT..SWEPT + cases).collect(),
+            _ => Self::numbers(cases).into_iter().filter(|n| Place::of(*n).kind == kind).collect(),
+        }
+    }
+
     /// The number of the case it is linked to, itself where it is none.
     pub fn origin(&self) -> usize {
         if self.number < BESIDE { self.number % LINKED } else { self.number }
@@ -230,7 +257,7 @@ impl Case {
                 self.change = Some(change);
                 return Some(());
             }
-            Body::Turned(_) => return None,
+            Body::Turned(_) | Body::Swept(_) => return None,
         };
         let (o, columns) = (&driven.oscillator, &mut driven.columns);
         match change {
@@ -270,6 +297,7 @@ impl Case {
             Body::Driven(driven) => driven.texts(),
             Body::Still(still) => still.texts(),
             Body::Turned(turned) => turned.texts(),
+            Body::Swept(swept) => swept.texts(),
         }
     }
 }

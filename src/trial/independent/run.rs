@@ -14,6 +14,7 @@ use sha2::{Digest, Sha256};
 use super::case::Case;
 use super::judge::{Mark, judge};
 use super::oscillator_base::Size;
+use super::truth::Kind;
 use crate::ask::{self, Files, Subject};
 use crate::said::Said;
 use crate::scratch::Scratch;
@@ -32,6 +33,9 @@ pub struct Plan {
     pub cases: usize,
     /// Rows of the longest recording.
     pub rows: usize,
+    /// The only kind; all but sweeps where there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kind: Option<Kind>,
 }
 
 /// Contents of the sealed file.
@@ -86,7 +90,8 @@ pub struct Order {
 
 impl Plan {
     fn orders(self) -> Vec<Order> {
-        Case::numbers(self.cases).into_iter().map(|number| Order { number, rows: self.rows }).collect()
+        let numbers = self.kind.map_or_else(|| Case::numbers(self.cases), |kind| Case::numbers_of(kind, self.cases));
+        numbers.into_iter().map(|number| Order { number, rows: self.rows }).collect()
     }
 }
 

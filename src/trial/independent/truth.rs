@@ -13,11 +13,13 @@ pub enum Kind {
     Static,
     /// An IMU hand-rotated.
     Tumble,
+    /// Stepped-sine sweeps of a resonator.
+    Response,
 }
 
 impl Kind {
     /// All, in the order of the report.
-    pub const ALL: [Self; 3] = [Self::Driven, Self::Static, Self::Tumble];
+    pub const ALL: [Self; 4] = [Self::Driven, Self::Static, Self::Tumble, Self::Response];
 
     /// Value of `kind` in model.toml.
     pub fn name(self) -> &'static str {
@@ -25,6 +27,7 @@ impl Kind {
             Self::Driven => "driven",
             Self::Static => "static",
             Self::Tumble => "tumble",
+            Self::Response => "response",
         }
     }
 }
