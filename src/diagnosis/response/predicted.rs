@@ -19,6 +19,9 @@ pub(super) const REACH: f64 = 1.6;
 /// whose derivative grows beyond all bounds leads no fit.
 const LEAST_SLOPE: f64 = 0.3;
 
+/// Part of the largest amplitude of a drive by which the motions of two branches differ at least.
+const FAR: f64 = super::unsettled::LEAST;
+
 type Phasor = Complex<f64>;
 
 /// States where the amplitude of a motion comes from.
@@ -125,7 +128,8 @@ pub(super) fn predicted(sweeps: &Sweeps, sizes: &Sizes, values: &Values, amplitu
                 Amplitude::Followed if !first => all.amplitude[k - 1],
                 _ => read,
             };
-            let (a, z, slope, several) = moved(&along, push, wanted, amplitude);
+            let far = FAR * sizes.amplitude * (sweeps.drive[k] / sizes.drive);
+            let Moved { amplitude: a, argument, z, slope, several } = moved(&along, push, wanted, (amplitude, far));
             let motion = if push > 0.0 { z.conj() * (a / z.norm().max(1e-300)) } else { Phasor::from(0.0) };
             let settled = readout * motion + background;
             let reading = match first {
@@ -134,7 +138,7 @@ pub(super) fn predicted(sweeps: &Sweeps, sizes: &Sizes, values: &Values, amplitu
             };
             all.reading.push(reading);
             all.amplitude.push(a);
-            all.argument.push(if amplitude == Amplitude::Read { wanted } else { a });
+            all.argument.push(argument);
             all.several.push(several);
             all.settled.push(settled);
             all.motion.push(motion);
@@ -145,17 +149,37 @@ pub(super) fn predicted(sweeps: &Sweeps, sizes: &Sizes, values: &Values, amplitu
     all
 }
 
-/// Amplitude, Z, its slope, and whether there were several.
-fn moved(along: &Impedance<'_>, push: f64, wanted: f64, amplitude: Amplitude) -> (f64, Phasor, Phasor, bool) {
-    if amplitude == Amplitude::Read {
-        let (z, _) = along.at(wanted);
-        return (push / z.norm().max(1e-300), z, Phasor::from(0.0), false);
-    }
-    let stable = along.stable(push);
+/// One motion.
+struct Moved {
+    amplitude: f64,
+    /// Amplitude at which Z is taken.
+    argument: f64,
+    z: Phasor,
+    /// Slope of Z by amplitude.
+    slope: Phasor,
+    /// States whether there were several.
+    several: bool,
+}
+
+/// The motion at a step whose read or followed amplitude is `wanted`. One that is read on a branch that
+/// the model has not, `far` from all that it has, is held against the balance of forces there: across the
+/// end of a branch no derivative leads.
+fn moved(along: &Impedance<'_>, push: f64, wanted: f64, (amplitude, far): (Amplitude, f64)) -> Moved {
+    let stable = if amplitude == Amplitude::Read { Vec::new() } else { along.stable(push) };
+    let several = stable.len() > 1;
     let nearest = stable.iter().copied().min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()));
-    let a = nearest.unwrap_or(0.0);
-    let (z, slope) = along.at(a);
-    (a, z, slope, stable.len() > 1)
+    let is_there = |a: &f64| amplitude == Amplitude::Followed || (a - wanted).abs() < far;
+    match nearest.filter(is_there) {
+        Some(a) => {
+            let (z, slope) = along.at(a);
+            Moved { amplitude: a, argument: a, z, slope, several }
+        }
+        None => {
+            let (z, _) = along.at(wanted);
+            let amplitude = push / z.norm().max(1e-300);
+            Moved { amplitude, argument: wanted, z, slope: Phasor::from(0.0), several }
+        }
+    }
 }
 
 impl Predicted {

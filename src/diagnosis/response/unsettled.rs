@@ -9,7 +9,7 @@ use super::intake::Sweeps;
 use super::pole::continued;
 
 /// Part of the largest reading over its drive that a jump changes at least.
-const LEAST: f64 = 0.15;
+pub(super) const LEAST: f64 = 0.15;
 /// Standard deviations of the noise by which both sides miss one another at least: a pole through five
 /// steps, continued by one, has some five times their noise.
 const ABOVE_NOISE: f64 = 20.0;
