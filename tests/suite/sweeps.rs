@@ -16,8 +16,10 @@ use proofmass::diagnosis::{diagnose, response};
 use proofmass::recording::{Column, Recording};
 use proofmass::report::diagnosis::worded;
 use proofmass::rng::{Philox, Stream};
+use proofmass::trial::independent::judge::{Mark, judge};
+use proofmass::trial::independent::run::{self, Line, Truths};
 
-use super::world::{check, data_test, test};
+use super::world::{check, data_test, program, test};
 
 /// Listed by the suite, among the laws.
 pub fn tests() -> Vec<Trial> {
@@ -31,7 +33,10 @@ pub fn tests() -> Vec<Trial> {
 
 /// Listed by the suite, among the campaigns.
 pub fn campaigns() -> Vec<Trial> {
-    vec![test("sweeps: planted laws are named, and noise and a background are not", planted)]
+    vec![
+        test("sweeps: planted laws are named, and noise and a background are not", planted),
+        test("sweeps: sealed cases of the second generator are given no false name", sealed),
+    ]
 }
 
 /// Γ of the resonators that are made, in that of ω₀ = 1.
@@ -204,6 +209,31 @@ fn planted() -> Result<(), Failed> {
         }
     }
     Ok(())
+}
+
+// Two turns of the generator's families, and four more. Control: with the verdicts of other cases, the
+// same truths are given false names.
+fn sealed() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let out = folder.path().join("trial");
+    let asked = ["trial", "--independent", "--kind", "response", "--cases", "24", "--seed", "3", "--out"];
+    let output = program().args(asked).arg(&out).output()?;
+    check(output.status.success(), String::from_utf8_lossy(&output.stderr))?;
+    let truths: Truths = serde_json::from_slice(&std::fs::read(out.join("truth.json"))?)?;
+    let lines = run::earlier(&out.join("verdicts.jsonl"))?;
+    let verdicts: Vec<&Line> = truths.cases.iter().filter_map(|case| lines.get(&case.number)).collect();
+    check(verdicts.len() == 24, format!("{} verdicts", verdicts.len()))?;
+    let marks = |apart: usize| -> Vec<Mark> {
+        let said = |k: usize| &verdicts[(k + apart) % verdicts.len()].said;
+        truths.cases.iter().enumerate().map(|(k, case)| judge(case, said(k))).collect()
+    };
+    let wrong = |marks: &[Mark]| marks.iter().filter(|m| m.is_false_name() || m.is_alarm()).count();
+    let own = marks(0);
+    let table = || verdicts.iter().map(|v| format!("{} {}: {:?}", v.number, v.sub, v.mark)).collect::<Vec<_>>();
+    check(wrong(&own) == 0 && !own.contains(&Mark::Error), format!("{:?}", table()))?;
+    let right = own.iter().filter(|m| matches!(m, Mark::Right | Mark::HonestNamed)).count();
+    check(right >= 20, format!("{right} right: {:?}", table()))?;
+    check(wrong(&marks(1)) >= 8, format!("{:?}", marks(1)))
 }
 
 fn recorded(folder: &std::path::Path, name: &str) -> Result<(Verdict, response::Detail), Failed> {

@@ -120,13 +120,24 @@ impl Case<'_> {
     }
 
     /// Returns what the final model leaves over the noise: real where it depends on an argument, or
-    /// where neighbouring steps leave alike.
+    /// where neighbouring steps leave alike; where laws are named, more than the noise is no noise,
+    /// even on few steps that are no neighbours.
     fn remainder(&self) -> Remainder {
         let (found, noise) = (self.found, self.deviation.powi(2));
         let excess = found.model.variance / noise - 1.0;
         let depends = !found.rest.is_empty() || found.named.iter().any(|n| n.departs.is_some());
-        let p_value = if depends { 0.0 } else { self.alike_by_chance(&found.model) };
+        let p_value = match (depends, found.named.is_empty()) {
+            (true, _) => 0.0,
+            (false, true) => self.alike_by_chance(&found.model),
+            (false, false) => self.alike_by_chance(&found.model).min(self.larger_by_chance(excess)),
+        };
         Remainder::of([Test { p_value, size: Size::of(excess, AT_NOISE, FAINT) }])
+    }
+
+    /// Probability that noise exceeds its own measurement by so much.
+    fn larger_by_chance(&self, excess: f64) -> f64 {
+        let rows = self.system.layout.rows() as f64;
+        special::f_survival(1.0 + excess, rows, super::noise::freedom(self.system.sweeps.len()))
     }
 
     /// Probability that neighbouring steps of white noise are as much alike (Ljung & Box,

@@ -8,30 +8,28 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use crate::engine::kind::{Kind, Point};
-
 use super::beginnings::in_place;
-use super::predicted::{readout, shapes};
-use super::steady_state::{Law, Table};
-use super::system::{OWN, System, coordinate};
-use super::values::Values;
+use super::intake::Sweeps;
+use super::predicted::{REACH, readout, shapes};
+use super::steady_state::{Law, Oscillator, Table};
+use super::values::{Sizes, Values};
 
 /// Least Γ, in that of the base model, where the balance has none.
 const LEAST_DAMPING: f64 = 0.1;
 
-/// The point of this set at which forces balance best; forms of laws stay as they are.
-pub(super) fn balanced(system: &System<'_>, set: &[usize], point: &Point) -> Option<Point> {
-    let (sweeps, sizes, values) = (system.sweeps, &system.sizes, system.values(set, point));
+/// The model of these laws at which forces balance best; forms of laws stay as they are.
+pub(super) fn balanced(sweeps: &Sweeps, sizes: &Sizes, values: &Values) -> Option<Values> {
     let band = sizes.band_hz.map(|f| TAU * f);
-    let acting: Vec<usize> = (0..set.len()).filter(|i| values.laws[*i].acts()).collect();
+    let backgrounds = values.background.len();
+    let acting: Vec<usize> = (0..values.laws.len()).filter(|i| values.laws[*i].acts()).collect();
     let tables: Vec<Table> = acting
         .iter()
-        .map(|i| Table::new(&values.mass, std::slice::from_ref(&values.laws[*i]), system.reach(), band))
+        .map(|i| Table::new(&values.mass, std::slice::from_ref(&values.laws[*i]), REACH * sizes.amplitude, band))
         .collect();
     let shapes: Vec<[f64; 4]> = (0..sweeps.len()).map(|k| shapes(sweeps, sizes, k)).collect();
     let motion = |k: usize| {
         let background: Complex<f64> = values.background.iter().zip(shapes[k]).map(|(b, s)| b * s).sum();
-        let read = readout(sweeps, sizes, &values, k);
+        let read = readout(sweeps, sizes, values, k);
         [(sweeps.reading[k] - background) / read, sweeps.reading[k] / read]
     };
     let by_law = |k: usize, amplitude: f64| -> Vec<Complex<f64>> {
@@ -47,7 +45,7 @@ pub(super) fn balanced(system: &System<'_>, set: &[usize], point: &Point) -> Opt
         acting.iter().zip(&tables).map(one).collect()
     };
     let own = 2 + acting.len();
-    let smooth = system.backgrounds + 2;
+    let smooth = backgrounds + 2;
     let columns = own + 2 * smooth;
     let (mut normal, mut right) = (DMatrix::<f64>::zeros(columns, columns), DVector::<f64>::zeros(columns));
     let centre = sizes.laws.omega_rad_s;
@@ -59,7 +57,7 @@ pub(super) fn balanced(system: &System<'_>, set: &[usize], point: &Point) -> Opt
         row.extend(by_law(k, moved.norm()).into_iter().map(|n| x * n));
         let [one, along, drive, _] = shapes[k];
         let bent = [one * along * along, drive * along * along];
-        for shape in shapes[k][..system.backgrounds].iter().chain(&bent) {
+        for shape in shapes[k][..backgrounds].iter().chain(&bent) {
             let unit = sizes.amplitude * centre * sizes.damping_per_s * shape;
             row.extend([Complex::from(unit), Complex::new(0.0, unit)]);
         }
@@ -74,32 +72,24 @@ pub(super) fn balanced(system: &System<'_>, set: &[usize], point: &Point) -> Opt
     (0..columns).for_each(|i| normal[(i, i)] += least.max(1e-300));
     let solved = normal.cholesky()?.solve(&right);
     let square = centre * centre + solved[0] * centre * sizes.damping_per_s;
-    let (omega, part) = ((square > 0.0).then(|| square.sqrt())?, solved[1].max(LEAST_DAMPING));
-    let mut found = point.clone();
-    (found.shared[0], found.shared[1]) = ((omega - centre) / sizes.damping_per_s, part.ln());
+    let mass = Oscillator {
+        omega_rad_s: (square > 0.0).then(|| square.sqrt())?,
+        damping_per_s: solved[1].max(LEAST_DAMPING) * sizes.damping_per_s,
+    };
+    let mut found = Values { mass, settling: 0.0, ..values.clone() };
     for (j, place) in acting.iter().enumerate() {
-        let term = values.laws[*place].term;
-        let first = system.coordinates(set, *place).start;
-        found.shared[first] =
-            coordinate(system.law_coordinates(&term)[0], values.laws[*place].values[0] * solved[2 + j]);
+        found.laws[*place].values[0] *= solved[2 + j];
     }
-    found.shared[4] = 0.0;
-    system.confine(set, &mut found);
-    let Values { mass, .. } = system.values(set, &found);
     let over = |k: usize| {
         let omega = TAU * sweeps.frequency_hz[k];
         let bare = Complex::new(mass.omega_rad_s.powi(2) - omega * omega, omega * mass.damping_per_s);
         let laws: Complex<f64> =
             by_law(k, motion(k)[0].norm()).iter().enumerate().map(|(j, n)| n * solved[2 + j]).sum();
-        let turned = readout(sweeps, sizes, &values, k) * Complex::from_polar(1.0, -values.angle_rad);
+        let turned = readout(sweeps, sizes, values, k) * Complex::from_polar(1.0, -values.angle_rad);
         turned * sweeps.drive[k] / (bare + laws)
     };
-    let linear: Vec<Vec<f64>> =
-        (0..system.backgrounds).map(|i| shapes.iter().map(|shape| shape[i]).collect()).collect();
+    let linear: Vec<Vec<f64>> = (0..backgrounds).map(|i| shapes.iter().map(|shape| shape[i]).collect()).collect();
     let (gain, background, _) = in_place(sweeps, &linear, over)?;
-    let unit = sizes.amplitude * centre * sizes.damping_per_s / sizes.drive;
-    (found.shared[2], found.shared[3]) = ((gain.norm() / unit).max(1e-9).ln(), gain.arg());
-    let background = background.iter().flat_map(|b| [b.re, b.im]);
-    found.shared[OWN..].iter_mut().zip(background).for_each(|(z, b)| *z = b / (0.1 * sizes.reading));
-    found.shared.iter().all(|z| z.is_finite()).then_some(found)
+    (found.gain, found.angle_rad, found.background) = (gain.norm(), gain.arg(), background);
+    found.gain.is_finite().then_some(found)
 }

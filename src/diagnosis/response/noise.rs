@@ -38,8 +38,12 @@ pub(super) fn deviation(sweeps: &Sweeps) -> Option<f64> {
 /// values of χ²₈ over its mean scatters by 0.63/√n, and windows that share no step are as many as there
 /// are sevens of steps.
 pub(super) fn allowed(deviation: f64, steps: usize) -> f64 {
-    let apart = (steps as f64 / (2 * HALF + 1) as f64).max(1.0);
-    deviation * (1.0 + SCATTER / apart.sqrt()).sqrt()
+    deviation * (1.0 + SCATTER * (FREE / freedom(steps)).sqrt()).sqrt()
+}
+
+/// Free numbers of the windows that share no step.
+pub(super) fn freedom(steps: usize) -> f64 {
+    FREE * (steps as f64 / (2 * HALF + 1) as f64).max(1.0)
 }
 
 /// Variance of a component after the best pole is subtracted.

@@ -13,7 +13,7 @@ use crate::physics::scales::Coordinate;
 
 use super::balance::balanced;
 use super::intake::Sweeps;
-use super::predicted::{Amplitude, Predicted, REACH, predicted};
+use super::predicted::{Amplitude, Predicted, predicted};
 use super::space::{self, Member};
 use super::steady_state::{Law, Oscillator};
 use super::values::{Sizes, Values};
@@ -105,9 +105,22 @@ impl<'a> System<'a> {
         predicted(self.sweeps, &self.sizes, &self.values(set, point), amplitude)
     }
 
-    /// Largest displacement that is tabulated.
-    pub(super) fn reach(&self) -> f64 {
-        REACH * self.sizes.amplitude
+    /// Coordinates of a model whose laws have these forms.
+    fn point(&self, set: &[usize], values: &Values, like: &Point) -> Point {
+        let (s, mut point) = (&self.sizes, like.clone());
+        point.shared[0] = (values.mass.omega_rad_s - s.laws.omega_rad_s) / s.damping_per_s;
+        point.shared[1] = (values.mass.damping_per_s / s.damping_per_s).ln();
+        let unit = s.amplitude * s.laws.omega_rad_s * s.damping_per_s / s.drive;
+        point.shared[2] = (values.gain / unit).max(1e-9).ln();
+        (point.shared[3], point.shared[4]) = (values.angle_rad, values.settling);
+        let background = values.background.iter().flat_map(|b| [b.re, b.im]);
+        point.shared[OWN..].iter_mut().zip(background).for_each(|(z, b)| *z = b / (0.1 * s.reading));
+        for (place, law) in values.laws.iter().enumerate() {
+            let first = self.coordinates(set, place).start;
+            point.shared[first] = coordinate(self.law_coordinates(&law.term)[0], law.values[0]);
+        }
+        self.confine(set, &mut point);
+        point
     }
 
     fn residual(&self, predicted: &[Complex<f64>]) -> Vec<f64> {
@@ -152,7 +165,7 @@ pub(super) fn value(coordinate: Coordinate, z: f64) -> f64 {
 }
 
 /// The coordinate of a value.
-pub(super) fn coordinate(coordinate: Coordinate, value: f64) -> f64 {
+fn coordinate(coordinate: Coordinate, value: f64) -> f64 {
     match coordinate {
         Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => value / scale,
         Coordinate::Log(low, high) => value.clamp(low, high).ln(),
@@ -190,7 +203,8 @@ impl Kind for System<'_> {
         let begin = |own: Vec<f64>| {
             let mut point = point.clone();
             point.shared.extend(own);
-            let balanced = balanced(&read, &larger, &point);
+            let balanced = balanced(self.sweeps, &self.sizes, &self.values(&larger, &point));
+            let balanced = balanced.map(|values| self.point(&larger, &values, &point));
             let starts: Vec<Point> = std::iter::once(point).chain(balanced).collect();
             let left = |residual: &[f64]| {
                 residual.iter().zip(&self.layout.counts).filter(|(_, c)| **c).map(|(e, _)| e * e).sum::<f64>()

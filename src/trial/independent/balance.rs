@@ -56,7 +56,7 @@ pub(super) struct Sizes {
     pub floor: f64,
     /// Left by each statement in the place of the only effect, over what its own law leaves.
     pub alone: Vec<(&'static str, f64)>,
-    /// The same by a spring and a drag together.
+    /// The same by two together.
     pub paired: Vec<([&'static str; 2], f64)>,
 }
 
@@ -188,12 +188,11 @@ pub(super) fn sizes(swept: &Swept, motion: &[Complex<f64>]) -> Sizes {
         let slow = balance.by_law(&Law::SpringDrift { size: 1.0, course: Course::Linear });
         alone.push(("stiffness-drift", left(&[&slow])));
     }
-    // Springs are the first two statements.
     let mut paired = Vec::new();
-    for (spring, a) in &columns[..2] {
-        for (drag, b) in &columns[2..] {
+    for (i, (first, a)) in columns.iter().enumerate() {
+        for (second, b) in &columns[i + 1..] {
             let mut pairs = a.iter().flat_map(|a| b.iter().map(|b| left(&[a, b])));
-            paired.push(([*spring, *drag], least(&mut pairs)));
+            paired.push(([*first, *second], least(&mut pairs)));
         }
     }
     Sizes { whole, each, floor, alone, paired }

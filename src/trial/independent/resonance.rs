@@ -187,7 +187,7 @@ fn tolerable(sub: &str) -> &'static [&'static str] {
     }
 }
 
-/// What stands between motion and reading in a sub-family, and the name of it.
+/// The lock-in of a sub-family, with the names of its effect.
 fn lock_in(sub: &str, half: f64, draw: &mut Draw) -> (LockIn, &'static [&'static str]) {
     let plain = LockIn { lag: if draw.chance(0.3) { draw.between(0.02, 0.15) } else { 0.0 }, ..LockIn::default() };
     match sub {
@@ -316,7 +316,7 @@ fn truth(family: Family, swept: &Swept, size: &Sizes, rights: &[&[&str]], tolera
     let near: Vec<&str> = size.alone.iter().filter(|(_, left)| is_near(*left)).map(|(name, _)| *name).collect();
     let pairs = size.paired.iter().filter(|(_, left)| is_near(*left)).flat_map(|(names, _)| *names);
     // Two in the place of one are as right where no single one is.
-    let pairs: Vec<&str> = if rights.is_empty() && near.is_empty() { pairs.collect() } else { Vec::new() };
+    let pairs: Vec<&str> = if near.is_empty() { pairs.collect() } else { Vec::new() };
     let effect = |(i, right): (usize, &&[&str])| {
         let several = rights.len() > 1;
         let evidence = if several { size.each[i] } else { size.whole } / over;
