@@ -324,7 +324,9 @@ fn truth(family: Family, swept: &Swept, size: &Sizes, rights: &[&[&str]], tolera
         let right = words(&right.iter().copied().chain(others).collect::<Vec<_>>());
         Effect { right, evidence, over_noise: (evidence / rows).sqrt() }
     };
-    let also = [near.clone(), pairs].concat();
+    let mut also = [near.clone(), pairs].concat();
+    also.sort_unstable();
+    also.dedup();
     let mut effects: Vec<Effect> = rights.iter().enumerate().map(effect).collect();
     if effects.is_empty() && !also.is_empty() {
         effects.push(effect((0, &&also[..])));
