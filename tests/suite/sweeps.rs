@@ -211,9 +211,9 @@ fn planted() -> Result<(), Failed> {
     Ok(())
 }
 
-// A turn of the generator's families, and four more. Of 413 cases 1.2 % have a false name and 90 % are
-// right or honest with the right name: of 24, two false ones are reached once in thirty, and fewer than 18
-// right ones once in fifty. Control: with the verdicts of other cases, the same truths are given false names.
+// A turn of the generator's families, and four more, of a fixed seed: none of its names is false, and 20 are
+// right or honest with the right name, as 89 % of 472 others are. Control: with the verdicts of other cases
+// the same truths are given false names.
 fn sealed() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let out = folder.path().join("trial");
@@ -231,9 +231,9 @@ fn sealed() -> Result<(), Failed> {
     let wrong = |marks: &[Mark]| marks.iter().filter(|m| m.is_false_name() || m.is_alarm()).count();
     let own = marks(0);
     let table = || verdicts.iter().map(|v| format!("{} {}: {:?}", v.number, v.sub, v.mark)).collect::<Vec<_>>();
-    check(wrong(&own) < 2 && !own.contains(&Mark::Error), format!("{:?}", table()))?;
+    check(wrong(&own) == 0 && !own.contains(&Mark::Error), format!("{:?}", table()))?;
     let right = own.iter().filter(|m| matches!(m, Mark::Right | Mark::HonestNamed)).count();
-    check(right >= 18, format!("{right} right: {:?}", table()))?;
+    check(right >= 20, format!("{right} right: {:?}", table()))?;
     check(wrong(&marks(1)) >= 8, format!("{:?}", marks(1)))
 }
 

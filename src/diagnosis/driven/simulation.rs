@@ -2,7 +2,9 @@
 //! terms ask for it.
 
 pub mod filter;
+mod force;
 pub mod gain;
+mod mover;
 mod once;
 mod propagator;
 pub mod restarted;

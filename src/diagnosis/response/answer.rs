@@ -75,7 +75,7 @@ impl Case<'_> {
             value: self.deviation,
             unit: channels.output_unit.clone(),
             how: match self.is_measured {
-                true => "what seven neighbouring steps leave of a pole".into(),
+                true => "what seven neighbouring steps leave of a pole, and one standard error of that".into(),
                 false => "the residual of the base model: no seven steps follow one another".into(),
             },
         };
@@ -134,7 +134,8 @@ impl Case<'_> {
         Remainder::of([Test { p_value, size: Size::of(excess, AT_NOISE, FAINT) }])
     }
 
-    /// Probability that noise exceeds its own measurement by so much.
+    /// Probability that noise exceeds by so much the most that its measurement allows: less than that in
+    /// truth, so that no noise is taken for physics.
     fn larger_by_chance(&self, excess: f64) -> f64 {
         let rows = self.system.layout.rows() as f64;
         special::f_survival(1.0 + excess, rows, super::noise::freedom(self.system.sweeps.len()))

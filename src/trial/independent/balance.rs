@@ -2,9 +2,9 @@
 //! the oracle of cases of sweeps.
 //!
 //! The motion of a sweep satisfies Z·X = push with Z = 1 − ω² + iωΓ + N, of which N, the fundamental of
-//! all laws for unit displacement, is known from the motion itself. A law that is left out changes the
-//! reading by that of its own N, and so does each free number of the base model; what no combination of
-//! these accounts for is what a fit of the base model leaves. Linear about the true motion: exact where
+//! all laws for unit displacement, is known from the motion itself. Leaving out a law
+//! changes the reading as its own N does, and each free parameter of the base model changes it in its own
+//! way; what no combination of these changes reproduces is what a fit of the base model leaves. Linear about the true motion: exact where
 //! little is left.
 
 use std::f64::consts::TAU;
@@ -52,9 +52,9 @@ pub(super) struct Sizes {
     pub whole: f64,
     /// Of each law next to the others.
     pub each: Vec<f64>,
-    /// Left by the law that acts, in its own form: more than that no statement can be held against.
+    /// Sum that the law that acts leaves in its own form: no statement can be asked to leave less.
     pub floor: f64,
-    /// Left by each statement in the place of the only effect, over what its own law leaves.
+    /// Sum that each statement leaves where it stands in for the only effect, beyond what the true law leaves.
     pub alone: Vec<(&'static str, f64)>,
     /// The same by two together.
     pub paired: Vec<([&'static str; 2], f64)>,

@@ -234,8 +234,8 @@ impl Case {
         (0..cases).chain(linked).chain((0..cases / EACH_BESIDE).map(|n| BESIDE + n)).collect()
     }
 
-    /// Case numbers of a trial of one kind: those of that kind in a trial of so many cases, and so
-    /// many of sweeps, which no other trial has.
+    /// Case numbers of a trial of one kind. Sweeps are in no other trial: there are `cases` of them; of the
+    /// other kinds it is those that a trial of `cases` holds.
     pub fn numbers_of(kind: Kind, cases: usize) -> Vec<usize> {
         match kind {
             Kind::Response => (SWEPT..SWEPT + cases).collect(),

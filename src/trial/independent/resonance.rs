@@ -315,7 +315,7 @@ fn truth(family: Family, swept: &Swept, size: &Sizes, rights: &[&[&str]], tolera
     let is_near = |left: f64| left.max(size.floor) < SEEN * over && left < 0.5 * size.whole;
     let near: Vec<&str> = size.alone.iter().filter(|(_, left)| is_near(*left)).map(|(name, _)| *name).collect();
     let pairs = size.paired.iter().filter(|(_, left)| is_near(*left)).flat_map(|(names, _)| *names);
-    // Two in the place of one are as right where no single one is.
+    // Two statements together count as right where no single one does.
     let pairs: Vec<&str> = if near.is_empty() { pairs.collect() } else { Vec::new() };
     let effect = |(i, right): (usize, &&[&str])| {
         let several = rights.len() > 1;
@@ -376,7 +376,9 @@ mod tests {
     // What is planted is left by no other statement and by its own wholly taken away.
     #[test]
     fn the_statement_that_is_there_leaves_nothing() {
-        for (nth, own) in [(0, "cubic-stiffness"), (1, "quadratic-damping"), (4, "squeeze-film-damping")] {
+        for (nth, own) in
+            [(0, "cubic-stiffness"), (1, "quadratic-damping"), (3, "coulomb-friction"), (4, "squeeze-film-damping")]
+        {
             let (sub, swept, truth) = draw(Family::Letter, nth, &mut Draw::new(5, nth as u64, 1));
             let size = sizes(&swept, &swept.resonator.motion(&swept.taken()));
             let left = |name: &str| size.alone.iter().find(|l| l.0 == name).map_or(f64::NAN, |l| l.1 / size.whole);

@@ -168,8 +168,11 @@ pub fn page(score: &Score, lines: &Lines) -> String {
     page.table(&marks(&score.families));
     page.section("By what is there");
     page.table(&marks(&score.subs));
-    page.section("Invariance: the same recording rewritten");
-    page.table(&agreement(score));
+    // Sweeps are not written otherwise.
+    if !score.agreement.is_empty() {
+        page.section("Invariance: the same recording rewritten");
+        page.table(&agreement(score));
+    }
     page.section("Interval coverage");
     page.table(&intervals(score));
     page.section("Every case");

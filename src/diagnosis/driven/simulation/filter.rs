@@ -15,8 +15,10 @@ use crate::model::Output;
 use crate::physics::law::Role;
 use crate::physics::state::{Instants, LANES, Lanes};
 
+use super::force::Force;
+use super::mover::{MOST_STATES, Mover, movers};
 use super::propagator::Shift;
-use super::step::{Force, MOST_STATES, Mover, Parts, Plan, StepState, movers, together};
+use super::step::{Parts, Plan, StepState, together};
 
 /// Specification of one pass of a simulation.
 #[derive(Debug)]
@@ -264,6 +266,23 @@ mod tests {
     const OMEGA: f64 = 5.0;
     const PULL: f64 = 25.0;
 
+    /// Pass over one recording with these parts, from rest at this displacement.
+    fn pass<'a>(parts: Parts<'a>, reading: &'a [f64], grid: &'a [f64], start: f64) -> Pass<'a> {
+        let initial = [[start; LANES], [0.0; LANES]];
+        Pass {
+            run: 0..reading.len(),
+            reading,
+            grid,
+            grid_end: 0,
+            environment: &[],
+            environments: 0,
+            clock_s: &[],
+            parts,
+            beginnings: vec![Beginning { sample: 0, recording: 0, offset: [0.0; LANES], initial }],
+            gains: None,
+        }
+    }
+
     /// Displacements at samples a step of `angle` radians apart, pulled by `push` and rubbed by
     /// `friction`; ζ = 0.
     fn swings(angle: f64, samples: usize, start: f64, friction: f64, push: impl Fn(f64) -> f64) -> Vec<f64> {
@@ -281,33 +300,18 @@ mod tests {
     ) -> Vec<f64> {
         let h = angle / OMEGA;
         let grid: Vec<f64> = (0..=2 * samples).map(|i| push(0.5 * h * i as f64)).collect();
-        let pass = Pass {
-            run: 0..samples,
-            reading: &vec![0.0; samples],
-            grid: &grid,
-            grid_end: 0,
-            environment: &[],
-            environments: 0,
-            clock_s: &[],
-            parts: Parts {
-                base: BaseLanes { gain: [1.0; LANES], stiffness: [PULL; LANES], damping: [0.0; LANES] },
-                oscillator: [[OMEGA; LANES], [0.0; LANES]],
-                terms: &[Term::CoulombFriction(CoulombFriction(sides))],
-                parameters,
-                first: &[0],
-                interval_s: h,
-                steps: 1,
-                observed: Observed::default(),
-            },
-            beginnings: vec![Beginning {
-                sample: 0,
-                recording: 0,
-                offset: [0.0; LANES],
-                initial: [[start; LANES], [0.0; LANES]],
-            }],
-            gains: None,
+        let parts = Parts {
+            base: BaseLanes { gain: [1.0; LANES], stiffness: [PULL; LANES], damping: [0.0; LANES] },
+            oscillator: [[OMEGA; LANES], [0.0; LANES]],
+            terms: &[Term::CoulombFriction(CoulombFriction(sides))],
+            parameters,
+            first: &[0],
+            interval_s: h,
+            steps: 1,
+            observed: Observed::default(),
         };
-        pass.innovations(&mut Nothing).iter().map(|e| -e[LANES - 1]).collect()
+        let reading = vec![0.0; samples];
+        pass(parts, &reading, &grid, start).innovations(&mut Nothing).iter().map(|e| -e[LANES - 1]).collect()
     }
 
     // Between turns friction only shifts the equilibrium by f/ω₀²: each half swing loses 2 f/ω₀²,
@@ -356,5 +360,41 @@ mod tests {
         let error = |angle: f64| at(angle).iter().zip(&exact).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
         let [coarse, fine] = [0.5, 0.125].map(error);
         assert!(coarse > 16.0 * fine, "{coarse} {fine}");
+    }
+
+    // One arithmetic, whatever the processor: a verdict is the same on every machine.
+    #[test]
+    fn every_instruction_set_gives_the_same_bits() {
+        let known = |id: &str| Term::tried(0, true).into_iter().find(|t| t.id() == id).expect("it is in the library");
+        let mixed = ["hysteresis", "coulomb-friction", "parasitic-mode"];
+        for set in [&[][..], &["cubic-stiffness", "quadratic-damping"], &mixed] {
+            let terms: Vec<Term> = set.iter().map(|id| known(id)).collect();
+            let first: Vec<usize> = (0..terms.len()).map(|i| terms[..i].iter().map(|t| t.values()).sum()).collect();
+            let parameters: Vec<Lanes> =
+                (0..20).map(|i| std::array::from_fn(|l| 0.3 + 0.1 * f64::from(i) + 0.01 * l as f64)).collect();
+            let grid: Vec<f64> = (0..=2 * 500).map(|i| 9.0 * (0.37 * f64::from(i)).sin()).collect();
+            let at_gain = |gain: f64| {
+                let parts = Parts {
+                    base: BaseLanes { gain: [gain; LANES], stiffness: [PULL; LANES], damping: [0.5; LANES] },
+                    oscillator: [[OMEGA; LANES], [0.05; LANES]],
+                    terms: &terms,
+                    parameters: &parameters,
+                    first: &first,
+                    interval_s: 0.05,
+                    steps: 1,
+                    observed: Observed::default(),
+                };
+                pass(parts, &[0.0; 500], &grid, 0.1)
+            };
+            let plain = at_gain(1.0).by(Force::plain(), &mut Nothing);
+            assert!(plain == at_gain(1.0).innovations(&mut Nothing), "{set:?}");
+            #[cfg(target_arch = "x86_64")]
+            if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
+                // SAFETY: the processor has been asked for AVX2 and FMA.
+                assert!(plain == unsafe { at_gain(1.0).middle(&mut Nothing) }, "{set:?}");
+            }
+            // Control: another gain gives other numbers.
+            assert!(plain != at_gain(1.0 + 1e-15).innovations(&mut Nothing), "{set:?}");
+        }
     }
 }

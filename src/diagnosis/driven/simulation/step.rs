@@ -11,14 +11,12 @@ use crate::model::Output;
 use crate::physics::coulomb_friction::{self, Sliding};
 use crate::physics::law::{Place, Role};
 use crate::physics::library::Term;
-use crate::physics::state::{
-    BaseLanes, Constants, Instants, LANES, Lanes, MOST_STAGED, MOST_VALUES, Staged, Stride, Values,
-};
+use crate::physics::state::{BaseLanes, Constants, Instants, LANES, Lanes, MOST_STAGED, Staged, Stride};
 
+use super::force::Force;
+use super::mover::{MOST_STATES, Mover, movers};
 use super::propagator::{Shift, Transition};
 
-/// Most own states of all terms of a model together.
-pub(super) const MOST_STATES: usize = 8;
 /// Rows that hold the states of all terms that act on the mass and, from each term's first one on, as
 /// many as a law is given.
 const STAGED_ROWS: usize = 2 * MOST_STAGED;
@@ -79,51 +77,6 @@ pub(crate) struct Parts<'a> {
     pub steps: usize,
     /// Quantity that is read.
     pub observed: Observed,
-}
-
-/// Adds the force of a term to the acceleration and writes the rates of its states. A call, and not
-/// inlined: in the loop over the terms of a stage the compiler would prepare what any law might need.
-#[derive(Clone, Copy)]
-pub(super) struct Force(unsafe fn(&Mover<'_>, &Instants<'_, f64, LANES>, &Rows, &mut Rows, &mut Lanes));
-
-type Rows = Staged<f64, LANES>;
-
-impl Force {
-    /// For a processor with AVX-512F.
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f")]
-    pub(super) fn wide() -> Self {
-        #[target_feature(enable = "avx512f")]
-        fn add(m: &Mover<'_>, at: &Instants<'_, f64, LANES>, own: &Rows, rate: &mut Rows, sum: &mut Lanes) {
-            m.term.force::<f64, LANES, false>(at, &m.values, own, rate, sum);
-        }
-        Self(add)
-    }
-
-    /// For a processor with AVX2 and FMA.
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,fma")]
-    pub(super) fn middle() -> Self {
-        #[target_feature(enable = "avx2,fma")]
-        fn add(m: &Mover<'_>, at: &Instants<'_, f64, LANES>, own: &Rows, rate: &mut Rows, sum: &mut Lanes) {
-            m.term.force::<f64, LANES, false>(at, &m.values, own, rate, sum);
-        }
-        Self(add)
-    }
-
-    /// For any processor.
-    pub(super) fn plain() -> Self {
-        fn add(m: &Mover<'_>, at: &Instants<'_, f64, LANES>, own: &Rows, rate: &mut Rows, sum: &mut Lanes) {
-            m.term.force::<f64, LANES, false>(at, &m.values, own, rate, sum);
-        }
-        Self(add)
-    }
-
-    #[inline(always)]
-    fn add(self, m: &Mover<'_>, at: &Instants<'_, f64, LANES>, own: &Rows, rate: &mut Rows, sum: &mut Lanes) {
-        // SAFETY: it can be had only where the processor has what the function needs.
-        unsafe { (self.0)(m, at, own, rate, sum) }
-    }
 }
 
 /// Plan of a pass, computed before its first step.
@@ -380,35 +333,6 @@ fn delay(late: Option<&Lanes>, early: Option<&Lanes>) -> Option<Lanes> {
     let of = |lanes: Option<&Lanes>| lanes.copied().unwrap_or([0.0; LANES]);
     let (late_s, early_s) = (of(late), of(early));
     (late.is_some() || early.is_some()).then(|| std::array::from_fn(|l| late_s[l] - early_s[l]))
-}
-
-/// A term, its values and where its states begin.
-#[repr(C, align(64))]
-pub(super) struct Mover<'a> {
-    /// Its values, with those of the first recording where it has some of each.
-    pub values: Values<f64, LANES>,
-    pub term: &'a Term,
-    pub role: Role,
-    /// Index of its first value among those of all terms.
-    pub first: usize,
-    pub state: usize,
-}
-
-/// Terms in their order; those that move the mass have the first states.
-pub(super) fn movers<'a>(terms: &'a [Term], first: &[usize], parameters: &[Lanes]) -> Vec<Mover<'a>> {
-    let mut next = [0, MOST_STAGED];
-    let mut all = Vec::new();
-    for (term, first) in terms.iter().zip(first) {
-        let (next, end) =
-            if term.role().acts_on_mass() { (&mut next[0], MOST_STAGED) } else { (&mut next[1], MOST_STATES) };
-        if *next + term.states() <= end {
-            let mut values = [[0.0; LANES]; MOST_VALUES];
-            values.iter_mut().zip(&parameters[*first..]).take(term.values()).for_each(|(row, p)| *row = *p);
-            all.push(Mover { term, role: term.role(), first: *first, values, state: *next });
-            *next += term.states();
-        }
-    }
-    all
 }
 
 /// Displacement and velocity of mass and modes together; those of modes are states at these places.
