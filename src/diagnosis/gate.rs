@@ -46,7 +46,6 @@ gates! {
     PartOfRest "part-of-rest" "A term must gain a part of what is still unexplained with it" "held-out gain";
     InTurn "in-turn" "All samples judge in turn where the validation samples show nothing" "p";
     Pruned "pruned" "A term whose absence costs nothing is removed" "lead in log-likelihood";
-    Hopeless "hopeless" "A model of four terms that leaves most is not extended" "predictable share of the residual";
     NoRivals "no-rivals" "A model of several terms that is far from done is not compared with its rivals" "predictable share of the residual";
     Swap "swap" "A better candidate takes a term's place" "lead in log-likelihood";
     Tie "tie" "A candidate that fits as well in a term's place stays its rival" "lead in log-likelihood";
@@ -68,13 +67,11 @@ gates! {
     Rounding "rounding" "A term that follows only the rounding of the readings is dropped" "lead in log-likelihood";
     LeastPart "least-part" "A law that adds next to nothing to what the others remove is not named" "growth of the error without it";
     Inexactness "inexactness" "Noise within the modelling error of the named laws is not named" "growth of the error without it";
-    PushesAlong "pushes-along" "Friction that pushes along the velocity is not named" "friction force";
     KnownSignal "known-signal" "Noise that follows a known signal is dropped: a law is missing" "predictable share of the noise";
     SmoothTrend "smooth-trend" "A random walk that a smooth trend describes better is dropped" "";
     Twins "twins" "Two faint terms that can be mistaken for each other are dropped" "growth of the error without it";
     RoundedReadings "rounded-readings" "Coarse rounding that explains the residual counts as named" "gain in log-likelihood per sample";
     Disturbance "disturbance" "A disturbance in the residual is a faint residual" "p";
-    NoisePower "noise-power" "Noise whose power is not even is a residual" "predictable share of the noise power";
     FewCycles "few-cycles" "Too few cycles of the resonance determine nothing" "cycles";
     LinearClass "linear-class" "Linear laws that the input cannot tell apart are indistinguishable" "";
     // Where the named terms do not account for the mismatch.

@@ -100,7 +100,7 @@ fn book() -> Result<(), Failed> {
     let ablated = run(program().args(["--json", "trial", "--book"]).arg(&first).args(["--only", CASES]).args(resumed))?;
     let document = ablated.json()?;
     let gates = document["gates"].as_array().ok_or("no gates")?.clone();
-    check(gates.len() > 40, format!("{} gates", gates.len()))?;
+    check(gates.len() > 30, format!("{} gates", gates.len()))?;
     for gate in &gates {
         let is_in = |line: &&Value| line["gates"].as_array().is_some_and(|all| all.contains(&gate["gate"]));
         let acted = book.iter().filter(is_in).count();

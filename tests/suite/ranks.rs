@@ -13,7 +13,7 @@ use super::world::{check, program, test};
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
-    if !cfg!(feature = "mpi") {
+    if with_mpi().is_none() {
         return vec![
             test("ranks: a program without MPI refuses to do the same work once for each rank", refused),
             Trial::test("ranks: an MPI run (needs MPI: cargo test --features mpi)", || Ok(())).with_ignored_flag(true),
@@ -29,6 +29,12 @@ pub fn tests() -> Vec<Trial> {
         test("ranks: an error is told once, with exit code 2", told_once),
         test("ranks: a rank that is killed ends the run, which goes on with another number of ranks", killed),
     ]
+}
+
+/// The program built with MPI: the one of this build, or the one named in `PROOFMASS_MPI`.
+fn with_mpi() -> Option<PathBuf> {
+    let own = cfg!(feature = "mpi").then(|| env!("CARGO_BIN_EXE_proofmass").into());
+    own.or_else(|| std::env::var_os("PROOFMASS_MPI").map(PathBuf::from))
 }
 
 const STUDY: &str = "name = \"ranks\"\nmembers = 3000\nduration_s = 2.0\n[accelerometer]\nnoise_density_ug_rthz = 100.0\n\
@@ -80,7 +86,7 @@ impl World {
     fn ranks(&self, number: u32, more: &[&str]) -> Command {
         let mut command = Command::new("mpirun");
         command.args(["--oversubscribe", "--bind-to", "none", "-n", &number.to_string()]);
-        command.arg(env!("CARGO_BIN_EXE_proofmass")).args(self.arguments(&self.out())).args(more);
+        command.arg(with_mpi().unwrap_or_default()).args(self.arguments(&self.out())).args(more);
         // Containers run tests as root.
         command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
         command.env("RAYON_NUM_THREADS", "1");

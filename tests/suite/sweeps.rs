@@ -8,6 +8,7 @@
 use std::f64::consts::{PI, TAU};
 
 use libtest_mimic::{Failed, Trial};
+use nalgebra::Complex;
 use proofmass::control::Control;
 use proofmass::diagnosis::answer::Detail;
 use proofmass::diagnosis::model::{self, Model};
@@ -25,6 +26,8 @@ use super::world::{check, data_test, program, test};
 pub fn tests() -> Vec<Trial> {
     vec![
         test("sweeps: both jumps of a bistable resonator are where its motion has them", jumps),
+        test("sweeps: a bistable spring under one drive and a background is named", alone),
+        test("sweeps: a delay of the reading and a mode read beside are named, and nothing without them", read),
         test("sweeps: what no sweep has is refused in a sentence", refused),
         data_test("sweeps: a wire in vacuum is a linear resonance, with the lag of its lock-in", wire),
         data_test("sweeps: a softening wire jumps where it was seen to", softening),
@@ -148,6 +151,42 @@ fn jumps() -> Result<(), Failed> {
         // Control: up and down differ, or history would not matter.
         let at = |rises: bool| read.iter().find(|j| j.rises == rises).and_then(|j| j.read_hz);
         check(at(true) != at(false), format!("{:?}", detail.jumps))?;
+    }
+    Ok(())
+}
+
+// The linear model of a single bistable drive takes the background for part of the resonance.
+fn alone() -> Result<(), Failed> {
+    let beta = 10.0 / 3.0 * 2.0 * DAMPING;
+    let force = |x: f64, _: f64| -beta * x * x * x;
+    let made = Made { drives: &[1.0], noise: 1e-3, background: 0.1, widths: 6.0, seed: 8, force: &force };
+    let (verdict, _) = diagnosed(&recording(&made.rows()), &asked()?)?;
+    let names: Vec<&str> = verdict.effects.iter().map(|e| e.id.as_str()).collect();
+    check(names == ["cubic-stiffness"], format!("{names:?} {:?} {}", verdict.verdict, verdict.sentence))?;
+    let found = verdict.effects[0].parameters[0].value;
+    check((found / beta - 1.0).abs() < 0.03, format!("{found} {beta}"))
+}
+
+// Written into the rows of a linear resonator: a phase that falls by two radians over the band, and a second
+// resonance, a third as strong, one and a half widths above the first. Control: the rows without either.
+fn read() -> Result<(), Failed> {
+    let still = |_: f64, _: f64| 0.0;
+    let made = Made { drives: &[1.0, 0.5], noise: 0.0, background: 0.0, widths: 4.0, seed: 1, force: &still };
+    let rows = made.rows();
+    let [own, delay] = [1.0 + 1.5 * DAMPING, 2.0 / (8.0 * DAMPING)];
+    let beside = |omega: f64| Complex::new(0.3, 0.0) / Complex::new(own * own - omega * omega, DAMPING * omega);
+    for (id, late, second) in [("readout-delay", delay, 0.0), ("parasitic-mode", 0.0, 1.0), ("", 0.0, 0.0)] {
+        let mut rng = Philox::new(3, 0, Stream::Host);
+        let written = rows.iter().map(|[f, x, y, drive]| {
+            let omega = f * TAU;
+            let z = Complex::new(*x, *y) + beside(omega) * (second * drive);
+            let z = z * Complex::from_polar(1.0, -(omega - 1.0) * late);
+            [*f, z.re + 0.03 + 2e-3 * rng.normal(), z.im - 0.02 + 2e-3 * rng.normal(), *drive]
+        });
+        let (verdict, _) = diagnosed(&recording(&written.collect::<Vec<_>>()), &asked()?)?;
+        let names: Vec<&str> = verdict.effects.iter().map(|e| e.id.as_str()).collect();
+        let is_so = if id.is_empty() { names.is_empty() } else { names.first() == Some(&id) };
+        check(is_so, format!("{id}: {names:?} {:?} {}", verdict.verdict, verdict.sentence))?;
     }
     Ok(())
 }

@@ -110,14 +110,17 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
     let is_clear = |i: &usize| best.point.shared[*i].abs() > CLEAR * best.deviations[*i];
     let may_be_zero = !strengths.is_empty() && !strengths.iter().any(is_clear);
     // A law that is linear or goes with time alone can imitate anything slow or broad; one that
-    // removes no more than the others may be inexact by, or that leaves more than the noise, can be
-    // an imitation too. Two of the three are enough to doubt it.
-    let doubts = [
+    // removes no more than the others may be inexact by, or that leaves more than the noise in any form
+    // of it, can be an imitation too. Two of the three are enough to doubt it.
+    let leaves = |f: &Fitted| excess(search, f) >= AT_NOISE;
+    let is_patch = match [
         matches!(search.kind.argument(best.set[place]), Argument::Frequency | Argument::Time),
         gain.removed < EXACT * (base.error - best.error),
-        excess(search, best) >= AT_NOISE,
-    ];
-    let is_patch = doubts.into_iter().filter(|doubt| *doubt).count() >= 2;
+    ] {
+        [true, true] => true,
+        [false, false] => false,
+        _ => leaves(best) && search.freed(best, place).is_none_or(|freed| leaves(&freed)),
+    };
     if on_bound || may_be_zero || is_patch || !search.holds(&without, best) {
         return None;
     }

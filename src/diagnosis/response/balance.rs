@@ -10,7 +10,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::beginnings::in_place;
 use super::intake::Sweeps;
-use super::predicted::{REACH, readout, shapes};
+use super::predicted::{REACH, beside, readout, shapes};
 use super::steady_state::{Law, Oscillator, Table};
 use super::values::{Sizes, Values};
 
@@ -30,7 +30,7 @@ pub(super) fn balanced(sweeps: &Sweeps, sizes: &Sizes, values: &Values) -> Optio
     let motion = |k: usize| {
         let background: Complex<f64> = values.background.iter().zip(shapes[k]).map(|(b, s)| b * s).sum();
         let read = readout(sweeps, sizes, values, k);
-        [(sweeps.reading[k] - background) / read, sweeps.reading[k] / read]
+        [(sweeps.reading[k] - background) / read - beside(sweeps, values, k), sweeps.reading[k] / read]
     };
     let by_law = |k: usize, amplitude: f64| -> Vec<Complex<f64>> {
         let (omega, time_s) = (TAU * sweeps.frequency_hz[k], sweeps.time_s.as_ref().map_or(0.0, |t| t[k]));
@@ -52,6 +52,7 @@ pub(super) fn balanced(sweeps: &Sweeps, sizes: &Sizes, values: &Values) -> Optio
     for k in (0..sweeps.len()).filter(|k| sweeps.counts[*k]) {
         let omega = TAU * sweeps.frequency_hz[k];
         let [moved, x] = motion(k);
+        let x = x - beside(sweeps, values, k);
         let weight = moved.norm() / sweeps.drive[k];
         let mut row = vec![x * (sizes.damping_per_s * centre), x * Complex::new(0.0, omega * sizes.damping_per_s)];
         row.extend(by_law(k, moved.norm()).into_iter().map(|n| x * n));

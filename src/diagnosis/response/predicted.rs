@@ -7,7 +7,7 @@ use nalgebra::Complex;
 use crate::physics::library::Term;
 
 use super::intake::Sweeps;
-use super::steady_state::{Impedance, Table};
+use super::steady_state::{Impedance, Law, Table};
 use super::values::{Sizes, Values};
 
 /// Step in coordinates for the derivatives of laws: small next to any feature, large next to
@@ -74,6 +74,17 @@ pub(super) fn readout(sweeps: &Sweeps, sizes: &Sizes, values: &Values, k: usize)
     all
 }
 
+/// Displacement of modes that answer the same drive and are read with the mass.
+pub(super) fn beside(sweeps: &Sweeps, values: &Values, k: usize) -> Phasor {
+    let omega = TAU * sweeps.frequency_hz[k];
+    let modes = values.laws.iter().filter(|law| matches!(law.term, Term::ParasiticMode(_)));
+    let one = |law: &Law| {
+        let [gain, own, zeta] = [law.values[0], law.values[1], law.values[2]];
+        gain * sweeps.drive[k] / Phasor::new(own * own - omega * omega, 2.0 * zeta * own * omega)
+    };
+    modes.map(one).sum()
+}
+
 /// Background of each number in turn.
 pub(super) fn shapes(sweeps: &Sweeps, sizes: &Sizes, k: usize) -> [f64; 4] {
     let [low, high] = sizes.band_hz;
@@ -116,13 +127,14 @@ pub(super) fn predicted(sweeps: &Sweeps, sizes: &Sizes, values: &Values, amplitu
         for k in sweep.clone() {
             let readout = readout(sweeps, sizes, values, k);
             let background = background(sweeps, sizes, values, k);
+            let beside = beside(sweeps, values, k);
             let along = all.table.along(&values.mass, TAU * sweeps.frequency_hz[k], linear(sweeps, values, k));
             let push = values.gain * sweeps.drive[k].max(0.0);
             let first = k == sweep.start || !sweeps.is_ordered;
             let read = {
                 let before = if first { sweeps.reading[k] } else { sweeps.reading[k - 1] };
                 let settled = (sweeps.reading[k] - before * values.settling) / (1.0 - values.settling);
-                (settled - background).norm() / readout.norm()
+                ((settled - background) / readout - beside).norm()
             };
             let wanted = match amplitude {
                 Amplitude::Followed if !first => all.amplitude[k - 1],
@@ -131,7 +143,7 @@ pub(super) fn predicted(sweeps: &Sweeps, sizes: &Sizes, values: &Values, amplitu
             let far = FAR * sizes.amplitude * (sweeps.drive[k] / sizes.drive);
             let Moved { amplitude: a, argument, z, slope, several } = moved(&along, push, wanted, (amplitude, far));
             let motion = if push > 0.0 { z.conj() * (a / z.norm().max(1e-300)) } else { Phasor::from(0.0) };
-            let settled = readout * motion + background;
+            let settled = readout * (motion + beside) + background;
             let reading = match first {
                 true => settled,
                 false => settled + (all.reading[k - 1] - settled) * values.settling,
@@ -218,7 +230,7 @@ impl Predicted {
             steps(&|k| by_z(k, Phasor::from(2.0 * values.mass.omega_rad_s * sizes.damping_per_s))),
             steps(&|k| by_z(k, Phasor::new(0.0, omega(k) * values.mass.damping_per_s))),
             steps(&|k| size(k) * self.moved(k, Phasor::from(0.0), 1.0)),
-            steps(&|k| size(k) * Phasor::new(0.0, 1.0)),
+            steps(&|k| self.readout[k] * (self.motion[k] + beside(sweeps, values, k)) * Phasor::new(0.0, 1.0)),
         ];
         // Settling comes last, for it acts on all others.
         let settling = all.len();
@@ -239,7 +251,9 @@ impl Predicted {
                 let [from, to] = [(&self.table, values), (other, moved)]
                     .map(|(table, v)| table.along(&v.mass, omega(k), linear(sweeps, v, k)).at(self.argument[k]).0);
                 let turned = readout(sweeps, sizes, moved, k) - self.readout[k];
-                (by_z(k, to - from) + turned * self.motion[k]) / NUDGE
+                let [here, there] = [values, moved].map(|v| beside(sweeps, v, k));
+                let read = turned * (self.motion[k] + here) + self.readout[k] * (there - here);
+                (by_z(k, to - from) + read) / NUDGE
             }));
         }
         for (i, column) in all.iter_mut().enumerate() {

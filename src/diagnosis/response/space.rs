@@ -15,6 +15,7 @@ use crate::physics::coupled_mode::CoupledMode;
 use crate::physics::cubic_stiffness::CubicStiffness;
 use crate::physics::free_form::{Extent, FreeForm, Freed};
 use crate::physics::library::Term;
+use crate::physics::parasitic_mode::ParasiticMode;
 use crate::physics::power::Exponent;
 use crate::physics::power_law_damping::PowerLawDamping;
 use crate::physics::power_law_stiffness::PowerLawStiffness;
@@ -42,6 +43,7 @@ fn stated(with_time: bool) -> Vec<Term> {
         Term::SqueezeFilmDamping(SqueezeFilmDamping),
         Term::CoulombFriction(CoulombFriction::default()),
         Term::CoupledMode(CoupledMode),
+        Term::ParasiticMode(ParasiticMode),
         Term::ReadoutDelay(ReadoutDelay),
         Term::ReadoutLowpass(ReadoutLowpass::default()),
     ];
@@ -63,12 +65,15 @@ pub(super) fn members(scales: &Scales, with_time: bool) -> Vec<Member> {
         form: Form::Free,
     };
     let (size, speed) = (2.0 * scales.output, 2.0 * scales.velocity);
-    let forms = [
+    let mut forms = vec![
         free(Freed::CubicSpring, size),
         free(Freed::Drag, speed),
         free(Freed::Friction, speed),
         free(Freed::Film, size),
     ];
+    if with_time {
+        forms.push(free(Freed::Drift, scales.duration_s));
+    }
     let stated = stated(with_time).into_iter().map(|term| Member { term, form: Form::Stated });
     stated.chain(powers().map(|term| Member { term, form: Form::Exponent })).chain(forms).collect()
 }
@@ -79,10 +84,13 @@ pub(super) fn argument(term: &Term) -> Argument {
         Term::QuadraticDamping(_) | Term::PowerLawDamping(_) | Term::CoulombFriction(_) => Argument::Velocity,
         Term::SqueezeFilmDamping(_) => Argument::Both,
         Term::StiffnessDrift(_) => Argument::Time,
-        Term::CoupledMode(_) | Term::ReadoutDelay(_) | Term::ReadoutLowpass(_) => Argument::Frequency,
+        Term::CoupledMode(_) | Term::ParasiticMode(_) | Term::ReadoutDelay(_) | Term::ReadoutLowpass(_) => {
+            Argument::Frequency
+        }
         Term::FreeForm(form) => match form.law {
             Freed::Drag | Freed::Friction => Argument::Velocity,
             Freed::Film => Argument::Both,
+            Freed::Drift => Argument::Time,
             _ => Argument::Displacement,
         },
         _ => Argument::Displacement,
@@ -101,8 +109,10 @@ pub(super) fn excludes(one: &Term, other: &Term) -> bool {
             Freed::Drag => 2,
             Freed::Film => 3,
             Freed::Friction => 4,
+            Freed::Drift => 6,
             _ => 0,
         },
+        Term::StiffnessDrift(_) => 6,
         // A phase in proportion to frequency, either way.
         Term::ReadoutDelay(_) | Term::ReadoutLowpass(_) => 5,
         _ => 0,

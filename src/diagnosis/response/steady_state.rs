@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 
+use crate::physics::free_form::Freed;
 use crate::physics::library::Term;
 use crate::physics::state::{Base, Instants, MOST_STAGED, MOST_VALUES};
 
@@ -81,7 +82,11 @@ impl Law {
 
     /// Returns whether its force is in proportion to the motion, whatever the amplitude.
     pub(super) fn is_linear(&self) -> bool {
-        matches!(self.term, Term::CoupledMode(_) | Term::StiffnessDrift(_))
+        match self.term {
+            Term::CoupledMode(_) | Term::StiffnessDrift(_) => true,
+            Term::FreeForm(form) => form.law == Freed::Drift,
+            _ => false,
+        }
     }
 
     /// Force for a motion of unit amplitude of a law that is linear: its own matrices, found by

@@ -27,6 +27,10 @@ const BLOCK: usize = 3;
 const JOINS: f64 = 0.05;
 /// Beginnings of a law that are followed.
 const FOLLOWED: usize = 2;
+/// Damping ratios of a second mode, in that of the first.
+const SHARPNESS: [f64; 2] = [0.01, 100.0];
+/// Times that forces are balanced at the motion that the last balance leaves of the reading.
+const BALANCES: usize = 3;
 /// Part of a reading that the step before may hold.
 const SETTLING: [f64; 2] = [-0.3, 0.9];
 
@@ -69,8 +73,17 @@ impl<'a> System<'a> {
 
     /// Coordinates of a law's parameters.
     pub(super) fn law_coordinates(&self, term: &Term) -> Vec<Coordinate> {
-        let mut own = term.coordinates(&self.sizes.laws);
+        let s = &self.sizes;
+        let mut own = term.coordinates(&s.laws);
         own.truncate(own.len() - term.unknown_beginnings());
+        // A second mode is as sharp as the first, within a factor, and lies where a step can show it.
+        if matches!(term, Term::CoupledMode(_) | Term::ParasiticMode(_)) {
+            own[1] = Coordinate::Log(0.05 * s.laws.omega_rad_s, 20.0 * s.laws.omega_rad_s);
+            own[2] = Coordinate::Log(SHARPNESS[0] * s.laws.zeta, (SHARPNESS[1] * s.laws.zeta).min(0.6));
+        }
+        if let Term::ParasiticMode(_) = term {
+            own[0] = Coordinate::Linear(0.1 * s.amplitude * s.laws.omega_rad_s * s.damping_per_s / s.drive);
+        }
         own
     }
 
@@ -137,10 +150,14 @@ impl<'a> System<'a> {
                 [0.05, 0.3].map(|part| vec![0.0, part * s.velocity, 0.0, 0.3 * s.velocity]).to_vec()
             }
             Term::FreeForm(_) => vec![vec![0.0; term.values()]],
-            // Nearby alone does a second mass show.
-            Term::CoupledMode(_) => [-2.0, -0.7, 0.7, 2.0]
-                .map(|widths| vec![1e-5, s.omega_rad_s + widths * self.sizes.damping_per_s, s.zeta, 0.0, 0.0])
-                .to_vec(),
+            // In radians over the band.
+            Term::ReadoutDelay(_) => [0.05, 0.5, 1.5, 3.0].map(|turn| vec![turn * s.interval_s]).to_vec(),
+            // Nearby alone does a second mode show.
+            Term::CoupledMode(_) | Term::ParasiticMode(_) => {
+                let strength = if matches!(term, Term::CoupledMode(_)) { 1e-5 } else { 0.0 };
+                let at = |widths: f64| s.omega_rad_s + widths * self.sizes.damping_per_s;
+                [-2.0, -0.7, 0.7, 2.0].map(|widths| vec![strength, at(widths), s.zeta, 0.0, 0.0]).to_vec()
+            }
             _ => term.starts(s),
         };
         let coordinates = self.law_coordinates(term);
@@ -203,9 +220,15 @@ impl Kind for System<'_> {
         let begin = |own: Vec<f64>| {
             let mut point = point.clone();
             point.shared.extend(own);
-            let balanced = balanced(self.sweeps, &self.sizes, &self.values(&larger, &point));
-            let balanced = balanced.map(|values| self.point(&larger, &values, &point));
-            let starts: Vec<Point> = std::iter::once(point).chain(balanced).collect();
+            // Where the base model is far off, so is its background: none is tried as well.
+            let values = self.values(&larger, &point);
+            let bare = Values { background: vec![Complex::from(0.0); self.backgrounds], ..values.clone() };
+            let again = |values: &Values| balanced(self.sweeps, &self.sizes, values);
+            let rounds = [values, bare].into_iter().flat_map(|from| {
+                std::iter::successors(again(&from), |found| again(found)).take(BALANCES).collect::<Vec<_>>()
+            });
+            let rounds: Vec<Point> = rounds.map(|values| self.point(&larger, &values, &point)).collect();
+            let starts: Vec<Point> = std::iter::once(point).chain(rounds).collect();
             let left = |residual: &[f64]| {
                 residual.iter().zip(&self.layout.counts).filter(|(_, c)| **c).map(|(e, _)| e * e).sum::<f64>()
             };

@@ -106,6 +106,9 @@ const AMPLITUDE: [&str; 6] = [
     "coulomb-friction",
 ];
 
+/// Two modes of light damping are a mass on a mass up to how their damping is shared out.
+const MODES: [&str; 2] = ["parasitic-mode", "coupled-mode"];
+
 /// A law whose fundamental at unit amplitude has this size.
 fn sized(of: impl Fn(f64) -> Law, size: f64) -> Law {
     of(size / fundamental(&of(1.0), 1.0, 1.0).norm())
@@ -152,7 +155,7 @@ fn laws(sub: &str, damping: f64, least: f64, draw: &mut Draw) -> Vec<Named> {
         }
         "two modes read together" => {
             let zeta = 0.5 * damping * draw.log_between(0.5, 1.5);
-            vec![(Law::Beside { size: draw.log_between(0.05, 0.6), omega: near, zeta }, &["coupled-mode"])]
+            vec![(Law::Beside { size: draw.log_between(0.05, 0.6), omega: near, zeta }, &MODES)]
         }
         "spring drift" => vec![(drift(Course::Linear), &["stiffness-drift"])],
         "spring drift t^p" => vec![(drift(Course::Power { p: draw.one_of(&[0.5, 2.0]) }), &["stiffness-drift"])],

@@ -125,30 +125,6 @@ pub(crate) fn regressors(data: &Data, states: &States) -> Vec<Vec<f64>> {
     regressors
 }
 
-/// Returns how much of the innovations' *power* can be predicted from the input, the state and
-/// time: noise that belongs to the sensor does not know what the sensor is doing.
-pub(crate) fn power_structure(data: &Data, fit: &Fit) -> Predictability {
-    let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
-    let size = innovations.iter().map(|e| e * e).sum::<f64>() / innovations.len().max(1) as f64;
-    // Limited, so that single outliers do not speak for the rest.
-    let power: Vec<f64> = innovations.iter().map(|e| (e * e / size.max(1e-300)).min(12.0)).collect();
-    let mut regressors = vec![
-        states.x.iter().map(|x| x * x).collect::<Vec<f64>>(),
-        states.v.iter().map(|v| v * v).collect(),
-        states.x.iter().map(|x| x.abs()).collect(),
-        states.x.clone(),
-        states.v.clone(),
-    ];
-    let n = power.len() as f64;
-    for k in 1..=4 {
-        regressors.push((0..power.len()).map(|i| (std::f64::consts::PI * k as f64 * i as f64 / n).cos()).collect());
-    }
-    if let Some(input) = &data.input {
-        regressors.push(data.hull.clone().map(|k| input.samples()[k].powi(2)).collect());
-    }
-    structure(&power, 4, &regressors)
-}
-
 /// Samples per independent one, from the correlations over fewer than this many lags of a sequence
 /// about zero.
 pub fn correlation(errors: &[f64], lags: usize) -> f64 {

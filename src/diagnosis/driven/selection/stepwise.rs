@@ -29,11 +29,6 @@ const LEAST_OF_REST: f64 = 0.03;
 const FAIR_PART_OF_REST: f64 = 0.2;
 /// Unless next to nothing is left of the base model's error: the rest is detail then.
 const NEARLY_NOTHING: f64 = 0.01;
-/// Terms with which a model that leaves more than [`HOPELESS`] is given up: where four laws explain less
-/// than half, the physics is not in the library.
-const MANY: usize = 4;
-/// Fraction of the residual variance that is predictable in such a model.
-const HOPELESS: f64 = 0.5;
 /// Share of the variance that may still be predicted in a model that is done.
 const DONE: f64 = 0.02;
 /// The same for a model of several terms that will not be.
@@ -149,7 +144,7 @@ impl Stepwise<'_> {
                 break;
             };
             chosen = pruned(data, best, self.scales, self.tried);
-            if chosen.fit.structure.terms.len() >= MOST_TERMS || self.is_hopeless(&chosen) {
+            if chosen.fit.structure.terms.len() >= MOST_TERMS {
                 break;
             }
             if data.work.is_spent(self.budget) && residual_structure(data, &chosen.fit).r_squared > DONE {
@@ -164,16 +159,6 @@ impl Stepwise<'_> {
     /// Returns whether next to nothing is left of the base model's error.
     fn is_nearly_done(&self, chosen: &Judged) -> bool {
         chosen.held_out.free() < NEARLY_NOTHING * self.base.held_out.free()
-    }
-
-    /// Returns whether more terms will not explain what this model leaves.
-    fn is_hopeless(&self, chosen: &Judged) -> bool {
-        if chosen.fit.structure.terms.len() < MANY || self.is_nearly_done(chosen) {
-            return false;
-        }
-        let rest = residual_structure(self.data, &chosen.fit).r_squared;
-        let step = || Step::of(Gate::Hopeless, chosen.words(), "not extended").measured(rest, HOPELESS);
-        rest > HOPELESS && self.data.trace.acts(step())
     }
 
     /// The best model with one term more that earns it.

@@ -14,8 +14,6 @@ pub enum Dropped {
     /// It is no resonance next to the one modelled: it takes that one's place, or has no peak of
     /// its own.
     NoSecondResonance,
-    /// It is a friction that would push the mass along.
-    PushesAlong,
     /// It is a noise term, but known signals explain part of what it absorbs in the innovations, or
     /// predict its power.
     Dependent {

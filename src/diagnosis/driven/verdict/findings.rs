@@ -37,7 +37,6 @@ pub fn dropped(reason: Dropped) -> String {
             "the improvement is too small to be distinguished from the modelling error of the other terms".into()
         }
         Dropped::Twin => "it acts only together with another that it can be confused with".into(),
-        Dropped::PushesAlong => "not friction: the fitted force accelerates the mass".into(),
         Dropped::NoSecondResonance => "no second resonance: its peak does not stand apart from the first".into(),
         Dropped::SmoothCourse => {
             "not a random walk: a smooth trend fits better, so a time-dependent effect is missing or misspecified".into()

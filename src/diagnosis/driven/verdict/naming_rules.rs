@@ -106,11 +106,7 @@ impl Draft<'_> {
                 true => below(Gate::Inexactness, (removed * LEAST_PART_OF_NOISE).max(inexactness)),
                 false => below(Gate::LeastPart, removed * LEAST_PART),
             };
-            match () {
-                () if self.pushes_along(n) => Some(Dropped::PushesAlong),
-                () if is_detail() => Some(Dropped::WithinInexactness),
-                () => None,
-            }
+            is_detail().then_some(Dropped::WithinInexactness)
         };
         let reasons: Vec<Option<Dropped>> = self.named.iter().map(reason).collect();
         let (mut carried, mut laws) = (Vec::new(), 0.0);
@@ -125,15 +121,6 @@ impl Draft<'_> {
             laws += if self.is_noise(&n) { 0.0 } else { n.growth };
         }
         laws
-    }
-
-    /// Returns whether a term is a friction that pushes along the velocity: it does the work of
-    /// another law next to those named.
-    fn pushes_along(&self, named: &Named) -> bool {
-        let strength = self.model.fit.structure.of(named.index, &self.model.fit.point).first();
-        let is_friction = matches!(self.term(named.index), Term::CoulombFriction(_));
-        let force = strength.copied().filter(|f_c| is_friction && *f_c < 0.0);
-        force.is_some_and(|f_c| self.drops(Gate::PushesAlong, named, [f_c, 0.0]))
     }
 
     /// Returns what the named laws may leave because they are not quite what their names state, in

@@ -9,7 +9,7 @@ use crate::driven::intake::data::Data;
 use crate::driven::selection::held_out::LEAD;
 use crate::driven::selection::judged::Judged;
 use crate::driven::selection::noise_character::disturbance_by_chance;
-use crate::driven::selection::residual_structure::{EVEN, Residual, of_noise, power_structure};
+use crate::driven::selection::residual_structure::{Residual, of_noise};
 use crate::driven::simulation::filter::States;
 use crate::driven::simulation::run::trace;
 use crate::gate::Gate;
@@ -22,9 +22,8 @@ pub(crate) const WHITE: f64 = 0.02;
 /// A residual with less structure than this fraction, with no candidate that earns a name, is too
 /// faint to show that the library fails.
 const FAINT: f64 = 0.05;
-/// Questions that are asked of the residual: structure in the innovations, structure in their
-/// power, a disturbance.
-pub(super) const QUESTIONS: f64 = 3.0;
+/// Questions that are asked of the residual: structure in the innovations, a disturbance.
+pub(super) const QUESTIONS: f64 = 2.0;
 
 /// Iterations of the fit to all samples.
 const ITERATIONS: usize = 20;
@@ -34,26 +33,17 @@ pub(crate) fn remembers(left: &Predictability) -> Test {
     Test { p_value: QUESTIONS * left.p_value, size: Size::of(left.r_squared, WHITE, FAINT) }
 }
 
-/// The three questions asked of what a model leaves.
+/// The two questions asked of what a model leaves.
 pub(super) fn of_what_was_fitted(data: &Data, model: &Judged, after: &Residual) -> Remainder {
     let structure = remembers(&after.structure);
-    // Noise of the sensor's own keeps its strength whatever the sensor does; what does not is a
-    // stand-in for physics.
-    let power = model.fit.structure.is_noisy().then(|| power_structure(data, &model.fit));
-    let kept = |t: &Test, step: Step| t.found() == Size::Negligible || data.trace.acts(step);
-    let power = power.and_then(|p| {
-        let test = Test { p_value: QUESTIONS * p.p_value, size: Size::of(p.r_squared, EVEN, f64::INFINITY) };
-        let step = Step::of(Gate::NoisePower, "noise", "remainder").measured(p.r_squared, EVEN);
-        kept(&test, step).then_some(test)
-    });
     // A disturbance does not show that the library fails.
     let errors = &model.fit.linear.residual;
     let fresh = after.coloured.as_ref().map(|c| c.whitened(errors));
     let by_chance = QUESTIONS * disturbance_by_chance(fresh.as_ref().unwrap_or(errors));
     let disturbance = Test { p_value: by_chance, size: Size::Faint };
     let step = Step::of(Gate::Disturbance, "noise", "faint remainder").measured(by_chance, REAL);
-    let disturbance = kept(&disturbance, step).then_some(disturbance);
-    Remainder::of([structure].into_iter().chain(disturbance).chain(power))
+    let is_heard = disturbance.found() == Size::Negligible || data.trace.acts(step);
+    Remainder::of([structure].into_iter().chain(is_heard.then_some(disturbance)))
 }
 
 /// Tests what the model leaves of each range outside when it is fitted to those as well: what one
