@@ -3,7 +3,7 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 
-use crate::engine::fit::{Fitted, MOST_STEPS, fit};
+use crate::engine::fit::{Fitted, fit};
 use crate::engine::kind::Point;
 use crate::numerics::order;
 use crate::physics::scales::Scales;
@@ -15,8 +15,9 @@ use super::space;
 use super::system::{OWN, System};
 use super::values::Sizes;
 
-/// Steps of a first fit.
-const FIRST_STEPS: usize = 12;
+/// Steps of a fit at most: along a ridge of settling, width and background it may take many, and without a
+/// base model there is no answer.
+const STEPS: usize = 100;
 
 /// The base model, with the laws whose sizes it sets.
 pub(super) fn base(sweeps: &Sweeps) -> Option<(System<'_>, Fitted)> {
@@ -42,7 +43,7 @@ pub(super) fn base(sweeps: &Sweeps) -> Option<(System<'_>, Fitted)> {
         (shared[2], shared[3]) = ((from.gain.norm() * drive / reading).max(1e-9).ln(), from.gain.arg());
         let background = from.background.iter().flat_map(|b| [b.re, b.im]);
         shared[OWN..].iter_mut().zip(background).for_each(|(z, b)| *z = b / (0.1 * reading));
-        let first = fit(&system, &[], &Point { shared, starts: empty(sweeps) }, FIRST_STEPS)?;
+        let first = fit(&system, &[], &Point { shared, starts: empty(sweeps) }, STEPS)?;
         // Coordinates are measured by what was found.
         let values = system.values(&[], &first.point);
         let mass = values.mass;
@@ -50,7 +51,7 @@ pub(super) fn base(sweeps: &Sweeps) -> Option<(System<'_>, Fitted)> {
         let mut point = first.point.clone();
         let unit = system.sizes.amplitude * mass.omega_rad_s * mass.damping_per_s / drive;
         (point.shared[0], point.shared[1], point.shared[2]) = (0.0, 0.0, (values.gain / unit).ln());
-        let again = fit(&system, &[], &point, MOST_STEPS)?;
+        let again = fit(&system, &[], &point, STEPS)?;
         Some((system, again))
     };
     let mut all: Vec<_> = beginnings(sweeps, &shapes).into_iter().filter_map(begin).collect();

@@ -30,7 +30,7 @@ const FOLLOWED: usize = 2;
 /// Damping ratios of a second mode, in that of the first.
 const SHARPNESS: [f64; 2] = [0.01, 100.0];
 /// Times that forces are balanced at the motion that the last balance leaves of the reading.
-const BALANCES: usize = 3;
+const BALANCES: usize = 2;
 /// Part of a reading that the step before may hold.
 const SETTLING: [f64; 2] = [-0.3, 0.9];
 
@@ -217,27 +217,33 @@ impl Kind for System<'_> {
         let mut larger = set.to_vec();
         larger.push(law);
         let read = Self { amplitude: Amplitude::Read, ..self.clone() };
+        let left = |residual: &[f64]| {
+            residual.iter().zip(&self.layout.counts).filter(|(_, c)| **c).map(|(e, _)| e * e).sum::<f64>()
+        };
+        let best = |starts: Vec<Point>| {
+            let residuals = read.residuals(&larger, &starts);
+            let pairs = starts.into_iter().zip(residuals).filter_map(|(p, e)| Some((left(&e?), p)));
+            pairs.min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let again = |values: &Values| balanced(self.sweeps, &self.sizes, values);
         let begin = |own: Vec<f64>| {
             let mut point = point.clone();
             point.shared.extend(own);
-            // Where the base model is far off, so is its background: none is tried as well.
             let values = self.values(&larger, &point);
-            let bare = Values { background: vec![Complex::from(0.0); self.backgrounds], ..values.clone() };
-            let again = |values: &Values| balanced(self.sweeps, &self.sizes, values);
-            let rounds = [values, bare].into_iter().flat_map(|from| {
-                std::iter::successors(again(&from), |found| again(found)).take(BALANCES).collect::<Vec<_>>()
-            });
-            let rounds: Vec<Point> = rounds.map(|values| self.point(&larger, &values, &point)).collect();
-            let starts: Vec<Point> = std::iter::once(point).chain(rounds).collect();
-            let left = |residual: &[f64]| {
-                residual.iter().zip(&self.layout.counts).filter(|(_, c)| **c).map(|(e, _)| e * e).sum::<f64>()
-            };
-            let residuals = read.residuals(&larger, &starts);
-            let pairs = starts.into_iter().zip(residuals).filter_map(|(p, e)| Some((left(&e?), p)));
-            let (_, best) = pairs.min_by(|a, b| a.0.total_cmp(&b.0))?;
-            fit(&read, &larger, &best, MOST_STEPS)
+            let placed = |values: &Values| self.point(&larger, values, &point);
+            let near = best(std::iter::once(point.clone()).chain(again(&values).map(|v| placed(&v))).collect());
+            // Where the base model is far off, so is its background: without it, the balance is taken
+            // again at the motion that it leaves of the reading.
+            let bare = Values { background: vec![Complex::from(0.0); self.backgrounds], ..values };
+            let rounds = std::iter::successors(again(&bare), again).take(BALANCES);
+            let far = best(rounds.map(|v| placed(&v)).collect());
+            let far = far.filter(|far| near.as_ref().is_none_or(|near| far.0 < near.0));
+            near.into_iter()
+                .chain(far)
+                .filter_map(|(_, start)| fit(&read, &larger, &start, MOST_STEPS))
+                .collect::<Vec<_>>()
         };
-        let mut fits: Vec<_> = self.beginnings(&self.members[law].term).into_iter().filter_map(begin).collect();
+        let mut fits: Vec<_> = self.beginnings(&self.members[law].term).into_iter().flat_map(begin).collect();
         order::sort_by_key(&mut fits, |f| f.variance);
         fits.truncate(FOLLOWED);
         fits.into_iter().map(|f| f.point).collect()
