@@ -226,6 +226,7 @@ impl Kind for System<'_> {
             pairs.min_by(|a, b| a.0.total_cmp(&b.0))
         };
         let again = |values: &Values| balanced(self.sweeps, &self.sizes, values);
+        let acts = self.members[law].term.role().acts_on_mass();
         let begin = |own: Vec<f64>| {
             let mut point = point.clone();
             point.shared.extend(own);
@@ -233,9 +234,9 @@ impl Kind for System<'_> {
             let placed = |values: &Values| self.point(&larger, values, &point);
             let near = best(std::iter::once(point.clone()).chain(again(&values).map(|v| placed(&v))).collect());
             // Where the base model is far off, so is its background: without it, the balance is taken
-            // again at the motion that it leaves of the reading.
+            // again at the motion that it leaves of the reading. What is read alone has no part in it.
             let bare = Values { background: vec![Complex::from(0.0); self.backgrounds], ..values };
-            let rounds = std::iter::successors(again(&bare), again).take(BALANCES);
+            let rounds = std::iter::successors(acts.then(|| again(&bare)).flatten(), again).take(BALANCES);
             let far = best(rounds.map(|v| placed(&v)).collect());
             let far = far.filter(|far| near.as_ref().is_none_or(|near| far.0 < near.0));
             near.into_iter()
