@@ -76,12 +76,13 @@ impl<'a> System<'a> {
         let s = &self.sizes;
         let mut own = term.coordinates(&s.laws);
         own.truncate(own.len() - term.unknown_beginnings());
-        // A second mode is as sharp as the first, within a factor, and lies where a step can show it.
+        // A second mode is as sharp as the first, within a factor.
         if matches!(term, Term::CoupledMode(_) | Term::ParasiticMode(_)) {
-            own[1] = Coordinate::Log(0.05 * s.laws.omega_rad_s, 20.0 * s.laws.omega_rad_s);
             own[2] = Coordinate::Log(SHARPNESS[0] * s.laws.zeta, (SHARPNESS[1] * s.laws.zeta).min(0.6));
         }
+        // Its gain is measured by the first mode's, and no rate of samples bounds its frequency.
         if let Term::ParasiticMode(_) = term {
+            own[1] = Coordinate::Log(0.05 * s.laws.omega_rad_s, 20.0 * s.laws.omega_rad_s);
             own[0] = Coordinate::Linear(0.1 * s.amplitude * s.laws.omega_rad_s * s.damping_per_s / s.drive);
         }
         own
