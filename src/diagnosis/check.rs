@@ -8,7 +8,7 @@ use crate::recording::Recording;
 use crate::recordings::Recordings;
 use crate::repeatability::agreement::Agreement;
 use crate::repeatability::run::{Run, Split};
-use crate::{stated_units, tumble};
+use crate::{rest, stated_units, tumble};
 
 /// The two sides of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,7 +39,7 @@ pub fn check(recordings: &[Recording], model: &Model, control: &Control) -> Resu
     recordings.iter().try_for_each(|recording| stated_units::check(recording, model))?;
     let run = |recording: &Recording| match model {
         Model::Tumble(model) => tumble::known(recording, model, control),
-        Model::Static(_) => Err(not_yet(recording, "static", "proofmass allan")),
+        Model::Static(model) => rest::known(recording, model, control),
         Model::Driven(_) => Err(not_yet(recording, "driven", "proofmass diagnose")),
         Model::Trajectory(_) => Err(not_yet(recording, "trajectory", "proofmass diagnose")),
         Model::Response(_) => Err(not_yet(recording, "response", "proofmass diagnose")),

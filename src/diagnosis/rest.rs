@@ -30,7 +30,9 @@ mod findings;
 mod followed;
 mod hump;
 mod in_time;
+mod intake;
 mod jump;
+mod known;
 mod laws;
 mod level;
 mod location;
@@ -61,24 +63,20 @@ mod temperature_profile;
 pub use candidate::CANDIDATES;
 pub use detail::{ChannelDetail, Detail};
 
-use std::collections::HashMap;
-use std::ops::Range;
-
 use super::answer::Answer;
 use super::model::{self, MOST_AT_REST};
 use crate::control::{Control, Stopped};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::number::short;
 use crate::parallel;
 use crate::recording::Recording;
-use crate::recording::finding::Finding;
 use crate::recording::health::Watch;
+use crate::repeatability::run::Run;
+use crate::stated_units;
 use channel::{Channel, Curve};
+use intake::Columns;
 use selection::Surroundings;
 use shape::Following;
-
-/// Fewer samples cannot tell one law from another.
-const FEWEST: usize = 256;
 
 /// Diagnoses it.
 ///
@@ -86,39 +84,12 @@ const FEWEST: usize = 256;
 /// Fewer than 256 samples, or columns that are not there.
 pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control) -> Result<Answer> {
     earth::check(model)?;
-    let rows = rows(recording, model)?;
-    // A linear search for each of many thousand channels would take minutes.
-    let places: HashMap<&str, usize> =
-        recording.columns.iter().enumerate().map(|(i, c)| (c.name.as_str(), i)).collect();
-    let column = |name: &String| {
-        places.get(name.as_str()).and_then(|i| recording.columns[*i].values.get(rows.clone())).ok_or_else(|| {
-            Error::new("could not diagnose the recording", format!("column `{name}` was not read"), "check [columns]")
-        })
-    };
+    let columns = Columns::of(recording, model)?;
+    let (names, live): (Vec<&String>, Vec<&[f64]>) = columns.live(model)?.into_iter().unzip();
     let mut findings = recording.sentences();
-    let (names, live): (Vec<&String>, Vec<&[f64]>) = {
-        let all: Vec<(&String, &[f64])> =
-            model.columns.channels.iter().map(|n| Ok((n, column(n)?))).collect::<Result<_>>()?;
-        all.into_iter().filter(|(_, v)| v.windows(2).any(|w| w[0] != w[1])).unzip()
-    };
-    if live.is_empty() {
-        let rounded = recording.findings.iter().any(|f| matches!(f, Finding::BeyondDouble { .. }));
-        return Err(Error::new(
-            "could not diagnose the recording",
-            if rounded { "every channel is constant in double precision" } else { "every channel is constant" },
-            "a sensor at rest still has noise: is it connected, and is the resolution high enough?",
-        ));
-    }
-    if rows.len() < FEWEST {
-        return Err(Error::new(
-            "could not diagnose the recording",
-            format!("{} samples", rows.len()),
-            format!("need at least {FEWEST}; thousands are better"),
-        ));
-    }
     // The reader may have averaged already.
     let averaged = recording.averaged.as_ref();
-    let more = if averaged.is_some() { 1 } else { rows.len().div_ceil(MOST_AT_REST) };
+    let more = if averaged.is_some() { 1 } else { columns.rows.len().div_ceil(MOST_AT_REST) };
     let together = averaged.map_or(more, |a| a.together);
     let rate_hz = recording.rate_hz / together as f64;
     if together > 1 {
@@ -135,7 +106,7 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
         .columns
         .environment
         .iter()
-        .map(|n| Ok((n.clone(), Curve::new(reduce(column(n)?)))))
+        .map(|n| Ok((n.clone(), Curve::new(reduce(columns.values(n)?)))))
         .collect::<Result<_>>()?;
     let channels: Vec<Channel> = names
         .iter()
@@ -147,10 +118,7 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
             let mut channel = Channel::new(name, &reduce(&values), rate_hz);
             channel.disturbances = disturbances;
             channel.promised = describe::promised(&channel, model.noise.as_ref());
-            let step = match averaged {
-                Some(averaged) => places.get(name.as_str()).and_then(|i| averaged.steps.get(*i).copied().flatten()),
-                None => step,
-            };
+            let step = if averaged.is_some() { columns.step_before(name) } else { step };
             channel.step = step.map(|q| q / channel.scale);
             channel.together = together;
             channel
@@ -184,22 +152,30 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
     }))
 }
 
-/// Values from the first to the last sample that the model's split names; all where it names none.
+/// Returns what a log at rest can know of each channel, what it finds, and the same of its halves.
 ///
 /// # Errors
-/// Ranges outside the recording, or samples that are to be fitted and to judge.
-fn rows(recording: &Recording, model: &model::Static) -> Result<Range<usize>> {
-    let total = recording.first_sample + recording.samples();
-    model.split.check(total).map_err(|(cause, hint)| {
-        Error::new(format!("could not use [split] for {}", recording.path.display()), cause, hint)
-    })?;
-    let values = recording.columns.first().map_or(0, |c| c.values.len());
-    Ok(match model.split.hull() {
-        // The reader has cut it out where it averaged, or where the recording begins with it.
-        Some(hull) if recording.averaged.is_none() => {
-            let from = hull.start.saturating_sub(recording.first_sample);
-            from..(hull.end - recording.first_sample.min(hull.end)).min(values)
+/// As [`diagnose`].
+pub fn known(recording: &Recording, model: &model::Static, control: &Control) -> Result<Run> {
+    let live = Columns::of(recording, model)?.live(model)?;
+    let rate_hz = recording.rate_hz / recording.averaged.as_ref().map_or(1, |a| a.together) as f64;
+    let _stage = control.stage("fitting the noise of the log and of its halves", 0);
+    let mut findings = recording.sentences();
+    let mut channels = Vec::new();
+    let mut left_out = Vec::new();
+    for (name, values) in live {
+        let mut values = values.to_vec();
+        let disturbances = disturbance::take_out(&mut values);
+        match disturbances.knocks.len() + disturbances.bad.len() {
+            0 => (),
+            count => left_out.push(format!("{name} {count}")),
         }
-        _ => 0..values,
-    })
+        channels.push(known::Readings { name: name.clone(), unit: stated_units::of(recording, name, model), values });
+    }
+    if !left_out.is_empty() {
+        findings.push(format!("knocks and single bad readings were left out: {}", left_out.join(", ")));
+    }
+    let stopped = |s: Stopped| s.during(format!("could not check {}", recording.path.display()), "start it again");
+    control.go_on().map_err(stopped)?;
+    Ok(known::check(&channels, rate_hz, findings))
 }

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::recording::Recording;
 use crate::recording::roles::{self, Stated};
 use crate::recording::scale::Named;
-use crate::recording::unit::Quantity;
+use crate::recording::unit::{Quantity, Unit};
 
 /// The key of a model that states a unit.
 const KEY: &str = "the model's `unit`";
@@ -40,6 +40,15 @@ pub(super) fn check(recording: &Recording, model: &Model) -> Result<()> {
 
 fn named<'a>(recording: &'a Recording, name: &'a str, quantity: Quantity) -> Named<'a> {
     Named { name, stated: recording.stated(name), quantity, option: KEY }
+}
+
+/// The unit of a channel at rest: the model's, else the file's, else one of which nothing is said.
+pub(super) fn of(recording: &Recording, name: &str, model: &Static) -> Unit {
+    let stated = || match roles::stated(name, recording.stated(name)) {
+        Some(Stated::Inertial(unit)) => Some(unit),
+        _ => None,
+    };
+    Unit::of_file(&model.unit).or_else(stated).unwrap_or_else(Unit::unknown)
 }
 
 /// The model with the unit that the file states for all of its channels, where the model has none.

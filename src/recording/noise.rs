@@ -135,6 +135,14 @@ pub fn analyse(path: &Path, request: &Request, unit_of: impl Fn(&str) -> Unit + 
     Ok(Noise { source, channels })
 }
 
+/// Describes the noise of values in memory, as [`analyse`] does that of a file; `None` where the
+/// segments of the spectrum are too short. `index` tells its random numbers from other channels'.
+pub fn describe(name: &str, unit: Unit, (values, rate_hz): (&[f64], f64), index: u64) -> Option<Channel> {
+    let mut meter = Meter::new(name)?;
+    values.iter().for_each(|v| meter.push(*v));
+    Some(meter.finish(name, unit, rate_hz, index))
+}
+
 /// A mean about the first value, so that an offset costs no digits.
 #[derive(Debug, Default)]
 struct Mean {

@@ -1,10 +1,11 @@
 //! Says whether a recording can be trusted, in words for a terminal and as JSON.
 //!
-//! Chain: words → sentences; table; document.
+//! Chain: words → values → sentences; table; document.
 
 mod document;
 mod sentences;
 mod table;
+mod values;
 mod words;
 
 use std::fmt::Write as _;

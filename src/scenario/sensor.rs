@@ -7,6 +7,7 @@
 
 pub mod coupling;
 pub mod error_law;
+pub mod estimated;
 pub mod mechanics;
 pub mod sense;
 pub mod source;

@@ -92,7 +92,7 @@ type Named = (Sense, Role, usize);
 
 fn undetermined(estimate: &Estimate) -> Vec<Named> {
     let not = (0..estimate.parameters.len()).filter(|p| !estimate.determines(*p));
-    not.map(|p| &estimate.parameters[p]).map(|p| (p.sensor, p.role, p.axis)).collect()
+    not.filter_map(|p| estimate.parameters[p].element()).map(|p| (p.sensor, p.role, p.axis)).collect()
 }
 
 fn degenerate() -> Result<(), Failed> {

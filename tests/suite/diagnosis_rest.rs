@@ -19,7 +19,7 @@ use plant::{PLANTED, Plant, relaxation, sized, smoothed, walk, white};
 mod level;
 mod near;
 mod place;
-mod plant;
+pub mod plant;
 mod recordings;
 mod watched;
 
@@ -60,9 +60,10 @@ pub fn tests() -> Vec<Trial> {
     ]
 }
 
-const RATE_HZ: f64 = 50.0;
+pub const RATE_HZ: f64 = 50.0;
 
-fn asked(channels: Vec<Vec<f64>>, density: Option<f64>) -> (Recording, Static) {
+/// Channels `c0`, `c1` … of a sensor at rest, with their model.
+pub fn asked(channels: Vec<Vec<f64>>, density: Option<f64>) -> (Recording, Static) {
     let names: Vec<String> = (0..channels.len()).map(|i| format!("c{i}")).collect();
     let columns = names.iter().cloned().zip(channels).map(|(name, values)| Column { name, values }).collect();
     let recording = Recording { path: "planted.csv".into(), rate_hz: RATE_HZ, columns, ..Recording::default() };

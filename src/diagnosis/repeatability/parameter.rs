@@ -1,10 +1,12 @@
-//! Parameters of a calibration as data: what each is, how large it is before anything is recorded,
-//! and what one run makes of it.
+//! Parameters of a sensor as data: what each is, how large it is before anything is recorded, and what
+//! one run makes of it.
 
 use nalgebra::DMatrix;
 
 use super::information::Known;
+use crate::numerics::allan::law::Term;
 use crate::numerics::special::t_quantile;
+use crate::recording::unit::Unit;
 use crate::sensor::Sense;
 
 /// Role of a parameter.
@@ -20,9 +22,9 @@ pub enum Role {
     GSensitivity,
 }
 
-/// One parameter of a sensor's linear model.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Parameter {
+/// One element of a sensor's linear model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Element {
     /// The sensor.
     pub sensor: Sense,
     /// Its role.
@@ -35,6 +37,42 @@ pub struct Parameter {
     pub is_si: bool,
 }
 
+/// The mean or a noise coefficient of a channel at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AtRest {
+    /// Heading of the channel.
+    pub channel: String,
+    /// Unit of its readings.
+    pub unit: Unit,
+    /// The noise coefficient; `None` for the mean of the readings.
+    pub term: Option<Term>,
+}
+
+/// One parameter that a recording may tell.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Parameter {
+    /// An element of the linear model.
+    Element(Element),
+    /// The mean or a noise coefficient of a channel, in units of the file.
+    AtRest(AtRest),
+}
+
+impl Parameter {
+    /// Returns whether values and errors are held as natural logarithms: sizes that cannot be negative,
+    /// known to a share of themselves.
+    pub fn is_logarithmic(&self) -> bool {
+        matches!(self, Self::AtRest(AtRest { term: Some(_), .. }))
+    }
+
+    /// The element, of a linear model's parameters.
+    pub fn element(&self) -> Option<&Element> {
+        match self {
+            Self::Element(element) => Some(element),
+            Self::AtRest(_) => None,
+        }
+    }
+}
+
 /// A sensor as one run tells of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
@@ -42,7 +80,7 @@ pub struct Estimate {
     pub parameters: Vec<Parameter>,
     /// Size of each that is plausible before anything is recorded.
     pub tolerance: Vec<f64>,
-    /// Values that the fit found; without meaning where the run does not determine it.
+    /// Values that the fit found (logarithms of those that are logarithmic); without meaning where the run does not determine it.
     pub value: Vec<f64>,
     /// Covariance of the fit's errors, scaled by what the fit leaves.
     pub covariance: DMatrix<f64>,

@@ -2,6 +2,7 @@
 
 use super::information::Information;
 use super::parameter::Estimate;
+use crate::numerics::allan::law::Term;
 use crate::sensor::Sense;
 
 /// One recording, checked.
@@ -64,7 +65,7 @@ impl Motion {
     }
 }
 
-/// Motion that would determine a parameter, to the precision that is stated.
+/// Motion, or time, that would determine a parameter, to the precision that is stated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Remedy {
     /// Quarter turns about an axis that lies level, between still poses.
@@ -91,5 +92,14 @@ pub enum Remedy {
     Between {
         /// The axes.
         axes: [usize; 2],
+    },
+    /// A longer log at rest.
+    Longer {
+        /// The noise whose coefficient it tells.
+        term: Term,
+        /// Length of the log, s.
+        duration_s: f64,
+        /// Half of its 95 % interval then, as a share of the coefficient.
+        to: f64,
     },
 }

@@ -2,7 +2,8 @@
 //! `sensor.toml`, whose keys draw each part about the mean with the spread.
 
 use super::agreement::{Agreement, Line};
-use super::parameter::{Estimate, Parameter, Role};
+use super::at_rest;
+use super::parameter::{Element, Estimate, Role};
 use crate::by_axis::{Drawn, three};
 use crate::sensor::{Sense, SensorTerm, coupling};
 use crate::units::key::Key;
@@ -13,20 +14,25 @@ use crate::units::key::Key;
 pub fn sensor_toml(agreement: &Agreement, of: &Estimate, rate_hz: f64) -> Option<String> {
     let mut body = String::new();
     for sense in [Sense::Accelerometer, Sense::Gyro] {
-        let section: String = keys(sense)
+        let by_role = keys(sense)
             .into_iter()
-            .map(|(key, role)| three(key, [0, 1, 2].map(|axis| drawn(agreement, of, (sense, role, axis)))))
-            .collect();
+            .map(|(key, role)| three(key, [0, 1, 2].map(|axis| drawn(agreement, of, (sense, role, axis)))));
+        let section: String = by_role.chain(at_rest::section(agreement, of, sense)).collect();
         if !section.is_empty() {
             body += &format!("\n[{}]\n{section}", sense.name());
         }
     }
+    let more = match of.parameters.iter().all(|p| p.element().is_some()) {
+        true => "; `proofmass allan` adds the noise of a log at rest",
+        false => {
+            ".\n# The mean of an accelerometer at rest is left out as well: gravity is in it, and how it was levelled"
+        }
+    };
     (!body.is_empty()).then(|| {
         format!(
             "# Mean over the runs, and the standard deviation with which the next run differs from it: the spread\n\
              # between the runs together with the error of the mean. By proofmass {}.\n# What \
-             not every run determines is left out, or zero. Paste it into a study.toml; \
-             `proofmass allan` adds the noise of a log at rest.\n\n[sensor]\nsample_rate_hz = {rate_hz:?}\n{body}",
+             not every run determines is left out, or zero. Paste it into a study.toml{more}.\n\n[sensor]\nsample_rate_hz = {rate_hz:?}\n{body}",
             env!("CARGO_PKG_VERSION")
         )
     })
@@ -52,11 +58,10 @@ fn keys(sense: Sense) -> Vec<(&'static Key, Role)> {
 /// Draw of a study for one axis: of several elements their common spread, about zero where a
 /// calibration takes out what they share.
 fn drawn(agreement: &Agreement, of: &Estimate, (sense, role, axis): (Sense, Role, usize)) -> Drawn {
-    let is_asked = |p: &Parameter| (p.sensor, p.role, p.axis) == (sense, role, axis);
-    let asked: Vec<&Line> = agreement.lines.iter().filter(|l| is_asked(&of.parameters[l.parameter])).collect();
-    let found = asked.iter().filter_map(|line| {
+    let is_asked = |p: &Element| (p.sensor, p.role, p.axis) == (sense, role, axis);
+    let elements = agreement.lines.iter().filter_map(|line| Some((line, of.parameters[line.parameter].element()?)));
+    let found = elements.filter(|(_, element)| is_asked(element)).filter_map(|(line, parameter)| {
         let spread = line.spread?;
-        let parameter = &of.parameters[line.parameter];
         let (mean, sd) = (spread.mean, spread.of_the_next_run());
         Some(match (role, parameter.is_si) {
             (Role::Scale, true) => Drawn { mean: mean - 1.0, sd },
@@ -77,8 +82,7 @@ fn drawn(agreement: &Agreement, of: &Estimate, (sense, role, axis): (Sense, Role
 /// Reading per unit of input of a sensor, over its axes.
 fn scale(agreement: &Agreement, of: &Estimate, sense: Sense) -> Option<f64> {
     let is_scale = |line: &&Line| {
-        let parameter = &of.parameters[line.parameter];
-        (parameter.sensor, parameter.role) == (sense, Role::Scale)
+        of.parameters[line.parameter].element().is_some_and(|e| (e.sensor, e.role) == (sense, Role::Scale))
     };
     let means: Vec<f64> = agreement.lines.iter().filter(is_scale).filter_map(|l| Some(l.spread?.mean.abs())).collect();
     let mean = means.iter().sum::<f64>() / means.len().max(1) as f64;

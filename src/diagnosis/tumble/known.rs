@@ -141,7 +141,7 @@ impl Reading<'_> {
         };
         let parameters = linear.parameters();
         let count = parameters.len();
-        let freedom = parameters.iter().map(|p| self.freedom(p.sensor)).collect();
+        let freedom = parameters.iter().filter_map(|p| p.element()).map(|p| self.freedom(p.sensor)).collect();
         let estimate = Estimate {
             tolerance: linear.tolerance(guess)[..count].to_vec(),
             value: linear.values(&fit.point),

@@ -7,7 +7,7 @@ use super::calibration::{GYRO_OFF_DIAGONAL, Point, accelerometer, gyro};
 use super::fit::{Beforehand, CONING_PRIOR};
 use super::rows::Rows;
 use crate::repeatability::information::{Information, Known};
-use crate::repeatability::parameter::{Parameter, Role};
+use crate::repeatability::parameter::{Element, Parameter, Role};
 use crate::sensor::Sense;
 use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
 
@@ -173,7 +173,9 @@ fn as_fitted(p: usize, guess: &Point) -> f64 {
 fn parameter(p: usize, told: [Option<f64>; 2]) -> Parameter {
     let sense = usize::from(p >= gyro::OFFSET.start);
     let at = &PLACES[sense];
-    let of = |role, axis, of| Parameter { sensor: at.sensor, role, axis, of, is_si: told[sense].is_some() };
+    let of = |role, axis, of| {
+        Parameter::Element(Element { sensor: at.sensor, role, axis, of, is_si: told[sense].is_some() })
+    };
     match p {
         p if (at.offset..at.offset + 3).contains(&p) => of(Role::Bias, p - at.offset, None),
         p if p == at.scale => of(Role::Scale, 0, None),

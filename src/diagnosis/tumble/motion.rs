@@ -11,7 +11,7 @@ use super::group::{GROUPS, Group};
 use super::imu::Observed;
 use super::linear::shares;
 use crate::numerics::order::median;
-use crate::repeatability::parameter::{Estimate, Parameter, Role};
+use crate::repeatability::parameter::{Element, Estimate, Role};
 use crate::repeatability::run::{Motion, Remedy};
 use crate::sensor::Sense;
 
@@ -79,7 +79,7 @@ pub(super) fn remedies(
         let to = share.map(|s| s / (2.0 * count as f64).sqrt());
         Some(Remedy::UpAndDown { sensor, axis, count, to })
     };
-    let of = |p: &Parameter| match (p.sensor, p.role, p.of) {
+    let of = |p: &Element| match (p.sensor, p.role, p.of) {
         (Sense::Accelerometer, Role::Misalignment, Some(other)) => Some(Remedy::Between { axes: [p.axis, other] }),
         (Sense::Accelerometer, ..) => up_and_down(p.sensor, p.axis),
         (Sense::Gyro, Role::Scale, _) => turns(p.axis),
@@ -89,7 +89,7 @@ pub(super) fn remedies(
     };
     let mut out: Vec<Remedy> = Vec::new();
     let undetermined = (0..estimate.parameters.len()).filter(|p| !estimate.determines(*p));
-    for remedy in undetermined.filter_map(|p| of(&estimate.parameters[p])) {
+    for remedy in undetermined.filter_map(|p| of(estimate.parameters[p].element()?)) {
         if !out.contains(&remedy) {
             out.push(remedy);
         }

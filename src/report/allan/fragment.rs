@@ -3,12 +3,11 @@
 
 use proofmass_base::escape::line;
 use proofmass_base::number::rounded;
-use proofmass_base::units::key::Key;
 use proofmass_numerics::numerics::allan::law::{FLICKER_FLOOR, Term};
 use proofmass_recording::noise::{Channel, Noise};
 use proofmass_recording::unit::Quantity;
-use proofmass_scenario::sensor::error_law::ErrorLaw;
-use proofmass_scenario::sensor::{Sense, SensorTerm};
+use proofmass_scenario::sensor::Sense;
+use proofmass_scenario::sensor::estimated::estimated;
 
 /// A piece of study.toml.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,21 +59,6 @@ pub fn fragments(file: &str, noise: &Noise) -> Vec<Fragment> {
     }
 }
 
-/// The noise terms of a sense that an Allan analysis estimates and a study simulates, each with the
-/// key for its two-sided coefficient.
-pub(super) fn keys(sense: Sense) -> Vec<(Term, &'static Key)> {
-    let of = |term: SensorTerm| {
-        let estimated = match term.law() {
-            ErrorLaw::White(_) => Term::White,
-            ErrorLaw::Flicker(_) => Term::Flicker,
-            ErrorLaw::Walk(_) => Term::Walk,
-            _ => return None,
-        };
-        Some((estimated, term.row().keys.iter().find(|key| !key.one_sided)?))
-    };
-    SensorTerm::ALL.into_iter().filter(|term| term.sense() == sense).filter_map(of).collect()
-}
-
 /// Says which convention a bias instability B follows, next to the other that datasheets print.
 fn minimum(value: f64) -> String {
     format!("; B of IEEE 952: the minimum of the Allan deviation is 0.664 B = {:?}", rounded(FLICKER_FLOOR * value, 3))
@@ -87,7 +71,7 @@ fn section(sense: Sense, channel: &Channel) -> String {
     if !fit.good() {
         out += "# The five terms do not describe this channel's Allan curve: see the report.\n";
     }
-    for (term, key) in keys(sense) {
+    for (term, key) in estimated(sense) {
         let coefficient = fit.coefficients[term as usize];
         let (key, scale) = (key.key(), channel.unit.si / key.factor);
         let [low, high] = coefficient.ci95.map(|e| to_five_digits(e * scale));

@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use super::fragment::{keys, to_five_digits};
+use super::fragment::to_five_digits;
 use proofmass_base::document::toml_string;
 use proofmass_base::escape::line;
 use proofmass_base::number::rounded;
@@ -16,6 +16,7 @@ use proofmass_recording::finding::Finding;
 use proofmass_recording::noise::{Channel, Noise};
 use proofmass_recording::unit::Quantity;
 use proofmass_scenario::sensor::Sense;
+use proofmass_scenario::sensor::estimated::estimated;
 use proofmass_study::{is_plausible, name_for};
 
 /// The run is this long, s, and at least this many samples.
@@ -93,7 +94,7 @@ pub fn study(path: &Path, noise: &Noise) -> Option<String> {
 /// Each supported coefficient between the lowest and the highest end of the channels' intervals.
 fn drawn(channels: &[&Channel], sense: Sense) -> String {
     let mut out = String::new();
-    for (term, key) in keys(sense) {
+    for (term, key) in estimated(sense) {
         let supported = channels.iter().filter_map(|c| {
             let coefficient = c.fit.as_ref()?.coefficients[term as usize];
             let scale = c.unit.si / key.factor;

@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use super::sentences;
+use super::values::{difference, estimated, spread};
 use super::words::{name, unit};
 use proofmass_diagnosis::check::{Checked, Compared};
 use proofmass_diagnosis::repeatability::agreement::{Agreement, Odd};
@@ -52,19 +53,17 @@ fn of_run(file: &str, run: &Run) -> Value {
 
 fn of_estimate(estimate: &Estimate) -> Value {
     let of = |p: usize| {
-        let (unit, factor) = unit(&estimate.parameters[p]);
-        let is_told = estimate.determines(p);
-        let (value, half) = (estimate.value[p] * factor, estimate.half_width(p) * factor);
+        let told = estimate.determines(p).then(|| estimated(estimate, p));
         json!({
             "name": name(&estimate.parameters[p]),
-            "unit": unit,
+            "unit": unit(&estimate.parameters[p]).0,
             "determined": match estimate.known[p] {
                 Known::Determined => "well",
                 Known::Weakly => "weakly",
                 Known::Not => "not",
             },
-            "value": is_told.then_some(value),
-            "ci95": is_told.then_some([value - half, value + half]),
+            "value": told.map(|t| t.value),
+            "ci95": told.map(|t| t.ci95),
         })
     };
     (0..estimate.parameters.len()).map(of).collect()
@@ -75,21 +74,27 @@ fn of_agreement(files: &[String], agreement: &Agreement, estimate: &Estimate) ->
         .lines
         .iter()
         .map(|line| {
-            let (unit, factor) = unit(&estimate.parameters[line.parameter]);
-            let (difference, half) = (line.difference * factor, line.half_width * factor);
+            let parameter = &estimate.parameters[line.parameter];
+            // Of sizes that are held as logarithms a ratio is compared.
+            let is_ratio = parameter.is_logarithmic();
+            let difference = difference(parameter, line);
             json!({
-                "name": name(&estimate.parameters[line.parameter]),
-                "unit": unit,
-                "difference": difference,
-                "ci95": [difference - half, difference + half],
+                "name": name(parameter),
+                "unit": unit(parameter).0,
+                "difference": (!is_ratio).then_some(difference.value),
+                "ratio": is_ratio.then_some(difference.value),
+                "ci95": difference.ci95,
                 "p_value": line.p_value,
                 "agrees": line.agrees(),
-                "spread": line.spread.map(|s| json!({
-                    "mean": s.mean * factor,
-                    "mean_error": s.mean_error * factor,
-                    "between": s.between * factor,
-                    "between_ci95": s.between_ci95.map(|e| finite(e * factor)),
-                })),
+                "spread": line.spread.map(|of| {
+                    let [mean, mean_error, between, low, high] = spread(parameter, &of);
+                    json!({
+                        "mean": mean,
+                        "mean_error": mean_error,
+                        "between": between,
+                        "between_ci95": [finite(low), finite(high)],
+                    })
+                }),
             })
         })
         .collect();

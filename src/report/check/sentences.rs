@@ -1,7 +1,8 @@
 //! The answer, what a recording can know and what would tell more, a sentence a line.
 
-use super::words::{axis, list, name, place, role, unit_of_difference};
-use proofmass_base::number::{short, with_uncertainty};
+use super::values::difference_in_words;
+use super::words::{axis, kind, list, name, noise, place};
+use proofmass_base::number::{duration, short};
 use proofmass_diagnosis::check::{Checked, Compared};
 use proofmass_diagnosis::repeatability::agreement::{Agreement, Joint, Odd};
 use proofmass_diagnosis::repeatability::information::Known;
@@ -49,9 +50,7 @@ fn differing(checked: &Checked, agreement: &Agreement) -> String {
         .take(LISTED)
         .map(|line| {
             let parameter = &run.estimate.parameters[line.parameter];
-            let (in_unit, factor) = unit_of_difference(parameter, line.runs.first().map_or(0.0, |r| r.0));
-            let by = with_uncertainty(line.difference * factor, line.half_width * factor);
-            format!("{} differs by {by} {in_unit}", name(parameter))
+            format!("{} differs by {}", name(parameter), difference_in_words(parameter, line))
         })
         .collect();
     let more = match lines.len().saturating_sub(LISTED) {
@@ -79,10 +78,19 @@ pub(super) fn of_run(run: &Run) -> Vec<String> {
     out.extend(mixed(run));
     let weak = of_known(&run.estimate, Known::Weakly);
     if !weak.is_empty() {
-        out.push(format!("weakly determined (to a third of a data sheet's tolerance or less): {}", weak.join("; ")));
+        let to = match at_rest(run) {
+            true => "to more than ±14 %",
+            false => "to a third of a data sheet's tolerance or less",
+        };
+        out.push(format!("weakly determined ({to}): {}", weak.join("; ")));
     }
     out.extend(remedies(&run.remedies));
     out
+}
+
+/// Returns whether it is the noise of a sensor that was checked.
+fn at_rest(run: &Run) -> bool {
+    run.estimate.parameters.iter().any(|p| matches!(p, Parameter::AtRest(_)))
 }
 
 /// "gyro scale z", "gyro misalignment xz, yz", by sensor and role.
@@ -92,14 +100,15 @@ fn of_known(estimate: &Estimate, known: Known) -> Vec<String> {
         if *told != known {
             continue;
         }
-        let alike = |other: &Parameter| (other.sensor, other.role) == (parameter.sensor, parameter.role);
+        let alike = |other: &Parameter| kind(other) == kind(parameter);
         match groups.iter_mut().find(|(other, _)| alike(other)) {
             Some((_, places)) => places.push(place(parameter)),
             None => groups.push((parameter, vec![place(parameter)])),
         }
     }
-    let said = |(parameter, places): &(&Parameter, Vec<String>)| {
-        format!("{} {} {}", parameter.sensor.name(), role(parameter.role), places.join(", "))
+    let said = |(parameter, places): &(&Parameter, Vec<String>)| match parameter {
+        Parameter::Element(_) => format!("{} {}", kind(parameter), places.join(", ")),
+        Parameter::AtRest(_) => format!("{} of {}", kind(parameter), places.join(", ")),
     };
     groups.iter().map(said).collect()
 }
@@ -151,6 +160,12 @@ fn remedies(remedies: &[Remedy]) -> Vec<String> {
                 axis(*a)
             )
         }
+        Remedy::Longer { term, duration_s, to } => format!(
+            "to know the {} to ±{:.0} %, wherever it shows: {} at rest",
+            noise(*term),
+            100.0 * to,
+            duration(*duration_s)
+        ),
         Remedy::Between { axes: [a, b] } => format!(
             "to determine the misalignment {0}{1}: poses with gravity midway between {0} and {1}, on all four sides",
             axis(*a),
@@ -196,19 +211,24 @@ pub(super) fn of_agreement(checked: &Checked) -> Vec<String> {
 pub(super) fn next(files: &[String], checked: &Checked) -> Vec<String> {
     let mut out = Vec::new();
     let agrees = checked.agreement.as_ref().and_then(|(_, a)| a.joint).is_some_and(|j| j.agrees());
+    let at_rest = checked.runs.first().is_some_and(at_rest);
+    let left_out =
+        if at_rest { "which noise and which drift there is" } else { "what physics the linear model leaves out" };
     if let ([file], [run]) = (files, &checked.runs[..]) {
         if let Some(motion) = run.motion.as_ref().filter(|_| agrees) {
             let poses = motion.poses;
             out.push(format!("{} poses of the same kind would halve every interval (now {poses})", 4 * poses));
         }
+        if at_rest && agrees {
+            out.push("a log four times as long would halve the intervals of what is determined".into());
+        }
+        let of_what = if at_rest { "noise and bias last" } else { "the calibration lasts" };
         out.push(match agrees {
-            true => {
-                format!("halves share a day: proofmass check {file} ANOTHER.csv says whether the calibration lasts")
-            }
-            false => format!("proofmass diagnose {file} says what physics the linear model leaves out"),
+            true => format!("halves share a day: proofmass check {file} ANOTHER.csv says whether {of_what}"),
+            false => format!("proofmass diagnose {file} says {left_out}"),
         });
     } else if !agrees {
-        out.push("proofmass diagnose RECORDING, on each of them, says what the linear model leaves out".into());
+        out.push(format!("proofmass diagnose RECORDING, on each of them, says {left_out}"));
     }
     out
 }

@@ -1,11 +1,11 @@
 //! Each parameter of each run, and whether they agree.
 
-use super::words::{name, unit, unit_of_difference};
+use super::values::{difference_in_words, estimated, spread_in_words};
+use super::words::{name, unit};
 use crate::table::Table;
-use proofmass_base::number::{short, with_uncertainty};
 use proofmass_diagnosis::check::{Checked, Compared};
 use proofmass_diagnosis::repeatability::agreement::Line;
-use proofmass_diagnosis::repeatability::parameter::Estimate;
+use proofmass_diagnosis::repeatability::parameter::{Estimate, Parameter};
 
 /// Runs that a terminal has room for; of more the means and spreads are shown.
 const SHOWN: usize = 4;
@@ -23,36 +23,37 @@ pub(super) fn of(files: &[String], checked: &Checked) -> Table {
     let mut table = Table::new(&all.iter().map(String::as_str).collect::<Vec<_>>());
     let Some(first) = checked.runs.first() else { return table };
     for (p, parameter) in first.estimate.parameters.iter().enumerate() {
-        let (in_unit, factor) = unit(parameter);
+        // What nothing determines is said above the table.
+        if shown.iter().all(|e| !e.determines(p)) {
+            continue;
+        }
         let cell = |e: &&Estimate| match e.determines(p) {
-            true => with_uncertainty(e.value[p] * factor, e.half_width(p) * factor),
+            true => estimated(e, p).words(),
             false => "not determined".to_owned(),
         };
-        let mut row = vec![name(parameter), in_unit.to_owned()];
+        let mut row = vec![name(parameter), unit(parameter).0.to_owned()];
         row.extend(shown.iter().map(cell));
         let line = checked.agreement.as_ref().and_then(|(_, a)| a.lines.iter().find(|l| l.parameter == p));
-        row.extend(compared(line, |line| unit_of_difference(parameter, middle(line))));
+        row.extend(match line {
+            Some(line) => {
+                let agrees = if line.agrees() { "agrees" } else { "DIFFERS" };
+                [without_unit(parameter, line), agrees.to_owned()]
+            }
+            None => ["–".to_owned(), "not compared".to_owned()],
+        });
         if several {
-            row.push(line.and_then(|l| l.spread).map_or("–".to_owned(), |spread| {
-                let [low, high] = spread.between_ci95.map(|end| short(end * factor));
-                format!("{} ({low} to {high})", short(spread.between * factor))
-            }));
+            let of = line.and_then(|l| l.spread);
+            row.push(of.map_or("–".to_owned(), |of| spread_in_words(parameter, &of)));
         }
         table.row(row);
     }
     table
 }
 
-fn middle(line: &Line) -> f64 {
-    line.runs.iter().map(|r| r.0).sum::<f64>() / line.runs.len().max(1) as f64
-}
-
-fn compared(line: Option<&Line>, unit: impl Fn(&Line) -> (&'static str, f64)) -> [String; 2] {
-    let Some(line) = line else { return ["–".to_owned(), "not compared".to_owned()] };
-    let (in_unit, factor) = unit(line);
-    let difference = with_uncertainty(line.difference * factor, line.half_width * factor);
-    let difference = if in_unit == "%" { format!("{difference} %") } else { difference };
-    [difference, if line.agrees() { "agrees" } else { "DIFFERS" }.to_owned()]
+/// The difference, where the unit stands in a column of its own.
+fn without_unit(parameter: &Parameter, line: &Line) -> String {
+    let words = difference_in_words(parameter, line).replace("a factor of ", "× ");
+    words.strip_suffix(unit(parameter).0).map_or(words.clone(), |bare| bare.trim_end().to_owned())
 }
 
 /// Columns side by side: a recording and its halves, or the recordings.

@@ -1,7 +1,8 @@
-//! Names and units of a calibration's parameters.
+//! Names and units of parameters.
 
 use proofmass_base::units::{DEGREE, STANDARD_GRAVITY_M_S2};
-use proofmass_diagnosis::repeatability::parameter::{Parameter, Role};
+use proofmass_diagnosis::repeatability::parameter::{AtRest, Element, Parameter, Role};
+use proofmass_numerics::numerics::allan::law::Term;
 use proofmass_scenario::sensor::Sense;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -20,8 +21,28 @@ pub(super) fn list(items: &[String]) -> String {
     }
 }
 
-/// Name of the parameters of a role.
-pub(super) fn role(role: Role) -> &'static str {
+/// Name of the parameters of a role, or of a noise.
+pub(super) fn kind(parameter: &Parameter) -> String {
+    match parameter {
+        Parameter::Element(Element { sensor, role, .. }) => format!("{} {}", sensor.name(), self::role(*role)),
+        Parameter::AtRest(AtRest { term: None, .. }) => "mean".to_owned(),
+        Parameter::AtRest(AtRest { term: Some(term), .. }) => noise(*term),
+    }
+}
+
+/// "white noise N".
+pub(super) fn noise(term: Term) -> String {
+    let name = match term {
+        Term::Quantisation => "quantisation",
+        Term::White => "white noise",
+        Term::Flicker => "flicker",
+        Term::Walk => "random walk",
+        Term::Ramp => "ramp",
+    };
+    format!("{name} {}", term.symbol())
+}
+
+fn role(role: Role) -> &'static str {
     match role {
         Role::Bias => "bias",
         Role::Scale => "scale",
@@ -30,20 +51,34 @@ pub(super) fn role(role: Role) -> &'static str {
     }
 }
 
-/// Its axis, or axes: "z", "yz".
+/// Its axis, or axes, or channel: "z", "yz", "gx".
 pub(super) fn place(parameter: &Parameter) -> String {
-    format!("{}{}", axis(parameter.axis), parameter.of.map_or("", axis))
+    match parameter {
+        Parameter::Element(element) => format!("{}{}", axis(element.axis), element.of.map_or("", axis)),
+        Parameter::AtRest(at) => at.channel.clone(),
+    }
 }
 
-/// "gyro scale z".
+/// "gyro scale z", "gx white noise N".
 pub(super) fn name(parameter: &Parameter) -> String {
-    format!("{} {} {}", parameter.sensor.name(), role(parameter.role), place(parameter))
+    match parameter {
+        Parameter::Element(_) => format!("{} {}", kind(parameter), place(parameter)),
+        Parameter::AtRest(_) => format!("{} {}", place(parameter), kind(parameter)),
+    }
 }
 
 /// The unit it is stated in, and the factor from what it is held in.
 pub(super) fn unit(parameter: &Parameter) -> (&'static str, f64) {
-    let is_gyro = parameter.sensor == Sense::Gyro;
-    match (parameter.role, parameter.is_si) {
+    match parameter {
+        Parameter::Element(element) => unit_of_element(element),
+        Parameter::AtRest(AtRest { unit, term: None, .. }) => unit.signal(),
+        Parameter::AtRest(AtRest { unit, term: Some(term), .. }) => unit.coefficient(*term),
+    }
+}
+
+fn unit_of_element(element: &Element) -> (&'static str, f64) {
+    let is_gyro = element.sensor == Sense::Gyro;
+    match (element.role, element.is_si) {
         (Role::Bias, true) if is_gyro => ("°/s", 1.0 / DEGREE),
         (Role::Bias, true) => ("m/s²", 1.0),
         (Role::Bias, false) => ("unit of the file", 1.0),
@@ -52,13 +87,5 @@ pub(super) fn unit(parameter: &Parameter) -> (&'static str, f64) {
         (Role::Scale, false) => ("unit of the file per m/s²", 1.0),
         (Role::Misalignment, _) => ("mrad", 1e3),
         (Role::GSensitivity, _) => ("°/s/g", STANDARD_GRAVITY_M_S2 / DEGREE),
-    }
-}
-
-/// The same of a difference, which a scale has as a share of itself.
-pub(super) fn unit_of_difference(parameter: &Parameter, value: f64) -> (&'static str, f64) {
-    match parameter.role {
-        Role::Scale if value != 0.0 => ("%", 100.0 / value.abs()),
-        _ => unit(parameter),
     }
 }

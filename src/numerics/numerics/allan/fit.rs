@@ -50,6 +50,9 @@ impl Coefficient {
 pub struct Fit {
     /// Coefficients in the order of [`TERMS`].
     pub coefficients: [Coefficient; 5],
+    /// Covariance of the squared coefficients by least squares, as if none could reach zero; zero for
+    /// those that are zero.
+    pub covariance: [[f64; 5]; 5],
     /// Probability of deviations as large as these if the five terms were all there is.
     pub p_value: f64,
     /// Shortest averaging time fitted, s.
@@ -110,6 +113,7 @@ pub fn fit(points: &[Point], rate_hz: f64, rng: &mut impl Rng) -> Option<Fit> {
     let worst = sure.max_by(|a, b| ratio(a).ln().abs().total_cmp(&ratio(b).ln().abs())).unwrap_or(&curve.points[0]);
     Some(Fit {
         coefficients,
+        covariance: curve.whitened(&best).covariance(&best),
         p_value,
         from_s,
         to_s: octaves[octaves.len() - 1].tau_s,
@@ -289,7 +293,40 @@ impl<'a> Curve<'a> {
     }
 }
 
+/// Standard errors of the logarithms of the coefficients that a fit to a log of this many samples would
+/// have, were these the squared coefficients; infinite of those that are zero.
+pub fn expected_errors(squares: &[f64; 5], rate_hz: f64, samples: usize) -> [f64; 5] {
+    let octaves = (0..usize::BITS).map(|power| 1usize << power).take_while(|factor| *factor <= samples / 3);
+    let at = |factor: usize| {
+        let tau_s = factor as f64 / rate_hz;
+        Point { factor, tau_s, variance: law::variance(squares, tau_s), samples }
+    };
+    let points: Vec<Point> = octaves.map(at).collect();
+    let covariance = Curve::new(&points, rate_hz, &DMatrix::zeros(0, 0)).whitened(squares).covariance(squares);
+    std::array::from_fn(|p| match squares[p] > 0.0 {
+        true => covariance[p][p].sqrt() / (2.0 * squares[p]),
+        false => f64::INFINITY,
+    })
+}
+
 impl Whitened {
+    /// Covariance of squared coefficients of which those that are zero are held there.
+    fn covariance(&self, squares: &[f64; 5]) -> [[f64; 5]; 5] {
+        let free: Vec<usize> = (0..5).filter(|p| squares[*p] > 0.0).collect();
+        let scale = |p: usize| self.normal[p][p].sqrt();
+        let matrix = DMatrix::from_fn(free.len(), free.len(), |i, j| {
+            self.normal[free[i]][free[j]] / (scale(free[i]) * scale(free[j]))
+        });
+        let inverse = matrix.try_inverse();
+        let mut out = [[0.0; 5]; 5];
+        for (i, p) in free.iter().enumerate() {
+            for (j, q) in free.iter().enumerate() {
+                out[*p][*q] = inverse.as_ref().map_or(f64::INFINITY, |m| m[(i, j)] / (scale(*p) * scale(*q)));
+            }
+        }
+        out
+    }
+
     fn solve(&self, curve: &DVector<f64>, free: &[bool; 5]) -> [f64; 5] {
         self.solve_all(&as_matrix(curve), free)[0]
     }
