@@ -8,7 +8,7 @@ use crate::recording::Recording;
 use crate::recordings::Recordings;
 use crate::repeatability::agreement::Agreement;
 use crate::repeatability::run::{Run, Split};
-use crate::{rest, stated_units, tumble};
+use crate::{rest, stated_units, trajectory, tumble};
 
 /// The two sides of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,7 +41,7 @@ pub fn check(recordings: &[Recording], model: &Model, control: &Control) -> Resu
         Model::Tumble(model) => tumble::known(recording, model, control),
         Model::Static(model) => rest::known(recording, model, control),
         Model::Driven(_) => Err(not_yet(recording, "driven", "proofmass diagnose")),
-        Model::Trajectory(_) => Err(not_yet(recording, "trajectory", "proofmass diagnose")),
+        Model::Trajectory(model) => trajectory::known(recording, model, control),
         Model::Response(_) => Err(not_yet(recording, "response", "proofmass diagnose")),
     };
     Ok(compared(recordings.iter().map(run).collect::<Result<_>>()?))

@@ -27,6 +27,7 @@ mod fit;
 mod intake;
 mod integral;
 mod judgement;
+mod known;
 mod left_out;
 mod log;
 mod mistaken;
@@ -59,6 +60,7 @@ use crate::control::{Control, Stopped};
 use crate::error::{Error, Result};
 use crate::motion::{Earth, Place};
 use crate::recording::Recording;
+use crate::repeatability::run::Run;
 use crate::units::DEGREE;
 use conclusion::{Examined, Found};
 use course::{Anchor, Case};
@@ -86,6 +88,38 @@ const LEVER_ARM_UNDETERMINED: &str = "the lever arm cannot be estimated from pos
 /// Readings or a reference that cannot be used, which do not overlap or do not move alike; when
 /// stopped.
 pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Control) -> Result<Answer> {
+    examined(recording, model, control, |examined, found| {
+        Ok(match found {
+            Ok(found) => examined.conclude(found),
+            Err(log) => examined.without_reference(log),
+        })
+    })
+}
+
+/// Returns what a recording in motion can know of its IMU, what it finds, and the same of its halves.
+///
+/// # Errors
+/// As [`diagnose`]; no reference.
+pub fn known(recording: &Recording, model: &model::Trajectory, control: &Control) -> Result<Run> {
+    examined(recording, model, control, |examined, found| match found {
+        Ok(found) => Ok(known::check(found, examined.findings)),
+        Err(_) => Err(Error::new(
+            format!("could not check {}", recording.path.display()),
+            "its model has no reference of the motion",
+            "name the motion capture or navigation solution under [reference]; `proofmass diagnose` says what the \
+             readings alone show",
+        )),
+    })
+}
+
+/// Fits everything and searches the library; `then` takes what was found, or the log where there is no
+/// reference.
+fn examined<T>(
+    recording: &Recording,
+    model: &model::Trajectory,
+    control: &Control,
+    then: impl FnOnce(Examined<'_>, std::result::Result<&Found<'_>, &Log>) -> Result<T>,
+) -> Result<T> {
     let stopped = |s: Stopped| s.during(format!("could not finish {}", recording.path.display()), "start it again");
     let mut findings = recording.sentences();
     let names = intake::names(recording, model)?;
@@ -96,7 +130,7 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     let limits = [clipping::limits(&log.rate, &mut held), clipping::limits(&log.force, &mut masked)];
     let vibration = conclusion::vibration(&log, model);
     let examined = Examined { recording, names, findings, limits, vibration, stated: model.noise };
-    let Some(reference) = &model.reference else { return Ok(examined.without_reference(&log)) };
+    let Some(reference) = &model.reference else { return then(examined, Err(&log)) };
     let mut examined = examined;
     let motion = intake::motion(recording, reference, &log, began, &mut examined.findings)?;
     let gravity_m_s2 = gravity(model);
@@ -209,7 +243,7 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     drop(work);
     let place = model.latitude_deg.map(|latitude_deg| (latitude_deg, model.height_m.unwrap_or_default()));
     let found = Found { log: &log, case: &case, start: &start, fit: &fit, selection: &selection, reference, place };
-    Ok(examined.conclude(&found))
+    then(examined, Ok(&found))
 }
 
 /// Gravity of the place, m/s².

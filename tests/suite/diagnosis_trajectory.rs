@@ -7,6 +7,7 @@
 mod bad_input;
 mod coverage;
 mod flight;
+mod known;
 mod lowpass;
 mod one_half;
 mod repaired;
@@ -47,6 +48,7 @@ pub fn tests() -> Vec<Trial> {
     .chain(repaired::tests())
     .chain(spoiled::tests())
     .chain(coverage::tests())
+    .chain(known::tests())
     .collect()
 }
 

@@ -36,7 +36,7 @@ pub(super) fn section(agreement: &Agreement, of: &Estimate, sense: Sense) -> Vec
 fn at<'a>(of: &'a Estimate, line: &Line) -> Option<&'a AtRest> {
     match &of.parameters[line.parameter] {
         Parameter::AtRest(at) => Some(at),
-        Parameter::Element(_) => None,
+        Parameter::Element(_) | Parameter::Named(_) => None,
     }
 }
 

@@ -20,6 +20,17 @@ pub enum Known {
     Not,
 }
 
+impl Known {
+    /// By a standard error over the tolerance.
+    pub(crate) fn by_error(over_tolerance: f64) -> Self {
+        match over_tolerance {
+            error if error.is_nan() || error > NOT => Self::Not,
+            error if error > WEAKLY => Self::Weakly,
+            _ => Self::Determined,
+        }
+    }
+}
+
 /// A direction of the parameter space that the recording does not determine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Direction {

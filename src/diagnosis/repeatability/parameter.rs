@@ -48,6 +48,17 @@ pub struct AtRest {
     pub term: Option<Term>,
 }
 
+/// A number that its kind names and states.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Named {
+    /// Name for people, its axis last.
+    pub name: String,
+    /// Unit that it is stated in.
+    pub unit: String,
+    /// Number of these units in one of those that it is held in.
+    pub factor: f64,
+}
+
 /// One parameter that a recording may tell.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Parameter {
@@ -55,6 +66,8 @@ pub enum Parameter {
     Element(Element),
     /// The mean or a noise coefficient of a channel, in units of the file.
     AtRest(AtRest),
+    /// Any other number of a model.
+    Named(Named),
 }
 
 impl Parameter {
@@ -68,7 +81,7 @@ impl Parameter {
     pub fn element(&self) -> Option<&Element> {
         match self {
             Self::Element(element) => Some(element),
-            Self::AtRest(_) => None,
+            Self::AtRest(_) | Self::Named(_) => None,
         }
     }
 }

@@ -31,11 +31,37 @@ pub struct Halves {
     pub each: [Estimate; 2],
 }
 
+impl Halves {
+    /// The division that determines most, by what is known and not by what the halves say: the choice cannot
+    /// make them agree.
+    pub(crate) fn least_lost(whole: &Estimate, divisions: impl Iterator<Item = Self>) -> Option<Self> {
+        let rated = divisions.map(|halves| (lost(whole, &halves.each), halves));
+        rated.min_by(|a, b| a.0.total_cmp(&b.0)).map(|h| h.1)
+    }
+}
+
+/// Cost of a division: parameters that the whole determines and a half does not, then by how much
+/// the standard errors of the halves grow, on average of their logarithms.
+fn lost(whole: &Estimate, halves: &[Estimate; 2]) -> f64 {
+    let of = |p: usize| match halves.iter().all(|h| h.determines(p)) {
+        false => 100.0,
+        true => (halves[0].deviation(p).hypot(halves[1].deviation(p)) / whole.deviation(p)).ln(),
+    };
+    let known: Vec<usize> = (0..whole.parameters.len()).filter(|p| whole.determines(*p)).collect();
+    let lost = known.iter().map(|p| of(*p)).filter(|l| l.is_finite());
+    lost.sum::<f64>() / known.len().max(1) as f64
+}
+
 /// Division of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Split {
     /// The first half against the second.
     FirstAndSecond,
+    /// Every other of so many stretches.
+    Alternating {
+        /// Number of stretches.
+        parts: usize,
+    },
     /// Alternating blocks of poses.
     Blocks {
         /// Poses in a block.
@@ -46,13 +72,13 @@ pub enum Split {
 /// Motion that a sensor was put through.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
-    /// Still poses that count.
-    pub poses: usize,
+    /// Still poses that count, where there are any.
+    pub poses: Option<usize>,
     /// Numbers, from one, of poses that disagree with all others and were left out.
     pub left_out: Vec<usize>,
     /// Angle turned through about each axis, there and back both counted, rad; `None` without a gyro.
     pub turned_rad: Option<[f64; 3]>,
-    /// Lowest and highest share of gravity along each axis.
+    /// Lowest and highest specific force along each axis, as a share of gravity.
     pub reached: [[f64; 2]; 3],
 }
 
@@ -92,6 +118,17 @@ pub enum Remedy {
     Between {
         /// The axes.
         axes: [usize; 2],
+    },
+    /// Turns about an axis as there were about another.
+    AsAbout {
+        /// The axis that needs them.
+        axis: usize,
+        /// The axis that had most.
+        other: usize,
+        /// Angle turned about that one, there and back both counted, rad.
+        turned_rad: f64,
+        /// Standard error that they gave there, as a share of the input.
+        to: f64,
     },
     /// A longer log at rest.
     Longer {

@@ -169,6 +169,29 @@ pub(super) struct Solved {
 }
 
 impl Linear {
+    /// The same of some of the blocks alone.
+    pub(super) fn part(&self, wanted: impl Fn(usize) -> bool) -> Self {
+        let mut part = self.clone();
+        for sensor in &mut part.sensors {
+            for block in (0..BLOCKS).filter(|b| !wanted(*b)) {
+                sensor.all[block] = Sums::empty();
+                sensor.pieces[block * PIECES..(block + 1) * PIECES].fill(Sums::empty());
+            }
+        }
+        part
+    }
+
+    /// Information on parameters: the normal matrix of all blocks.
+    pub(super) fn information(&self, active: &[usize]) -> DMatrix<f64> {
+        let total = self.total(|_| true);
+        DMatrix::from_fn(active.len(), active.len(), |i, j| total.matrix[(active[i], active[j])])
+    }
+
+    /// Returns whether a block has rows.
+    fn has(&self, block: usize) -> bool {
+        self.sensors.iter().any(|s| s.all[block].count > 0)
+    }
+
     /// Returns whether an attitude turns by block.
     pub(super) fn turns_by_block(&self) -> bool {
         self.sensors.iter().any(Blocks::turn)
@@ -222,7 +245,7 @@ impl Linear {
     }
 
     /// Minus the gradients of half the sum of squares by the active parameters at a point, piece by
-    /// piece of the recording.
+    /// piece of the recording; blocks without a row are passed over.
     pub(super) fn scores(&self, active: &[usize], point: &Point) -> Vec<DVector<f64>> {
         let step = DVector::from_fn(PARAMETERS, |p, _| point[p] - self.point[p]);
         let mut all = vec![DVector::zeros(active.len()); BLOCKS * PIECES];
@@ -232,7 +255,8 @@ impl Linear {
                 active.iter().enumerate().for_each(|(i, p)| score[i] -= gradient[*p]);
             }
         }
-        all
+        let there = all.into_iter().enumerate().filter(|(piece, _)| self.has(piece / PIECES));
+        there.map(|(_, score)| score).collect()
     }
 
     /// The same with each block left out in turn.
@@ -243,7 +267,7 @@ impl Linear {
             self.sensors.iter().for_each(|s| sums.add(&s.all[block], -1.0));
             self.solve_sums(&sums, active).point
         };
-        (0..BLOCKS).filter(|b| self.sensors.iter().any(|s| s.all[*b].count > 0)).map(without).collect()
+        (0..BLOCKS).filter(|b| self.has(*b)).map(without).collect()
     }
 
     /// Sum of squares and how many numbers, of a sensor's block at a point.

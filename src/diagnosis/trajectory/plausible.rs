@@ -24,6 +24,11 @@ const BIASES: [(Range<usize>, f64, &str, &str, &str); 2] = [
     (FORCE_BIAS, 2.5, "m/s²", "a bias of the accelerometer", "ADXL345 datasheet: 0 g offset of ±250 mg"),
 ];
 
+/// The largest bias that there is, SI, of parameters that are one.
+pub(super) fn bias(p: usize) -> Option<f64> {
+    BIASES.iter().find(|row| row.0.contains(&p)).map(|row| row.1)
+}
+
 /// Returns what a fitted model needs beyond what there is: biases at its point, an attitude of the
 /// reference that errs, and where something is left unexplained, terms that were refused although
 /// they would do most.

@@ -98,11 +98,9 @@ pub(super) fn check(poses: Poses<'_>) -> Run {
     let splits = std::iter::once(Split::FirstAndSecond).chain(BLOCKS.map(|poses| Split::Blocks { poses }));
     let halves = splits.filter_map(|split| {
         let first = first_half(&observed, split);
-        let each = [half(&|k| first[k])?, half(&|k| !first[k])?];
-        Some((lost(&estimate, &each), Halves { split, each }))
+        Some(Halves { split, each: [half(&|k| first[k])?, half(&|k| !first[k])?] })
     });
-    // By what the motion determines, not by what the halves say: the choice cannot make them agree.
-    let halves = halves.min_by(|a, b| a.0.total_cmp(&b.0)).map(|h| h.1);
+    let halves = Halves::least_lost(&estimate, halves);
     let moved = motion::of(&observed, &fit, &left_out);
     let remedies = motion::remedies(&observed, &fit, &errors.left, &estimate);
     Run { information, estimate, halves, motion: Some(moved), remedies, findings }
@@ -169,21 +167,10 @@ fn first_half(observed: &Observed<'_>, split: Split) -> Vec<bool> {
         let first = match split {
             Split::FirstAndSecond => 2 * place < total,
             Split::Blocks { poses } => (place / poses) % 2 == 0,
+            Split::Alternating { .. } => place % 2 == 0,
         };
         place += usize::from(counts);
         first
     };
     observed.poses.iter().map(|p| p.counts).map(of).collect()
-}
-
-/// Cost of a division: parameters that the whole determines and a half does not, then by how much
-/// the standard errors of the halves grow, on average of their logarithms.
-fn lost(whole: &Estimate, halves: &[Estimate; 2]) -> f64 {
-    let of = |p: usize| match halves.iter().all(|h| h.determines(p)) {
-        false => 100.0,
-        true => (halves[0].deviation(p).hypot(halves[1].deviation(p)) / whole.deviation(p)).ln(),
-    };
-    let known: Vec<usize> = (0..whole.parameters.len()).filter(|p| whole.determines(*p)).collect();
-    let lost = known.iter().map(|p| of(*p)).filter(|l| l.is_finite());
-    lost.sum::<f64>() / known.len().max(1) as f64
 }

@@ -31,7 +31,7 @@ pub(super) fn of(observed: &Observed<'_>, fit: &Fit, left_out: &[usize]) -> Moti
         forces.iter().zip(&observed.poses).filter(|(_, pose)| pose.counts).map(|(f, _)| shares(f)).collect();
     let end = |axis: usize, pick: fn(f64, f64) -> f64| shares.iter().map(|s| s[axis]).reduce(pick).unwrap_or(0.0);
     Motion {
-        poses: observed.counting(),
+        poses: Some(observed.counting()),
         left_out: left_out.iter().map(|k| k + 1).collect(),
         turned_rad: observed.imu.gyro.is_some().then(|| turned_rad(observed, &calibration)),
         reached: [0, 1, 2].map(|axis| [end(axis, f64::min), end(axis, f64::max)]),

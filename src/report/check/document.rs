@@ -31,12 +31,13 @@ pub fn document(files: &[String], checked: &Checked) -> Value {
 fn of_run(file: &str, run: &Run) -> Value {
     json!({
         "file": file,
-        "poses": run.motion.as_ref().map(|m| m.poses),
+        "poses": run.motion.as_ref().and_then(|m| m.poses),
         "turned_deg": run.motion.as_ref().and_then(|m| m.turned_rad).map(|t| t.map(f64::to_degrees)),
         "parameters": of_estimate(&run.estimate),
         "halves": run.halves.as_ref().map(|halves| json!({
             "split": match halves.split {
                 Split::FirstAndSecond => json!("first-and-second"),
+                Split::Alternating { parts } => json!({ "alternating_parts": parts }),
                 Split::Blocks { poses } => json!({ "blocks_of_poses": poses }),
             },
             "each": halves.each.each_ref().map(of_estimate),

@@ -109,6 +109,7 @@ fn of_known(estimate: &Estimate, known: Known) -> Vec<String> {
     let said = |(parameter, places): &(&Parameter, Vec<String>)| match parameter {
         Parameter::Element(_) => format!("{} {}", kind(parameter), places.join(", ")),
         Parameter::AtRest(_) => format!("{} of {}", kind(parameter), places.join(", ")),
+        Parameter::Named(_) => kind(parameter),
     };
     groups.iter().map(said).collect()
 }
@@ -123,16 +124,18 @@ fn mixed(run: &Run) -> Vec<String> {
 }
 
 fn motion(motion: &Motion) -> Vec<String> {
-    let mut said = format!("{} still poses", motion.poses);
-    if let Some(turned) = motion.turned_rad {
+    let poses = motion.poses.map(|poses| format!("{poses} still poses"));
+    let turned = motion.turned_rad.map(|turned| {
         let turned = [0, 1, 2].map(|a| format!("{:.0}° about {}", turned[a].to_degrees(), axis(a)));
-        said += &format!("; turned through {}", list(&turned));
-    }
+        format!("turned through {}", list(&turned))
+    });
+    let said = [poses, turned].into_iter().flatten().collect::<Vec<_>>().join("; ");
     let reached = [0, 1, 2].map(|a| {
         let [low, high] = motion.reached[a].map(|share| format!("{share:+.1}").replace('-', "−"));
         format!("{} from {low} to {high} g", axis(a))
     });
-    let mut out = vec![said, format!("gravity was seen along {}", list(&reached))];
+    let seen = if motion.poses.is_some() { "gravity was seen" } else { "specific force was read" };
+    let mut out = vec![said, format!("{seen} along {}", list(&reached))];
     if !motion.left_out.is_empty() {
         let poses: Vec<String> = motion.left_out.iter().map(usize::to_string).collect();
         out.push(format!("left out, as it disagrees with all the others: pose {}", list(&poses)));
@@ -160,6 +163,13 @@ fn remedies(remedies: &[Remedy]) -> Vec<String> {
                 axis(*a)
             )
         }
+        Remedy::AsAbout { axis: a, other, turned_rad, to } => format!(
+            "to determine what turns about {} tell: turns about it as about {}, {:.0}° in all, give its scale to {}",
+            axis(*a),
+            axis(*other),
+            turned_rad.to_degrees(),
+            percent(*to)
+        ),
         Remedy::Longer { term, duration_s, to } => format!(
             "to know the {} to ±{:.0} %, wherever it shows: {} at rest",
             noise(*term),
@@ -182,6 +192,9 @@ pub(super) fn of_agreement(checked: &Checked) -> Vec<String> {
     if let Compared::Halves(split) = compared {
         out.push(match split {
             Split::FirstAndSecond => "halves: the first half against the second".to_owned(),
+            Split::Alternating { parts } => format!(
+                "halves: every other of {parts} stretches, as the first half and the second are not moved alike"
+            ),
             Split::Blocks { poses } => format!(
                 "halves: blocks of {poses} poses in turn, as the first half and the second are not turned alike"
             ),
@@ -215,8 +228,7 @@ pub(super) fn next(files: &[String], checked: &Checked) -> Vec<String> {
     let left_out =
         if at_rest { "which noise and which drift there is" } else { "what physics the linear model leaves out" };
     if let ([file], [run]) = (files, &checked.runs[..]) {
-        if let Some(motion) = run.motion.as_ref().filter(|_| agrees) {
-            let poses = motion.poses;
+        if let Some(poses) = run.motion.as_ref().and_then(|m| m.poses).filter(|_| agrees) {
             out.push(format!("{} poses of the same kind would halve every interval (now {poses})", 4 * poses));
         }
         if at_rest && agrees {

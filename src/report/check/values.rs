@@ -39,7 +39,7 @@ impl Valued {
     }
 }
 
-/// What an estimate says of a parameter.
+/// Value of a parameter with its interval.
 pub(super) fn estimated(estimate: &Estimate, p: usize) -> Valued {
     let parameter = &estimate.parameters[p];
     Valued::of(parameter.is_logarithmic(), (estimate.value[p], estimate.half_width(p)), unit(parameter).1)

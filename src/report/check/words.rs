@@ -27,6 +27,7 @@ pub(super) fn kind(parameter: &Parameter) -> String {
         Parameter::Element(Element { sensor, role, .. }) => format!("{} {}", sensor.name(), self::role(*role)),
         Parameter::AtRest(AtRest { term: None, .. }) => "mean".to_owned(),
         Parameter::AtRest(AtRest { term: Some(term), .. }) => noise(*term),
+        Parameter::Named(named) => named.name.clone(),
     }
 }
 
@@ -56,6 +57,7 @@ pub(super) fn place(parameter: &Parameter) -> String {
     match parameter {
         Parameter::Element(element) => format!("{}{}", axis(element.axis), element.of.map_or("", axis)),
         Parameter::AtRest(at) => at.channel.clone(),
+        Parameter::Named(_) => String::new(),
     }
 }
 
@@ -64,15 +66,17 @@ pub(super) fn name(parameter: &Parameter) -> String {
     match parameter {
         Parameter::Element(_) => format!("{} {}", kind(parameter), place(parameter)),
         Parameter::AtRest(_) => format!("{} {}", place(parameter), kind(parameter)),
+        Parameter::Named(_) => kind(parameter),
     }
 }
 
 /// The unit it is stated in, and the factor from what it is held in.
-pub(super) fn unit(parameter: &Parameter) -> (&'static str, f64) {
+pub(super) fn unit(parameter: &Parameter) -> (&str, f64) {
     match parameter {
         Parameter::Element(element) => unit_of_element(element),
         Parameter::AtRest(AtRest { unit, term: None, .. }) => unit.signal(),
         Parameter::AtRest(AtRest { unit, term: Some(term), .. }) => unit.coefficient(*term),
+        Parameter::Named(named) => (&named.unit, named.factor),
     }
 }
 
