@@ -155,10 +155,12 @@ fn shows_what_is_printed(page: &Page, data: Option<&Path>) -> Result<(), Failed>
     Ok(())
 }
 
-/// Every number that the first page shows, changed by a twentieth and by two of its last digit, fails; so does every
+/// Every number that the first page shows under its first command, changed by a twentieth and by two of its last digit, fails; so does every
 /// line that the program would no longer print.
 fn control() -> Result<(), Failed> {
-    let page = Page::read(&source().join("datasheet.md"))?;
+    let mut page = Page::read(&source().join("datasheet.md"))?;
+    let first = page.shown.iter().position(|shown| matches!(shown, Shown::Run { .. })).ok_or("no command")?;
+    page.shown.truncate(first + 1);
     let bench = Bench::new()?;
     let all = ran(&page, &bench, None)?;
     check(differing(&all).is_none(), "the page itself fails")?;

@@ -109,8 +109,8 @@ fn candidates() -> Result<String, Failed> {
     check(list.len() > 20, format!("only {} candidates", list.len()))?;
     let word = |of: &Value| of.as_str().unwrap_or_default().to_owned();
     let mut page = String::from(
-        "# Physics that a diagnosis can name\n\nWhat `proofmass candidates --json` prints, by kind of recording. Acts in: \
-         the equation of motion, or the reading. In equations y is the unit of the reading, u the input, g its gain.\n",
+        "# Physics that a diagnosis can name\n\nWhat `proofmass candidates --json` prints, by kind of recording. In equations \
+         u is the input and g its gain; in units y is the unit of the reading.\n",
     );
     let mut kind = String::new();
     for one in list {
