@@ -94,6 +94,7 @@ mod suite {
     pub mod trial;
     pub mod tumble_bench;
     pub mod tumble_wander;
+    pub mod tutorials;
     pub mod units;
     pub mod unlike_members;
     pub mod warm_spring;
@@ -239,6 +240,8 @@ fn main() {
         suite::limits::tests(),
         // study_cli: refusals leave nothing behind, Ctrl-C leaves what --resume continues from.
         suite::study_cli::tests(),
+        // tutorials: every command of a page prints what stands there.
+        suite::tutorials::tests(),
         // sweeps: jumps follow the history of each sweep; recorded sweeps give their numbers.
         suite::sweeps::tests(),
     ];
