@@ -27,6 +27,7 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("check: halves of hand-turned sensors agree as often as their 95 % intervals claim", halves),
         test("check: what a motion about fewer axes does not show is named, and not estimated", degenerate),
+        test("check: halves that do not determine the calibration by themselves do not disagree for it", short),
         test("check: of three runs the one whose scale changed by half a per cent is found, and no other", odd),
         test("check: the command answers for one log and for three, and writes a sensor that a study takes", command),
         test("check: what is not checked yet is refused with what to do", refused),
@@ -86,6 +87,25 @@ fn halves() -> Result<(), Failed> {
     let alarms = agreements.iter().filter(|a| a.joint.is_none_or(|j| !j.agrees())).count();
     // At one in a hundred, more than 5 of 100 happen in 0.06 % of such trials (binomial).
     check(alarms <= 5, format!("{alarms} of {SENSORS} sensors disagree in all parameters together"))
+}
+
+/// Of ten poses each half has five: too few for nine parameters of an accelerometer.
+fn short() -> Result<(), Failed> {
+    let agreements = each(24, |seed| {
+        let (recording, poses) = ordinary(7000 + seed).record(seed);
+        let run = known_in(&recording, &model(), Some(poses[..10].to_vec()), &Control::silent())?;
+        let halves = run.halves.ok_or("10 poses were not divided")?;
+        let lost = halves.each.iter().any(|h| !undetermined(h).is_empty());
+        Ok((lost, Agreement::of(&halves.each.each_ref())))
+    })?;
+    let lost = agreements.iter().filter(|a| a.0).count();
+    check(lost >= 12, format!("only {lost} of 24 have a half that does not determine everything"))?;
+    let alarms = agreements.iter().filter(|a| a.1.joint.is_some_and(|j| !j.agrees())).count();
+    check(alarms <= 2, format!("{alarms} of 24 sensors disagree"))?;
+    let lines = || agreements.iter().flat_map(|a| &a.1.lines);
+    let differ = lines().filter(|l| !l.agrees()).count();
+    let expected = 0.05 * lines().count() as f64;
+    check((differ as f64) < 2.0 * expected, format!("{differ} of {} differ", lines().count()))
 }
 
 type Named = (Sense, Role, usize);

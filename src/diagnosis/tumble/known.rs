@@ -13,7 +13,7 @@ use super::imu::Observed;
 use super::linear::Linear;
 use super::memory;
 use super::motion;
-use crate::repeatability::information::Information;
+use crate::repeatability::information::{Information, Known};
 use crate::repeatability::parameter::Estimate;
 use crate::repeatability::run::{Halves, Run, Split};
 use crate::sensor::Sense;
@@ -86,14 +86,14 @@ pub(super) fn check(poses: Poses<'_>) -> Run {
     let Poses { observed, guess, linear, left_out, findings } = poses;
     let rows = observed.rows(&guess, &linear.active);
     let before = linear.information(&rows, &guess, &guess, &vec![1.0; rows.group.len()]);
-    let fit = Fit::balanced_of(&observed, &guess, &linear.active, &linear.beforehand(&guess, &before.known));
+    let fit = Fit::balanced_of(&observed, &guess, &linear.active, &linear.beforehand(&guess, &guess, &before.known));
     let errors = Errors::of(&fit);
     let reading = Reading { linear: &linear, guess: &guess, errors: &errors };
-    let (information, estimate) = reading.told(&fit, &before);
+    let (information, estimate) = reading.told(&fit, &before, &linear.tolerance(&guess));
     let half = |counts: &dyn Fn(usize) -> bool| {
         let mut part = observed.clone();
         part.poses.iter_mut().enumerate().for_each(|(k, pose)| pose.counts &= counts(k));
-        (part.counting() >= FEWEST).then(|| reading.part(&part, &fit, &information))
+        (part.counting() >= FEWEST).then(|| reading.part(&part, (&fit, &estimate)))
     };
     let splits = std::iter::once(Split::FirstAndSecond).chain(BLOCKS.map(|poses| Split::Blocks { poses }));
     let halves = splits.filter_map(|split| {
@@ -114,18 +114,23 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    /// Estimates from some of the poses; what the whole does not determine stays held.
-    fn part(&self, part: &Observed<'_>, whole: &Fit, information: &Information) -> Estimate {
+    /// Estimates from some of the poses. What they do not determine is held where the whole has it, what the
+    /// whole does not determine where it was held before.
+    fn part(&self, part: &Observed<'_>, (whole, estimate): (&Fit, &Estimate)) -> Estimate {
         let Self { linear, guess, errors } = *self;
+        let information = Information { known: estimate.known.clone(), undetermined: Vec::new() };
         let rows = part.rows(&whole.point, &linear.active);
         let mut before = linear.information(&rows, &whole.point, guess, &errors.of_rows(&rows.group));
-        before.beside(information);
-        let known = linear.beforehand(guess, &before.known);
+        before.beside(&information);
+        let known = linear.beforehand(guess, &whole.point, &before.known);
         let question = Question { active: &linear.active, inflation: &whole.inflation, known: &known };
-        self.told(&Fit::of(part, &whole.point, question), &before).1
+        let mut held = linear.tolerance(guess);
+        (0..estimate.known.len()).filter(|p| estimate.determines(*p)).for_each(|p| held[p] = estimate.deviation(p));
+        self.told(&Fit::of(part, &whole.point, question), &before, &held).1
     }
 
-    fn told(&self, fit: &Fit, before: &Information) -> (Information, Estimate) {
+    /// Knowledge and estimates of a fit; `held`: errors of what is held.
+    fn told(&self, fit: &Fit, before: &Information, held: &[f64]) -> (Information, Estimate) {
         let Self { linear, guess, errors } = *self;
         let factor = errors.of_rows(&fit.rows.group);
         let mut information = linear.information(&fit.rows, &fit.point, guess, &factor);
@@ -137,11 +142,14 @@ impl Reading<'_> {
             Some(covariance) => &slopes * covariance * slopes.transpose(),
             None => DMatrix::from_element(slopes.nrows(), slopes.nrows(), f64::NAN),
         };
+        let tolerance = linear.tolerance(guess);
+        let matrix = linear.information_matrix(&fit.rows, &fit.point, &factor);
+        let covariance = covariance + of_held(&matrix, &before.known, (&tolerance, held));
         let parameters = linear.parameters();
         let count = parameters.len();
         let freedom = parameters.iter().filter_map(|p| p.element()).map(|p| self.freedom(p.sensor)).collect();
         let estimate = Estimate {
-            tolerance: linear.tolerance(guess)[..count].to_vec(),
+            tolerance: tolerance[..count].to_vec(),
             value: linear.values(&fit.point),
             covariance: covariance.view((0, 0), (count, count)).into_owned(),
             freedom,
@@ -157,6 +165,29 @@ impl Reading<'_> {
             Sense::Gyro => self.errors.freedom[Group::Still.place()].min(self.errors.freedom[Group::Turn.place()]),
         }
     }
+}
+
+/// Covariance that parameters have because others are held, each wrongly by its error: it enters those that
+/// the poses do not separate from them.
+fn of_held(information: &DMatrix<f64>, known: &[Known], (tolerance, errors): (&[f64], &[f64])) -> DMatrix<f64> {
+    let count = tolerance.len();
+    let is_held = |p: &usize| known.get(*p) == Some(&Known::Not);
+    let (held, free): (Vec<usize>, Vec<usize>) = (0..count).partition(is_held);
+    let mut out = DMatrix::zeros(count, count);
+    let own = DMatrix::from_fn(free.len(), free.len(), |i, j| {
+        information[(free[i], free[j])] * tolerance[free[i]] * tolerance[free[j]] + f64::from(u8::from(i == j))
+    });
+    let with = DMatrix::from_fn(free.len(), held.len(), |i, j| {
+        information[(free[i], held[j])] * tolerance[free[i]] * errors[held[j]]
+    });
+    let Some(moved) = own.cholesky().map(|c| c.solve(&with)) else { return out };
+    let added = &moved * moved.transpose();
+    for (i, p) in free.iter().enumerate() {
+        for (j, q) in free.iter().enumerate() {
+            out[(*p, *q)] = added[(i, j)] * tolerance[*p] * tolerance[*q];
+        }
+    }
+    out
 }
 
 /// Which poses make the first half.

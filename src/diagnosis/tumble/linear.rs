@@ -77,13 +77,13 @@ impl Linear {
         self.active[..self.told_of()].iter().map(|p| parameter(*p, self.told)).collect()
     }
 
-    /// Knowledge beforehand of those fitted, about a first guess; what is not determined is held
-    /// there.
-    pub(super) fn beforehand(&self, guess: &Point, known: &[Known]) -> Vec<Beforehand> {
+    /// Knowledge beforehand of those fitted, of the size that a first guess gives and about a point; what is
+    /// not determined is held there.
+    pub(super) fn beforehand(&self, guess: &Point, about: &Point, known: &[Known]) -> Vec<Beforehand> {
         let of = |(n, p): (usize, &usize)| {
             let wide = if known.get(n) == Some(&Known::Not) { HELD } else { WIDER };
             let deviation = if gyro::CONING.contains(p) { CONING_PRIOR } else { wide * as_fitted(*p, guess) };
-            Beforehand { parameter: *p, centre: guess[*p], deviation }
+            Beforehand { parameter: *p, centre: about[*p], deviation }
         };
         self.active.iter().enumerate().map(of).collect()
     }
@@ -120,13 +120,17 @@ impl Linear {
         self.active[..self.told_of()].iter().map(value).collect()
     }
 
-    /// Computes the information on the public parameters at a point; `variance`: factor on each
-    /// row's variance.
-    pub(super) fn information(&self, rows: &Rows, at: &Point, guess: &Point, variance: &[f64]) -> Information {
-        let tolerance = self.tolerance(guess);
-        let count = tolerance.len();
+    /// Computes the information on the public parameters at a point, the coning coefficient last; `variance`:
+    /// factor on each row's variance.
+    pub(super) fn information_matrix(&self, rows: &Rows, at: &Point, variance: &[f64]) -> DMatrix<f64> {
+        let count = self.active.len();
         let back = self.slopes(at).try_inverse().unwrap_or_else(|| DMatrix::from_element(count, count, f64::NAN));
-        let mut information = Information::of(&(back.transpose() * rows.information(variance) * &back), &tolerance);
+        back.transpose() * rows.information(variance) * &back
+    }
+
+    /// Judges that information.
+    pub(super) fn information(&self, rows: &Rows, at: &Point, guess: &Point, variance: &[f64]) -> Information {
+        let mut information = Information::of(&self.information_matrix(rows, at, variance), &self.tolerance(guess));
         information.without_from(self.told_of());
         information
     }
