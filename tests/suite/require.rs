@@ -23,6 +23,7 @@ pub fn tests() -> Vec<Trial> {
         ),
         test("require: beside noise, the value is that of the sum of variances", beside_noise),
         test("require: a limit that the other errors exceed is met by no value, and that ends with 0", never),
+        test("require: no still start is tried that makes a run hundreds of times as long", lengthened),
         test("require: several keys are scaled by one factor", together),
         test("require: where more is better, the value is the least that does", more_is_better),
         test("require: parts that meet the limit come first, the cheapest of them before all", parts),
@@ -115,6 +116,20 @@ fn never() -> Result<(), Failed> {
     check(!out.exists(), "a folder that nobody asked for")?;
     let written = json(program().args(ask).arg("--out").arg(&out))?;
     check(written == document && out.join("report.html").is_file(), "no report, or another answer with it")
+}
+
+fn lengthened() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let still = "velocity_random_walk_m_s_rth = 6.0\n[alignment]\nkind = \"still\"\nstill_s = 2.0\n";
+    let path = file(folder.path(), "study.toml", &BIAS.replace("[report]", &format!("{still}[report]")))?;
+    let ask = ["require", &path, "--vary", "alignment.still_s", "--limit", "sd(position_error_m, 10) < 1"];
+    let document = json(program().args(ask))?;
+    check(document["meets"] == false, document.to_string())?;
+    let tried: Vec<f64> =
+        document["tried"].as_array().into_iter().flatten().filter_map(|t| t["value"].as_f64()).collect();
+    let longest = tried.iter().copied().fold(0.0, f64::max);
+    // A run of 12 s: 256 times as long is 3072 s. The next rung after 2 s · 4⁵ would be 8192 s, and the twelfth a year.
+    check(longest <= 3072.0, format!("{longest} s: {document}"))
 }
 
 fn together() -> Result<(), Failed> {

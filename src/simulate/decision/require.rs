@@ -19,6 +19,9 @@ use crate::study::{Assignment, Study, StudyText};
 /// direction.
 const RATIO: f64 = 4.0;
 const RUNGS: i32 = 12;
+/// Length of a run over the study's own from which a value is not tried: each rung of a key that lengthens
+/// it, as a still start does, costs four times as much as the one before.
+const LONGEST: u64 = 256;
 /// End of the second search: the ratio of two values.
 const NEAR: f64 = 1.1;
 /// Steps of the second search: from a factor of four to NEAR are five.
@@ -287,6 +290,15 @@ impl Search<'_> {
         Ok(self.estimate(factor, members)?.ci95[0] < self.question.limit.below)
     }
 
+    /// Returns whether a run takes far longer at a factor than the study's own.
+    fn is_too_long(&self, factor: f64) -> bool {
+        let samples = |factor: f64| {
+            let study = self.family.study(factor).ok()?;
+            Some(self.place.samples + study.alignment.still_samples())
+        };
+        samples(factor).zip(samples(1.0)).is_some_and(|(long, own)| long > LONGEST * own)
+    }
+
     /// The first search: rungs of a ladder, away from the study's own value, until the limit lies
     /// between two.
     fn bracket(&mut self, members: u64) -> Result<Found> {
@@ -298,7 +310,11 @@ impl Search<'_> {
         for up in [met, !met] {
             let mut before = start;
             for rung in 1..=RUNGS {
-                let point = match self.look(RATIO.powi(if up { rung } else { -rung }), members) {
+                let factor = RATIO.powi(if up { rung } else { -rung });
+                if self.is_too_long(factor) {
+                    break;
+                }
+                let point = match self.look(factor, members) {
                     Ok(point) => point,
                     Err(error) if error.kind == Kind::Interrupted => return Err(error),
                     // No sensor has that, or the study's other numbers do not go with it: the range
