@@ -150,7 +150,7 @@ pub fn figures(kept: &str, written: &str) -> Option<String> {
         return Some(format!("{} words and numbers instead of {}", written.len(), kept.len()));
     }
     let same = |(a, b): &(&Part<'_>, &Part<'_>)| match (a, b) {
-        (Part::Number(_, a), Part::Number(_, b)) => (a - b).abs() <= (WITHIN * a.abs()).min(PIXELS).max(0.2),
+        (Part::Number(_, a), Part::Number(_, b)) => (a - b).abs() <= (WITHIN * a.abs()).clamp(0.2, PIXELS),
         (a, b) => a == b,
     };
     kept.iter().zip(&written).find(|pair| !same(pair)).map(|(a, b)| format!("{b:?} instead of {a:?}"))
