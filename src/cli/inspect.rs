@@ -53,7 +53,13 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
             sayln!("problem: {}", obstacle.cause)?;
             sayln!("next: {}", obstacle.hint)
         }
-        (None, Some(next)) => sayln!("next: {next}"),
+        (None, Some(next)) => {
+            sayln!("next: {next}")?;
+            match report::check(&file, &seen) {
+                Some(check) => sayln!("is it good enough: {check}"),
+                None => Ok(()),
+            }
+        }
         (None, None) => {
             remark!("no next step to suggest");
             Ok(())

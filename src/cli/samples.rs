@@ -60,7 +60,8 @@ pub(super) fn write(asked: &Request<'_>, study: &Study) -> Result<()> {
     if lost > 0 {
         remark!("note: {lost} readings of members that diverged are missing in {}", file.display());
     }
-    remark!("wrote {} samples of {members} members to {}", columns.rows(), file.display());
+    let s = if members == 1 { "" } else { "s" };
+    remark!("wrote {} samples of {members} member{s} to {}", columns.rows(), file.display());
     Ok(())
 }
 

@@ -85,8 +85,8 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["planted", "like", "recordings"])]
     pub independent: bool,
     /// Only cases of this kind of the second generator: driven, static, tumble, or response, whose
-    /// stepped-sine sweeps no other trial has
-    #[arg(long, value_name = "KIND", requires = "independent", value_parser = kind)]
+    /// stepped-sine sweeps no other trial has; the number of a --case says its kind
+    #[arg(long, value_name = "KIND", requires = "independent", conflicts_with = "case", value_parser = kind)]
     pub kind: Option<Kind>,
     /// Resume the trial in --out, or the book
     #[arg(long, requires = "folder")]

@@ -107,10 +107,9 @@ fn quoted(word: &str) -> String {
 pub fn next(file: &str, seen: &Inspection) -> Option<String> {
     let rows = seen.rows.as_ref()?;
     let suited = suited(rows)?;
-    let several = seen.parts.iter().filter(|p| p.is_imu).count() > 1 || seen.parts.iter().all(|p| !p.is_imu);
-    let topic = seen.part.as_ref().filter(|_| several).map_or(String::new(), |t| format!(" --topic {}", quoted(t)));
-    let allan = format!("proofmass allan {}{topic}", quoted(file));
-    let diagnose = format!("proofmass diagnose {}{topic}", quoted(file));
+    let subject = subject(file, seen);
+    let allan = format!("proofmass allan {subject}");
+    let diagnose = format!("proofmass diagnose {subject}");
     Some(match suited {
         Suited::Reference => format!(
             "proofmass diagnose IMU.csv --model model.toml, where model.toml begins with kind = \"trajectory\" and its \
@@ -124,13 +123,35 @@ pub fn next(file: &str, seen: &Inspection) -> Option<String> {
         Suited::RestFor(rest) => {
             format!("{allan} --from-s {} --to-s {}", rounded(rest.from_s, 4), rounded(rest.to_s, 4))
         }
-        Suited::Driven | Suited::Sweeps | Suited::Poses => {
-            match proposed(&format!("{}{topic}", quoted(file)), seen, &Named::default()) {
-                Ok(model) => format!("{diagnose}, which chooses {}", in_a_line(&model)),
-                Err(refused) => refused.hint,
-            }
-        }
+        Suited::Driven | Suited::Sweeps | Suited::Poses => match proposed(&subject, seen, &Named::default()) {
+            Ok(model) => format!("{diagnose}, which chooses {}", in_a_line(&model)),
+            Err(refused) => refused.hint,
+        },
     })
+}
+
+/// The file, and its topic where it has several, as arguments.
+fn subject(file: &str, seen: &Inspection) -> String {
+    let several = seen.parts.iter().filter(|p| p.is_imu).count() > 1 || seen.parts.iter().all(|p| !p.is_imu);
+    let topic = seen.part.as_ref().filter(|_| several).map_or(String::new(), |t| format!(" --topic {}", quoted(t)));
+    format!("{}{topic}", quoted(file))
+}
+
+/// The command that says whether the recording is good enough, where `check` takes it as it is.
+pub fn check(file: &str, seen: &Inspection) -> Option<String> {
+    let rows = seen.rows.as_ref().filter(|rows| rows.rate_hz.is_some())?;
+    let subject = subject(file, seen);
+    let check = format!("proofmass check {subject}");
+    let check = match suited(rows)? {
+        Suited::Rest => check,
+        Suited::RestFor(rest) => {
+            format!("{check} --from-s {} --to-s {}", rounded(rest.from_s, 4), rounded(rest.to_s, 4))
+        }
+        Suited::Poses => check,
+        Suited::Reference | Suited::Motion | Suited::Driven | Suited::Sweeps => return None,
+    };
+    // The model that it would choose.
+    proposed(&subject, seen, &Named::default()).ok().map(|_| check)
 }
 
 /// A model's lines as one, without its tables' names.
@@ -162,6 +183,7 @@ pub fn document(file: &str, seen: &Inspection) -> Value {
         "topic": seen.part,
         "clock": seen.clock,
         "next": next(file, seen),
+        "check": check(file, seen),
         "obstacle": obstacle(file, seen).map(|e| json!({ "cause": e.cause, "hint": e.hint })),
     });
     if let (Some(rows), Some(fields)) = (&seen.rows, document.as_object_mut()) {

@@ -170,10 +170,13 @@ fn one(plan: Plan, number: usize, path: &Path, force: bool, json: bool, subject:
     sayln!("said: {} {:?} in {:.1} s\n{}", said.outcome.name(), said.groups, said.seconds, said.words)?;
     sayln!("held out: rmse {:.4e} → {:.4e}, noise floor {:.4e}", said.rmse[0], said.rmse[1], said.rmse[2])?;
     for n in &said.numbers {
-        let of = |p: &&proofmass_trial::independent::truth::Parameter| p.id == n.id && p.name == n.name;
+        let of = |p: &&proofmass_trial::independent::truth::Parameter| {
+            p.id == n.id && p.name == n.name && p.channel.as_ref().is_none_or(|c| *c == n.channel)
+        };
         let truth =
             case.truth.parameters.iter().find(of).map_or(String::new(), |p| format!("  (true {:.5e})", p.value));
-        sayln!("  {} {} = {:.5e} [{:.5e}, {:.5e}]{truth}", n.id, n.name, n.value, n.ci95[0], n.ci95[1])?;
+        let at = if n.channel.is_empty() { String::new() } else { format!(" of {}", n.channel) };
+        sayln!("  {} {}{at} = {:.5e} [{:.5e}, {:.5e}]{truth}", n.id, n.name, n.value, n.ci95[0], n.ci95[1])?;
     }
     let held = coverage(&case, &said);
     if !held.is_empty() {
