@@ -87,6 +87,7 @@ impl Told {
             tolerance: Vec::with_capacity(count),
             value: Vec::with_capacity(count),
             covariance: DMatrix::zeros(count, count),
+            has_correlations: true,
             freedom: vec![MANY; count],
             known: Vec::with_capacity(count),
         };

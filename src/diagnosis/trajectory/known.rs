@@ -170,6 +170,7 @@ impl Question {
             tolerance: tolerance[..*told].to_vec(),
             value: active[..*told].iter().map(value).collect(),
             covariance,
+            has_correlations: true,
             freedom: vec![FREEDOM; *told],
             known: information.known.clone(),
         };

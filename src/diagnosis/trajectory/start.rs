@@ -22,6 +22,12 @@ const MOST: usize = 3000;
 /// Square error by which the better of two ways to hold the axes must be smaller.
 const BETTER: f64 = 0.5;
 
+/// Variance of rates about two axes over that about a third, below which the body turns about that one alone.
+const ALONE: f64 = 1e-4;
+/// Weight of the axes as they are given, against which nothing that is observed is weighed: what neither
+/// rates nor gravity settle stays as it is given.
+const SLIGHTLY: f64 = 1e-3;
+
 /// An angle that the fit finds by itself, rad.
 const SMALL_RAD: f64 = 0.2;
 
@@ -106,6 +112,24 @@ impl Pairs {
         (matrix, bias, 1.0 - unexplained / f64::max(all, f64::MIN_POSITIVE))
     }
 
+    /// The axis of the reference's turns, where there is only one.
+    fn only_axis(&self) -> Option<Vector3<f64>> {
+        let mean = self.reference.iter().sum::<Vector3<f64>>() / self.reference.len().max(1) as f64;
+        let spread: Matrix3<f64> = self.reference.iter().map(|x| (x - mean) * (x - mean).transpose()).sum();
+        let eigen = spread.symmetric_eigen();
+        let first = eigen.eigenvalues.imax();
+        let others = eigen.eigenvalues.sum() - eigen.eigenvalues[first];
+        (others < ALONE * eigen.eigenvalues[first]).then(|| eigen.eigenvectors.column(first).into_owned())
+    }
+
+    /// Attitude profile of Wahba's problem (SIAM Review 7 (1965) 409): read times reference, of length one at
+    /// most.
+    fn profile(&self) -> Matrix3<f64> {
+        let pairs = || self.read.iter().zip(&self.reference);
+        let size: f64 = pairs().map(|(y, x)| y.norm() * x.norm()).sum();
+        pairs().map(|(y, x)| y * x.transpose()).sum::<Matrix3<f64>>() / size.max(f64::MIN_POSITIVE)
+    }
+
     /// Chance that one matrix fits by so much better than another: ratios of the squares of blocks
     /// of time, Student's t.
     fn better(&self, one: &Matrix3<f64>, other: &Matrix3<f64>) -> f64 {
@@ -149,9 +173,15 @@ pub(super) fn start(log: &Log, masked: &[bool], motion: &Motion, gravity_m_s2: f
     let best = scores.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0.0, 0.0));
     let offset_s = refined(best.0, SHIFTS_S.1, score);
     let pairs = at(offset_s);
-    let (matrix, _, explained) = pairs.regression();
-    let gyro_unit = matrix.determinant().abs().cbrt();
+    let (regressed, _, explained) = pairs.regression();
     let forces = forces(log, motion, offset_s, gravity_m_s2);
+    let (matrix, gyro_unit) = match pairs.only_axis() {
+        // About one axis the rates leave a turn about it open, and a mirror: gravity settles both.
+        Some(axis) => {
+            (nearest(&(pairs.profile() + forces.profile() + SLIGHTLY * Matrix3::identity())), (regressed * axis).norm())
+        }
+        None => (regressed, regressed.determinant().abs().cbrt()),
+    };
     let expected = |(gyro, accelerometer, turned): &Axes| {
         [gyro, accelerometer].map(|p| p.matrix() * turned.inverse().to_rotation_matrix().matrix())
     };
