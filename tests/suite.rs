@@ -15,7 +15,6 @@ mod suite {
     pub mod carried_over_mass;
     pub mod carried_over_tumble;
     pub mod check;
-    pub mod check_driven;
     pub mod check_rest;
     pub mod cli;
     pub mod clock;
@@ -279,7 +278,6 @@ fn main() {
         suite::sweeps::campaigns(),
         // check: what a recording can know, and whether it says it twice.
         suite::check::tests(),
-        suite::check_driven::tests(),
         suite::check_rest::tests(),
         // plan: the next experiment decides as often as it is said to.
         suite::plan::tests(),

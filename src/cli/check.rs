@@ -51,14 +51,12 @@ const EXAMPLES: &str = "Examples:
   proofmass check still.csv                         which noise its length determines, and how long to record
   proofmass check turned.csv --model model.toml     poses, columns and gravity as you state them
   proofmass check flight.csv --model model.toml     beside motion capture: scale, axes, clocks, lever arm
-  proofmass check shaken.csv --model model.toml     whether both halves name the same physics
   proofmass check *.csv --out spread                sensor.toml for a study: mean and spread of the runs
 
 A calibration is fitted to still poses, and its halves are made of whole poses, so that each determines
 what the whole does; intervals are scaled by what the fit leaves, and by how long its errors last. Of a
 log at rest, means and the noise coefficients of `proofmass allan` are compared; sizes as ratios. A flight
-is halved in time, or into every other twentieth of it where its halves are not moved alike. A proof mass
-or a resonator is diagnosed as a whole and by halves: are the same laws named, with the same numbers?";
+is halved in time, or into every other twentieth of it where its halves are not moved alike.";
 
 const CHECK: &str = "check.json";
 const SENSOR: &str = "sensor.toml";

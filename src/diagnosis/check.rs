@@ -1,22 +1,22 @@
 //! Asks whether a recording can be trusted: what it can know at all, and whether its halves, or several
 //! recordings of one sensor, say the same.
 
-use crate::answer::Answer;
+use std::path::Path;
+
 use crate::control::Control;
-use crate::error::Result;
-use crate::model::{Driven, Model};
+use crate::error::{Error, Result};
+use crate::model::Model;
 use crate::recording::Recording;
 use crate::recordings::Recordings;
 use crate::repeatability::agreement::Agreement;
-use crate::repeatability::run::{self, Run};
-use crate::twice::{self, Twice};
-use crate::{driven, response, rest, stated_units, trajectory, tumble};
+use crate::repeatability::run::{Run, Split};
+use crate::{rest, stated_units, trajectory, tumble};
 
 /// The two sides of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compared {
     /// The halves of the only recording.
-    Halves(run::Split),
+    Halves(Split),
     /// The recordings.
     Runs,
 }
@@ -34,27 +34,35 @@ pub struct Checked {
 /// Checks one recording by its halves, or several of one sensor by one another.
 ///
 /// # Errors
-/// Recordings that cannot be used, or of which one is part of another; when stopped.
+/// A kind that is not checked yet; recordings that cannot be used, of which one is part of another, or which would share a file that
+/// belongs to one of them; when stopped.
 pub fn check(recordings: &[Recording], model: &Model, control: &Control) -> Result<Checked> {
     Recordings { train: recordings, test: &[] }.check_distinct()?;
     recordings.iter().try_for_each(|recording| stated_units::check(recording, model))?;
-    let each = |run: &dyn Fn(&Recording) -> Result<Run>| recordings.iter().map(run).collect::<Result<Vec<Run>>>();
-    let twice = |diagnose: &dyn Fn(&Recording) -> Result<Answer>| {
-        let all: Vec<Twice> = recordings.iter().map(|r| Twice::of(r, diagnose)).collect::<Result<_>>()?;
-        Ok(twice::runs(&all))
+    if let ([_, second, ..], Some(file)) = (recordings, of_one_recording(model)) {
+        return Err(Error::new(
+            format!("could not check {} with this model", second.path.display()),
+            format!("the model names {}, which belongs to one recording, and several are given", file.display()),
+            "check each by its halves with a model of its own, and compare what `--json` says of them",
+        ));
+    }
+    let run = |recording: &Recording| match model {
+        Model::Tumble(model) => tumble::known(recording, model, control),
+        Model::Static(model) => rest::known(recording, model, control),
+        Model::Trajectory(model) => trajectory::known(recording, model, control),
+        Model::Driven(_) => Err(not_yet(recording, "driven")),
+        Model::Response(_) => Err(not_yet(recording, "response")),
     };
-    let runs = match model {
-        Model::Tumble(model) => each(&|r| tumble::known(r, model, control)),
-        Model::Static(model) => each(&|r| rest::known(r, model, control)),
-        Model::Trajectory(model) => each(&|r| trajectory::known(r, model, control)),
-        Model::Driven(model) => {
-            // A part has no samples that the model's split could name.
-            let model = Driven { split: Default::default(), ..model.clone() };
-            twice(&|r| driven::diagnose(r, &model, control))
-        }
-        Model::Response(model) => twice(&|r| response::diagnose(r, model, control)),
-    };
-    runs.map(compared)
+    Ok(compared(recordings.iter().map(run).collect::<Result<_>>()?))
+}
+
+/// A file next to the recording that the model names: poses, or a reference.
+fn of_one_recording(model: &Model) -> Option<&Path> {
+    match model {
+        Model::Tumble(model) => model.poses.as_deref(),
+        Model::Trajectory(model) => model.reference.as_ref().map(|reference| reference.file.as_path()),
+        Model::Driven(_) | Model::Static(_) | Model::Response(_) => None,
+    }
 }
 
 /// Compares what the recordings found.
@@ -66,4 +74,12 @@ pub fn compared(runs: Vec<Run>) -> Checked {
         several => Some((Compared::Runs, Agreement::of(&several.iter().map(|r| &r.estimate).collect::<Vec<_>>()))),
     };
     Checked { runs, agreement }
+}
+
+fn not_yet(recording: &Recording, kind: &str) -> Error {
+    Error::new(
+        format!("could not check {}", recording.path.display()),
+        format!("its model has kind = \"{kind}\", and only kinds static, tumble and trajectory are checked"),
+        "proofmass diagnose states each parameter with its 95 % interval: run it on each recording and compare",
+    )
 }

@@ -62,7 +62,6 @@ mod stated_units;
 pub mod trace;
 pub mod trajectory;
 pub mod tumble;
-mod twice;
 pub mod verdict;
 mod warm_profile;
 

@@ -30,7 +30,7 @@ pub fn tests() -> Vec<Trial> {
         test("check: halves that do not determine the calibration by themselves do not disagree for it", short),
         test("check: of three runs the one whose scale changed by half a per cent is found, and no other", odd),
         test("check: the command answers for one log and for three, and writes a sensor that a study takes", command),
-        test("check: one log given twice is refused", refused),
+        test("check: a driven log, one log given twice, and poses of one log for two, are refused", refused),
         data_test("check: halves of a real IMU are compared, and what differs is named with by how much", real),
     ]
 }
@@ -218,8 +218,18 @@ fn refused() -> Result<(), Failed> {
     let log = bench.file("log.csv", &format!("u,y\n{rows}"))?;
     let model =
         bench.file("m.toml", "kind = \"driven\"\nrate_hz = 10.0\n[columns]\ninput = \"u\"\noutput = \"y\"\n")?;
+    let answer = run(program().arg("check").arg(&log).arg("--model").arg(&model))?;
+    answer.refuses("a driven log", "kind = \"driven\"")?;
     let twice = run(program().arg("check").args([&log, &log]).arg("--model").arg(&model))?;
-    twice.refuses("one log given twice", "every row")
+    twice.refuses("one log given twice", "every row")?;
+    // Poses and references belong to one recording: two may not share them.
+    let imu = ordinary(3);
+    let logs = [1, 2].map(|seed| bench.file(&format!("{seed}.csv"), &csv(&imu.record(seed).0)));
+    let [one, two] = logs;
+    let poses = bench.file("poses.csv", "start,end\n0,10\n")?;
+    let model = bench.file("poses.toml", &MODEL.replace("9.81\n", &format!("9.81\nposes = {poses:?}\n")))?;
+    let shared = run(program().arg("check").args([one?, two?]).arg("--model").arg(&model))?;
+    shared.refuses("poses of one recording for two", "belongs to one recording")
 }
 
 fn real(data: &Path) -> Result<(), Failed> {

@@ -40,9 +40,8 @@ impl Line {
 /// The test of all parameters together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
-    /// χ²: squared differences over their full covariance; `None` where correlations are not known, and the
-    /// least likely difference is judged by how many there are (Bonferroni).
-    pub chi_squared: Option<f64>,
+    /// χ²: squared differences over their full covariance.
+    pub chi_squared: f64,
     /// Its degrees of freedom.
     pub freedom: f64,
     /// Probability of more by chance.
@@ -80,7 +79,7 @@ impl Agreement {
     /// Compares two runs or more, of the same parameters.
     pub fn of(runs: &[&Estimate]) -> Self {
         let shared = shared(runs);
-        let lines: Vec<Line> = shared.iter().map(|p| line(runs, *p)).collect();
+        let lines = shared.iter().map(|p| line(runs, *p)).collect();
         let joint = joint(runs, &shared);
         let disagree = joint.is_some_and(|j| !j.agrees());
         let odd = (disagree && runs.len() >= 3).then(|| odd(runs));
@@ -119,13 +118,8 @@ fn joint(runs: &[&Estimate], shared: &[usize]) -> Option<Joint> {
     if shared.is_empty() || runs.len() < 2 {
         return None;
     }
-    let count = shared.len();
-    if runs.iter().any(|r| !r.has_correlations) {
-        let least = shared.iter().map(|p| line(runs, *p).p_value).fold(1.0, f64::min);
-        let freedom = count as f64 * (runs.len() - 1) as f64;
-        return Some(Joint { chi_squared: None, freedom, p_value: (least * count as f64).min(1.0) });
-    }
     let scale: Vec<f64> = shared.iter().map(|p| runs[0].deviation(*p)).collect();
+    let count = shared.len();
     let vector =
         |r: &Estimate| DVector::from_fn(count, |i, _| (r.value[shared[i]] - runs[0].value[shared[i]]) / scale[i]);
     let weight = |r: &Estimate| {
@@ -143,7 +137,7 @@ fn joint(runs: &[&Estimate], shared: &[usize]) -> Option<Joint> {
     // The covariances' own scale is known as well as its least certain part.
     let behind = runs.iter().flat_map(|r| shared.iter().map(|p| r.freedom[*p])).fold(f64::INFINITY, f64::min);
     let p_value = f_survival(chi_squared / freedom, freedom, behind);
-    chi_squared.is_finite().then_some(Joint { chi_squared: Some(chi_squared), freedom, p_value })
+    chi_squared.is_finite().then_some(Joint { chi_squared, freedom, p_value })
 }
 
 /// Leaves out each run in turn.

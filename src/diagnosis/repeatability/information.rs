@@ -46,7 +46,7 @@ pub struct Direction {
 const NOT: f64 = 1.0 / 3.0;
 /// From which it is determined weakly: below, what the tolerance adds to the knowledge is a
 /// hundredth.
-const WEAKLY: f64 = 0.1;
+pub(crate) const WEAKLY: f64 = 0.1;
 /// Share of a direction's length below which a parameter is not said to be in it.
 const IN_IT: f64 = 0.3;
 

@@ -97,8 +97,6 @@ pub struct Estimate {
     pub value: Vec<f64>,
     /// Covariance of the fit's errors, scaled by what the fit leaves.
     pub covariance: DMatrix<f64>,
-    /// States whether the covariance is known beyond its diagonal.
-    pub has_correlations: bool,
     /// Degrees of freedom behind the scale of each variance.
     pub freedom: Vec<f64>,
     /// Knowledge of each.

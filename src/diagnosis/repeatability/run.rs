@@ -57,7 +57,7 @@ fn lost(whole: &Estimate, halves: &[Estimate; 2]) -> f64 {
 pub enum Split {
     /// The first half against the second.
     FirstAndSecond,
-    /// Every other of so many stretches.
+    /// The stretches with an even number against those with an odd one.
     Alternating {
         /// Number of stretches.
         parts: usize,

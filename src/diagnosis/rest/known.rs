@@ -16,7 +16,7 @@ use crate::numerics::special::t_quantile;
 use crate::parallel;
 use crate::recording::noise;
 use crate::recording::unit::Unit;
-use crate::repeatability::information::{Information, Known};
+use crate::repeatability::information::{Information, Known, WEAKLY};
 use crate::repeatability::parameter::{AtRest, Estimate, Parameter};
 use crate::repeatability::run::{Halves, Remedy, Run, Split};
 
@@ -24,8 +24,6 @@ use crate::repeatability::run::{Halves, Remedy, Run, Split};
 const COMPARED: [Term; 4] = [Term::Quantisation, Term::White, Term::Flicker, Term::Walk];
 /// Standard deviations from the middle to the end of a 95 % interval.
 const TO_THE_END: f64 = 1.96;
-/// Share of its tolerance to which a coefficient is known well: as of calibrations.
-const WELL: f64 = 0.1;
 /// Degrees of freedom that stand for a known variance.
 const MANY: f64 = 1e6;
 /// Lengths that are looked at for a remedy: the log's own, doubled so often.
@@ -51,7 +49,7 @@ struct Told {
 pub(super) fn check(channels: &[Readings], rate_hz: f64, findings: Vec<String>) -> Run {
     let samples = channels.first().map_or(0, |c| c.values.len());
     let parts = [0..samples, 0..samples / 2, samples - samples / 2..samples];
-    // Every channel of every part is a fit of its own.
+    // Each channel of each part is fitted by itself.
     let fitted = parallel::map_indices(parts.len() * channels.len(), |n| {
         let (part, channel) = (n / channels.len(), &channels[n % channels.len()]);
         let values = &channel.values[parts[part].clone()];
@@ -87,7 +85,6 @@ impl Told {
             tolerance: Vec::with_capacity(count),
             value: Vec::with_capacity(count),
             covariance: DMatrix::zeros(count, count),
-            has_correlations: true,
             freedom: vec![MANY; count],
             known: Vec::with_capacity(count),
         };
@@ -112,7 +109,7 @@ impl Told {
                 out.value.push(told.map_or(f64::NEG_INFINITY, |c| c.value.ln()));
                 out.known.push(match error {
                     error if !error.is_finite() => Known::Not,
-                    error if error > WELL * LN_2 => Known::Weakly,
+                    error if error > WEAKLY * LN_2 => Known::Weakly,
                     _ => Known::Determined,
                 });
                 let Some(fit) = fit.filter(|_| error.is_finite()) else { continue };
@@ -165,14 +162,14 @@ fn repeats(fit: &Fit, duration_s: f64) -> f64 {
 fn remedies(whole: &Told, rate_hz: f64) -> Vec<Remedy> {
     let needed = |term: &Term| {
         let term = *term;
-        let unknown = |fit: &&Fit| error(fit, term) > WELL * LN_2 && fit.coefficients[term as usize].value > 0.0;
+        let unknown = |fit: &&Fit| error(fit, term) > WEAKLY * LN_2 && fit.coefficients[term as usize].value > 0.0;
         let lengths = whole.fits.iter().flatten().filter(unknown).filter_map(|fit| {
             let lengths = (1..=DOUBLED).map(|power| whole.samples << power);
             let mut known = lengths.map(|samples| (samples, expected_errors(&fit.squares(), rate_hz, samples)));
-            known.find(|(_, errors)| errors[term as usize] <= WELL * LN_2).map(|(samples, _)| samples)
+            known.find(|(_, errors)| errors[term as usize] <= WEAKLY * LN_2).map(|(samples, _)| samples)
         });
         let samples = lengths.max()?;
-        Some(Remedy::Longer { term, duration_s: samples as f64 / rate_hz, to: TO_THE_END * WELL * LN_2 })
+        Some(Remedy::Longer { term, duration_s: samples as f64 / rate_hz, to: TO_THE_END * WEAKLY * LN_2 })
     };
     [Term::White, Term::Flicker, Term::Walk].iter().filter_map(needed).collect()
 }

@@ -31,7 +31,6 @@ const FREEDOM: f64 = 8.0;
 /// Sizes that are plausible before anything is recorded, where neither a data sheet nor the library says:
 /// seconds between two clocks, and their rates.
 const CLOCK: (f64, f64) = (0.1, 1e-3);
-
 /// Width of the bins that rates are averaged over in the fit, s.
 const AVERAGED_S: f64 = 0.05;
 
@@ -73,7 +72,7 @@ impl Question {
         let has = |p: &usize| library.iter().any(|t| t.parameters.contains(p));
         let base = found.selection.active(halves);
         let usual = published::usual(&base, found.selection);
-        // What the reference's attitude does not separate from the gyro's axes is no question of the motion.
+        // A mounting only where it was named: next to free axes of the gyro no motion tells it.
         let more = G_SENSITIVITY.filter(has).filter(|p| !usual.contains(p));
         let all: Vec<usize> = usual.iter().copied().chain(more).collect();
         let ranges = [
@@ -131,7 +130,7 @@ impl Question {
         }
     }
 
-    /// A parameter that is none of a sensor, as the library names it.
+    /// A parameter of the setup, and of no sensor, as the library names it.
     fn named(&self, p: usize) -> Parameter {
         let axis = |start: usize| ["x", "y", "z"][(p - start).min(2)];
         let (name, unit, factor) = match (p, self.term(p)) {
@@ -170,7 +169,6 @@ impl Question {
             tolerance: tolerance[..*told].to_vec(),
             value: active[..*told].iter().map(value).collect(),
             covariance,
-            has_correlations: true,
             freedom: vec![FREEDOM; *told],
             known: information.known.clone(),
         };

@@ -22,10 +22,8 @@ const MOST: usize = 3000;
 /// Square error by which the better of two ways to hold the axes must be smaller.
 const BETTER: f64 = 0.5;
 
-/// Variance of rates about two axes over that about a third, below which the body turns about that one alone.
-const ALONE: f64 = 1e-4;
-/// Weight of the axes as they are given, against which nothing that is observed is weighed: what neither
-/// rates nor gravity settle stays as it is given.
+/// Weight of the axes as they are given, beside observations of weight one: what neither rates nor gravity
+/// settle stays as it is given.
 const SLIGHTLY: f64 = 1e-3;
 
 /// An angle that the fit finds by itself, rad.
@@ -112,14 +110,17 @@ impl Pairs {
         (matrix, bias, 1.0 - unexplained / f64::max(all, f64::MIN_POSITIVE))
     }
 
-    /// The axis of the reference's turns, where there is only one.
-    fn only_axis(&self) -> Option<Vector3<f64>> {
+    /// The axis of the reference's turns, where turns about a second one do not show in what is read: the
+    /// regression then errs by more than an angle that the fit finds by itself.
+    fn only_axis(&self, matrix: &Matrix3<f64>) -> Option<Vector3<f64>> {
         let mean = self.reference.iter().sum::<Vector3<f64>>() / self.reference.len().max(1) as f64;
         let spread: Matrix3<f64> = self.reference.iter().map(|x| (x - mean) * (x - mean).transpose()).sum();
         let eigen = spread.symmetric_eigen();
         let first = eigen.eigenvalues.imax();
-        let others = eigen.eigenvalues.sum() - eigen.eigenvalues[first];
-        (others < ALONE * eigen.eigenvalues[first]).then(|| eigen.eigenvectors.column(first).into_owned())
+        let second = (0..3).filter(|i| *i != first).map(|i| eigen.eigenvalues[i]).fold(0.0, f64::max);
+        // Of one axis of what is read, the residual is a third.
+        let variance = self.residual(matrix).0 / 3.0;
+        (variance > SMALL_RAD * SMALL_RAD * second).then(|| eigen.eigenvectors.column(first).into_owned())
     }
 
     /// Attitude profile of Wahba's problem (SIAM Review 7 (1965) 409): read times reference, of length one at
@@ -175,7 +176,7 @@ pub(super) fn start(log: &Log, masked: &[bool], motion: &Motion, gravity_m_s2: f
     let pairs = at(offset_s);
     let (regressed, _, explained) = pairs.regression();
     let forces = forces(log, motion, offset_s, gravity_m_s2);
-    let (matrix, gyro_unit) = match pairs.only_axis() {
+    let (matrix, gyro_unit) = match pairs.only_axis(&regressed) {
         // About one axis the rates leave a turn about it open, and a mirror: gravity settles both.
         Some(axis) => {
             (nearest(&(pairs.profile() + forces.profile() + SLIGHTLY * Matrix3::identity())), (regressed * axis).norm())

@@ -152,7 +152,6 @@ impl Reading<'_> {
             tolerance: tolerance[..count].to_vec(),
             value: linear.values(&fit.point),
             covariance: covariance.view((0, 0), (count, count)).into_owned(),
-            has_correlations: true,
             freedom,
             known: information.known.clone(),
             parameters,

@@ -79,6 +79,7 @@ pub(super) fn of_run(run: &Run) -> Vec<String> {
     let weak = of_known(&run.estimate, Known::Weakly);
     if !weak.is_empty() {
         let to = match at_rest(run) {
+            // A tenth of the factor of two of data sheets: 1.96 · 0.1 · ln 2.
             true => "to more than ±14 %",
             false => "to a third of a data sheet's tolerance or less",
         };
@@ -201,15 +202,15 @@ pub(super) fn of_agreement(checked: &Checked) -> Vec<String> {
         });
     }
     if let Some(Joint { chi_squared, freedom, p_value }) = agreement.joint {
-        let of_cases = match p_value < 1e-6 {
-            true => "less than one in a million".to_owned(),
-            false => format!("{} %", short(100.0 * p_value)),
-        };
-        let what = match chi_squared {
-            Some(chi_squared) => format!("χ² = {} at {freedom:.0} degrees of freedom", short(chi_squared)),
-            None => format!("the least likely of {} differences", agreement.lines.len()),
-        };
-        out.push(format!("all together: {what}; chance alone gives as much or more in {of_cases} of cases"));
+        out.push(format!(
+            "all together: χ² = {} at {freedom:.0} degrees of freedom; chance alone gives as much or more in {} of cases",
+            short(chi_squared),
+            if p_value < 1e-6 {
+                "less than one in a million".to_owned()
+            } else {
+                format!("{} %", short(100.0 * p_value))
+            }
+        ));
         let differ = agreement.lines.iter().filter(|l| !l.agrees()).count();
         out.push(format!(
             "one by one: {differ} of {} differ at 95 %; chance alone would make {} differ",
@@ -234,12 +235,7 @@ pub(super) fn next(files: &[String], checked: &Checked) -> Vec<String> {
         if at_rest && agrees {
             out.push("a log four times as long would halve the intervals of what is determined".into());
         }
-        let is_calibration = run.estimate.parameters.iter().any(|p| p.element().is_some());
-        let of_what = match (at_rest, is_calibration) {
-            (true, _) => "noise and bias last",
-            (false, true) => "the calibration lasts",
-            (false, false) => "the numbers last",
-        };
+        let of_what = if at_rest { "noise and bias last" } else { "the calibration lasts" };
         out.push(match agrees {
             true => format!("halves share a day: proofmass check {file} ANOTHER.csv says whether {of_what}"),
             false => format!("proofmass diagnose {file} says {left_out}"),

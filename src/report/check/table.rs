@@ -50,7 +50,7 @@ pub(super) fn of(files: &[String], checked: &Checked) -> Table {
     table
 }
 
-/// The difference, where the unit stands in a column of its own.
+/// The difference without its unit, which has a column.
 fn without_unit(parameter: &Parameter, line: &Line) -> String {
     let words = difference_in_words(parameter, line).replace("a factor of ", "× ");
     words.strip_suffix(unit(parameter).0).map_or(words.clone(), |bare| bare.trim_end().to_owned())

@@ -63,10 +63,7 @@ pub(super) fn difference_in_words(parameter: &Parameter, line: &Line) -> String 
             let percent = 100.0 / middle.abs();
             format!("{} %", with_uncertainty(line.difference * percent, line.half_width * percent))
         }
-        _ => match unit(parameter).0 {
-            "1" => difference(parameter, line).words(),
-            unit => format!("{} {unit}", difference(parameter, line).words()),
-        },
+        _ => format!("{} {}", difference(parameter, line).words(), unit(parameter).0),
     }
 }
 

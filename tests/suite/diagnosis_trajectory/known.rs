@@ -27,7 +27,7 @@ pub fn tests() -> Vec<Trial> {
     ]
 }
 
-/// Made-up flights, each with readings of its own.
+/// Number of made-up flights.
 const FLIGHTS: u64 = 12;
 
 fn checked(flight: &Flight) -> Result<Run, Failed> {
@@ -65,8 +65,8 @@ fn halves() -> Result<(), Failed> {
         lines().filter(|l| l.difference.abs() < width * l.half_width).count() as f64 / lines().count() as f64
     };
     check(lines().count() as u64 > 15 * FLIGHTS, format!("only {} parameters were compared", lines().count()))?;
-    // Of eight waves the intervals are wider than of many: 95 % or more, less three standard errors of 15
-    // independent numbers a flight.
+    // Intervals from eight waves are wider than those from many, so that more than 95 % agree; 93 % lies 1.2
+    // standard errors of 180 independent numbers below that.
     check(share(1.0) > 0.93, format!("{} of parameters agree", share(1.0)))?;
     // The control. Beside a reference that errs from pose to pose intervals are up to 1.9 times the scatter
     // (`coverage`): a fifth of the width is 0.75 standard deviations at most.
@@ -95,7 +95,10 @@ fn degenerate() -> Result<(), Failed> {
         for (axis, turned) in about.into_iter().enumerate() {
             let p = place(&run, Sense::Gyro, Role::Scale, axis).ok_or("no scale of the gyro")?;
             let told = run.estimate.determines(p);
-            check(told == (turned > 0.0), format!("turned about {about:?}: the scale of {axis} is told: {told}"))?;
+            check(
+                told == (turned > 0.0),
+                format!("turned about {about:?}: is the scale of {axis} determined? {told}"),
+            )?;
             let wanted = |r: &Remedy| matches!(r, Remedy::AsAbout { axis: a, .. } if *a == axis);
             check(run.remedies.iter().any(wanted) != told, format!("remedies: {:?}", run.remedies))?;
         }

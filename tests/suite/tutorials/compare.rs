@@ -23,7 +23,7 @@ enum Part<'a> {
     Number(&'a str, f64),
 }
 
-/// The parts of a line. A digit within a word is no number: `m_s2`.
+/// The words and numbers of a line. A digit inside a word, as in `m_s2`, is not a number.
 fn parts(line: &str) -> Vec<Part<'_>> {
     let mut all = Vec::new();
     for word in line.split_whitespace() {

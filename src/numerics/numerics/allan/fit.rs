@@ -370,3 +370,19 @@ fn crossing(from: f64, to: f64, holds: impl Fn(f64) -> bool) -> f64 {
     }
     (from + to).powi(2) / 4.0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_log_four_times_as_long_halves_the_error_of_white_noise_and_shows_nothing_that_is_absent() {
+        let errors = [1 << 14, 1 << 16].map(|samples| expected_errors(&[0.0, 1.0, 0.0, 0.0, 0.0], 100.0, samples));
+        // Alone, white noise is known as the variance of all samples is: ln N errs by 1/√(2n). The Allan curve at
+        // octaves keeps two thirds of that information or more (Greenhall & Riley's degrees of freedom).
+        let best = (2.0 * f64::from(1 << 14)).sqrt().recip();
+        assert!((1.0..1.3).contains(&(errors[0][1] / best)), "{}", errors[0][1] / best);
+        assert!((errors[0][1] / errors[1][1] - 2.0).abs() < 0.05, "{errors:?}");
+        assert!(errors[0][3].is_infinite());
+    }
+}
