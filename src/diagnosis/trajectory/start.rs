@@ -22,7 +22,7 @@ const MOST: usize = 3000;
 /// Square error by which the better of two ways to hold the axes must be smaller.
 const BETTER: f64 = 0.5;
 
-/// Weight of the axes as they are given, beside observations of weight one: what neither rates nor gravity
+/// Weight of the axes as they are given, where an observation has one: what neither rates nor gravity
 /// settle stays as it is given.
 const SLIGHTLY: f64 = 1e-3;
 
