@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::diagnose::{Asked, model_for};
+use super::numbers;
 use super::output::{remark, sayln, screen};
 use proofmass_base::document::to_json;
 use proofmass_base::error::Result;
@@ -10,7 +11,6 @@ use proofmass_base::output::{self, Folder};
 use proofmass_base::progress;
 use proofmass_diagnosis::check;
 use proofmass_diagnosis::model::{self, Seconds};
-use proofmass_diagnosis::repeatability::study::sensor_toml;
 use proofmass_recording::Recording;
 use proofmass_report::check as report;
 
@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Use each recording up to this many seconds after its first row
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     to_s: Option<f64>,
-    /// Folder for check.json and sensor.toml, the sensor with its spread from run to run
+    /// Folder for report.html, check.json and sensor.toml, the sensor with its spread from run to run
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Replace files in DIR even if they are not from an earlier run of this command on the same
@@ -58,6 +58,7 @@ what the whole does; intervals are scaled by what the fit leaves, and by how lon
 log at rest, means and the noise coefficients of `proofmass allan` are compared; sizes as ratios. A flight
 is halved in time, or into every other twentieth of it where its halves are not moved alike.";
 
+const REPORT: &str = "report.html";
 const CHECK: &str = "check.json";
 const SENSOR: &str = "sensor.toml";
 
@@ -76,9 +77,9 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let checked = check::check(&recordings, &model, &control)?;
     let files: Vec<String> = arguments.recordings.iter().map(|path| path.display().to_string()).collect();
     let document = report::document(&files, &checked);
-    let sensor = checked.agreement.as_ref().zip(checked.runs.first()).zip(recordings.first());
-    let sensor = sensor.and_then(|(((_, a), run), of)| sensor_toml(a, &run.estimate, of.rate_hz));
+    let sensor = recordings.first().and_then(|first| checked.sensor_toml(first.rate_hz));
     let written = folder.map_or(Ok(()), |mut folder| {
+        numbers::write(&mut folder, REPORT, report::page(&files, &recordings, &checked))?;
         folder.write(CHECK, to_json(&document)?.as_bytes())?;
         if let Some(sensor) = &sensor {
             folder.write(SENSOR, sensor.as_bytes())?;
@@ -90,6 +91,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     } else {
         screen(format_args!("{}", report::terminal(&files, &checked)))?;
         if let (Some(folder), Ok(())) = (&arguments.out, &written) {
+            sayln!("report: {}", folder.join(REPORT).display())?;
             match &sensor {
                 Some(_) => sayln!("sensor: {}", folder.join(SENSOR).display())?,
                 None => remark!("no {SENSOR} was written: nothing was compared that a study has a key for"),
@@ -103,7 +105,7 @@ fn outputs(arguments: &Arguments) -> output::Request {
     output::Request {
         command: "check",
         inputs: arguments.recordings.iter().chain(&arguments.model).cloned().collect(),
-        writes: [CHECK, SENSOR].map(str::to_owned).to_vec(),
+        writes: [REPORT, CHECK, SENSOR].map(str::to_owned).into_iter().chain(numbers::files(false)).collect(),
         force: arguments.force,
         ..output::Request::default()
     }

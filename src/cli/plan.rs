@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::numbers;
 use super::output::{sayln, screen};
 use proofmass_base::document::to_json;
 use proofmass_base::error::{Error, Result};
@@ -31,7 +32,7 @@ pub struct Arguments {
     /// Record the two best so often under each rival, with noise, and diagnose that
     #[arg(long, value_name = "N", default_value_t = 0)]
     confirm: usize,
-    /// Folder for experiment.csv, the input to play, next.csv, the next best, and plan.json
+    /// Folder for report.html, experiment.csv, the input to play, next.csv, the next best, and plan.json
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Replace files in DIR even if they are not from an earlier run of this command on the same
@@ -50,6 +51,7 @@ const EXAMPLES: &str = "Examples:
 A verdict of `explained` asks for a narrower interval of its first law. Probabilities are those of the
 comparisons that `diagnose` makes, for white noise of the size that the verdict measured.";
 
+const REPORT: &str = "report.html";
 const PLAN: &str = "plan.json";
 const EXPERIMENTS: [&str; 2] = ["experiment.csv", "next.csv"];
 
@@ -73,6 +75,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         for (name, proposal) in EXPERIMENTS.iter().zip(planned.proposals()) {
             folder.write(name, proposal.experiment.csv().as_bytes())?;
         }
+        numbers::write(&mut folder, REPORT, report::page(&planned, wish.probability, &confirmed, &EXPERIMENTS))?;
         folder.write(PLAN, to_json(&document)?.as_bytes())?;
         folder.finish()
     });
@@ -82,6 +85,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         screen(format_args!("{}", report::terminal(&planned, wish.probability, &confirmed)))?;
         if let (Some(folder), Ok(())) = (&arguments.out, &written) {
             sayln!("to play: {}", folder.join(EXPERIMENTS[0]).display())?;
+            sayln!("report: {}", folder.join(REPORT).display())?;
         }
     }
     written
@@ -91,7 +95,12 @@ fn outputs(arguments: &Arguments) -> output::Request {
     output::Request {
         command: "plan",
         inputs: [&arguments.from, &arguments.limits].map(Clone::clone).to_vec(),
-        writes: EXPERIMENTS.iter().chain([&PLAN]).map(|name| (*name).to_owned()).collect(),
+        writes: EXPERIMENTS
+            .iter()
+            .chain([&REPORT, &PLAN])
+            .map(|name| (*name).to_owned())
+            .chain(numbers::files(false))
+            .collect(),
         force: arguments.force,
         ..output::Request::default()
     }

@@ -10,6 +10,7 @@ use crate::recording::Recording;
 use crate::recordings::Recordings;
 use crate::repeatability::agreement::Agreement;
 use crate::repeatability::run::{Run, Split};
+use crate::repeatability::study;
 use crate::{rest, stated_units, trajectory, tumble};
 
 /// The two sides of a comparison.
@@ -29,6 +30,15 @@ pub struct Checked {
     /// The sides, and what came of it; `None` of a recording that is too short to be
     /// divided.
     pub agreement: Option<(Compared, Agreement)>,
+}
+
+impl Checked {
+    /// The sensor of a study, with its spread from run to run; `None` where nothing was compared that a study has a
+    /// key for.
+    pub fn sensor_toml(&self, rate_hz: f64) -> Option<String> {
+        let (_, agreement) = self.agreement.as_ref()?;
+        study::sensor_toml(agreement, &self.runs.first()?.estimate, rate_hz)
+    }
 }
 
 /// Checks one recording by its halves, or several of one sensor by one another.

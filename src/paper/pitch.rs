@@ -7,7 +7,8 @@ use super::check::{Check, Exhibit};
 use super::inertial::{Inertial, PRINTED_GYRO_DENSITY};
 use proofmass_base::units::{DEGREE, DENSITY_TO_RANDOM_WALK};
 use proofmass_numerics::numerics::allan;
-use proofmass_numerics::numerics::allan::fit::{Coefficient, fit};
+use proofmass_numerics::numerics::allan::fit::fit;
+use proofmass_numerics::numerics::allan::fitted::Coefficient;
 use proofmass_numerics::numerics::moments::{self, mean_sd, rms};
 use proofmass_numerics::rng::{Philox, Stream};
 use proofmass_physics::dynamics::estimate::{Estimate, slope};
@@ -128,7 +129,7 @@ pub fn compute(imu: &Inertial) -> Pitch {
     let points = allan::curve(&rates, 1.0 / imu.step_s);
     let mut random = Philox::new(9, 0, Stream::Host);
     let none = Coefficient { value: f64::NAN, ci95: [f64::NAN; 2], p_value: 1.0 };
-    let angle_walk = fit(&points, 1.0 / imu.step_s, &mut random).map_or(none, |f| f.coefficients[1]);
+    let angle_walk = fit(&points, 1.0 / imu.step_s, 0.0, &mut random).map_or(none, |f| f.coefficients[1]);
     let n = angle_walk.value;
     let length_s = rates.len() as f64 * imu.step_s;
     let force_deviation = {

@@ -8,9 +8,9 @@ pub struct Answer {
     /// The JSON document, as the command prints it.
     #[pyo3(get)]
     pub json: String,
-    /// The repaired sensor as a study, where there is one.
+    /// What a study takes of it, where there is anything: the repaired sensor, or the sensor with its spread.
     #[pyo3(get)]
-    pub repaired: Option<String>,
+    pub toml: Option<String>,
     /// Draws the report page as HTML.
     pub draw: Box<dyn Fn() -> String + Send + Sync>,
 }

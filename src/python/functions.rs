@@ -123,14 +123,14 @@ pub(super) fn study(
             let findings = report::strapdown::findings(&answer);
             let json = to_json(&strapdown::document::Document::of(&study, &answer, findings))?;
             let draw = move || report::strapdown::page(&study, &answer, None).finish();
-            return Ok(Answer { json, repaired: None, draw: Box::new(draw) });
+            return Ok(Answer { json, toml: None, draw: Box::new(draw) });
         }
         let options = Options { backend, control: control.clone(), ..Options::default() };
         let mut backends = Backends::default();
         let run = |job: &_, _: &str| backends.run(job, &options, &mut Keeper::none());
         let drift = drift::answer(&study, control, run)?;
         let json = to_json(&document::Document::of(&study, &drift))?;
-        Ok(Answer { json, repaired: None, draw: Box::new(move || report::study::page(&study, &drift).finish()) })
+        Ok(Answer { json, toml: None, draw: Box::new(move || report::study::page(&study, &drift).finish()) })
     })
 }
 
@@ -144,7 +144,7 @@ pub(super) fn allan(py: Python<'_>, given: Given<'_>, request: Read, scales: Uni
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let json = format!("{:#}", report::allan::document(&name, &noise));
         let draw = move || report::allan::page(&name, &noise, &report::allan::fragments(&name, &noise)).finish();
-        Ok(Answer { json, repaired: None, draw: Box::new(draw) })
+        Ok(Answer { json, toml: None, draw: Box::new(draw) })
     })
 }
 
@@ -206,7 +206,27 @@ pub(super) fn diagnose(
     })
 }
 
-/// Which part of each recording is diagnosed.
+/// `proofmass.check`: one recording by its halves, or several of one sensor.
+#[pyfunction]
+pub(super) fn check(py: Python<'_>, given: Vec<Given<'_>>, model: Document<'_>, part: Part) -> PyResult<Answer> {
+    let prepared = || {
+        let all = given.into_iter().map(Given::recorded).collect::<Result<Vec<Recorded>>>()?;
+        Ok((all, read_model(model, part.topic.as_deref())?))
+    };
+    let (all, model) = prepared().map_err(|error: Error| raised(py, error))?;
+    let seconds = model::Seconds { from_s: part.from_s, to_s: part.to_s };
+    detached(py, move |control| {
+        let read = |one| read(one, &model, seconds, control);
+        let recordings: Vec<Recording> = all.into_iter().map(read).collect::<Result<_>>()?;
+        let checked = diagnosis::check::check(&recordings, &model, control)?;
+        let files: Vec<String> = recordings.iter().map(|r| r.path.display().to_string()).collect();
+        let json = to_json(&report::check::document(&files, &checked))?;
+        let toml = recordings.first().and_then(|first| checked.sensor_toml(first.rate_hz));
+        Ok(Answer { json, toml, draw: Box::new(move || report::check::page(&files, &recordings, &checked).finish()) })
+    })
+}
+
+/// Which part of each recording is used.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(super) struct Part {
@@ -244,7 +264,7 @@ fn judge(train: &[Recording], test: &[Recording], model: &Model, trace: bool, co
         let exhibits = report::diagnosis::exhibits(&found.detail);
         report::diagnosis::page(&found, &costs, &exhibits, study.as_deref()).finish()
     };
-    Ok(Answer { json, repaired: repaired_study, draw: Box::new(draw) })
+    Ok(Answer { json, toml: repaired_study, draw: Box::new(draw) })
 }
 
 /// `proofmass study --samples`: names and values of columns, the clock first.

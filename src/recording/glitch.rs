@@ -22,6 +22,7 @@ pub(super) struct Glitch {
     row: usize,
     count: usize,
     squares: f64,
+    fourths: f64,
     /// Smallest change that is one.
     step: Option<f64>,
     /// The largest change and its row, then the second largest: one stray reading makes two.
@@ -34,6 +35,7 @@ impl Glitch {
             self.count += 1;
             let change = (value - before).abs();
             self.squares += change * change;
+            self.fourths += change.powi(4);
             if change > 0.0 {
                 self.step = Some(self.step.map_or(change, |s| s.min(change)));
             }
@@ -50,6 +52,13 @@ impl Glitch {
     /// The next reading does not follow the one before.
     pub(super) fn interrupt(&mut self) {
         self.before = None;
+    }
+
+    /// Relative variance of the realised square of white noise beyond that of normal noise: its excess kurtosis,
+    /// twice that of its changes, over their number; never below zero.
+    pub(super) fn tails(&self) -> f64 {
+        let of_changes = self.fourths / (self.squares * self.squares) - 3.0 / self.count as f64;
+        if of_changes.is_finite() { (2.0 * of_changes).max(0.0) } else { 0.0 }
     }
 
     /// Returns what a person should know, if there is such a reading.

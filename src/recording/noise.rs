@@ -13,7 +13,8 @@ use super::stream::{self, Streamed};
 use super::unit::Unit;
 use crate::error::{Error, Result};
 use crate::numerics::allan::covariance::Covariance;
-use crate::numerics::allan::fit::{self, Fit};
+use crate::numerics::allan::fit;
+use crate::numerics::allan::fitted::Fit;
 use crate::numerics::allan::law::FLICKER_FLOOR;
 use crate::numerics::allan::{Accumulator, Point};
 use crate::numerics::moments::mean;
@@ -205,7 +206,8 @@ impl Meter {
         let density = if long.averages >= 16.0 { long } else { short };
         let (lines, line_power) = lines(&density);
         let quiet: Vec<Point> = points.iter().map(|p| without_lines(p, &line_power, rate_hz)).collect();
-        let fit = fit::fit(&quiet, rate_hz, &mut Philox::new(0, index, Stream::Host));
+        let tails = self.glitch.tails();
+        let fit = fit::fit(&quiet, rate_hz, tails, &mut Philox::new(0, index, Stream::Host));
         // Without a fit, white noise is as good a guess as any.
         let squares = fit.as_ref().map_or([0.0, 1.0, 0.0, 0.0, 0.0], Fit::squares);
         let curve: Vec<Deviation> = points.iter().map(|p| deviation(p, rate_hz, &squares)).collect();

@@ -1,8 +1,10 @@
-//! Says whether a recording can be trusted, in words for a terminal and as JSON.
+//! Says whether a recording can be trusted, in words for a terminal, as a page and as JSON.
 //!
-//! Chain: words → values → sentences; table; document.
+//! Chain: words → values → sentences; table; document; figure; page.
 
 mod document;
+mod figure;
+mod page;
 mod sentences;
 mod table;
 mod values;
@@ -13,6 +15,7 @@ use std::fmt::Write as _;
 use proofmass_diagnosis::check::Checked;
 
 pub use document::document;
+pub use page::page;
 
 /// The text of a terminal: the answer, what each recording can know, the parameters, and what to do
 /// next.

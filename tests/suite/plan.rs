@@ -71,6 +71,8 @@ fn shown() -> Result<(), Failed> {
     check(beta > 0.0, said["rivals"].to_string())?;
     // Two recordings with the spring and two without.
     check(best["confirmed"]["of"] == 4 && best["confirmed"]["wrong"] == 0, best["confirmed"].to_string())?;
+    let page = std::fs::read_to_string(out.join("report.html"))?;
+    check(page.contains("<svg") && page.contains("To play"), "a page without its input")?;
     let text = std::fs::read_to_string(out.join("experiment.csv"))?;
     let mut rows = text.lines();
     check(rows.next() == Some("t_s,input_m_s2"), &text[..40])?;

@@ -10,7 +10,8 @@ use std::f64::consts::LN_2;
 
 use nalgebra::DMatrix;
 
-use crate::numerics::allan::fit::{Fit, expected_errors};
+use crate::numerics::allan::fit::expected_errors;
+use crate::numerics::allan::fitted::Fit;
 use crate::numerics::allan::law::{self, TERMS, Term};
 use crate::numerics::special::t_quantile;
 use crate::parallel;

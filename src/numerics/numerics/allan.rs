@@ -23,6 +23,7 @@
 
 pub mod covariance;
 pub mod fit;
+pub mod fitted;
 pub mod law;
 
 /// Averaging factors of the first level, about ten per decade.

@@ -40,6 +40,18 @@ pub fn non_negative(normal: &[[f64; 5]; 5], target: &[f64; 5], free: &[bool; 5])
     std::array::from_fn(|p| best.0[p] / scale[p])
 }
 
+/// Least squares with coefficients of zero or more, the first of either sign where `is_signed`.
+pub fn signed(normal: &[[f64; 5]; 5], target: &[f64; 5], free: &[bool; 5], is_signed: bool) -> [f64; 5] {
+    let solution = non_negative(normal, target, free);
+    if solution[0] > 0.0 || !free[0] || !is_signed {
+        return solution;
+    }
+    let sign = |p: usize| if p == 0 { -1.0 } else { 1.0 };
+    let mirrored = std::array::from_fn(|p| std::array::from_fn(|q| sign(p) * sign(q) * normal[p][q]));
+    let solution = non_negative(&mirrored, &std::array::from_fn(|p| sign(p) * target[p]), free);
+    std::array::from_fn(|p| sign(p) * solution[p])
+}
+
 /// Solves the rows and columns of `members` by elimination (the system is positive definite);
 /// `None` if singular.
 fn solve_subset(system: &[[f64; 6]; 5], members: &[bool; 5]) -> Option<[f64; 5]> {

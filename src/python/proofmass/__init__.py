@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any
 from ._error import Error
 
 if TYPE_CHECKING:
-    from ._results import Allan, Diagnosis, Simulation, Study
+    from ._results import Allan, Check, Diagnosis, Simulation, Study
 
-__all__ = ["Error", "allan", "diagnose", "main", "simulate", "study"]
+__all__ = ["Error", "allan", "check", "diagnose", "main", "simulate", "study"]
 
 
 def study(
@@ -122,6 +122,27 @@ def diagnose(
     return Diagnosis(_proofmass.diagnose(all_recorded(recording), all_recorded(test), model, part))
 
 
+def check(
+    recording: Any,
+    model: Any,
+    *,
+    from_s: float | None = None,
+    to_s: float | None = None,
+    topic: str | None = None,
+) -> Check:
+    """Whether a recording can be trusted: ``proofmass check``.
+
+    ``recording`` is a DataFrame, an array, a dictionary of arrays or the path of a file, which is compared by its halves, or
+    a list of several of one sensor, which are compared with one another. ``model`` as for :func:`diagnose`.
+    """
+    from . import _proofmass
+    from ._recording import all_recorded
+    from ._results import Check
+
+    part = {"topic": topic, "from_s": from_s, "to_s": to_s, "trace": False}
+    return Check(_proofmass.check(all_recorded(recording), model, part))
+
+
 def main() -> None:
     """The command ``proofmass``; ends the process with the command's exit code."""
     import os
@@ -142,7 +163,7 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version
 
         return version("proofmass")
-    if name in ("Allan", "Diagnosis", "Simulation", "Study"):
+    if name in ("Allan", "Check", "Diagnosis", "Simulation", "Study"):
         from . import _results
 
         return getattr(_results, name)

@@ -88,6 +88,16 @@ class Diagnosis(_Result):
     @property
     def repaired(self) -> Union[str, None]: ...
 
+class Check(_Result):
+    answer: str
+    recordings: list[_Fields]
+    compared: Union[str, None]
+    agreement: Union[_Fields, None]
+    next: list[str]
+    @property
+    def sensor(self) -> Union[str, None]: ...
+    def agreement_to_dataframe(self) -> Any: ...
+
 class Simulation(Mapping[str, _Array]):
     accelerometer_m_s2: _Array
     gyro_rad_s: _Array
@@ -142,4 +152,12 @@ def diagnose(
     topic: Union[str, None] = None,
     trace: bool = False,
 ) -> Diagnosis: ...
+def check(
+    recording: Any,
+    model: Union[dict[str, Any], _Path],
+    *,
+    from_s: Union[float, None] = None,
+    to_s: Union[float, None] = None,
+    topic: Union[str, None] = None,
+) -> Check: ...
 def main() -> None: ...

@@ -109,7 +109,7 @@ class Diagnosis(Result):
     @property
     def repaired(self) -> str | None:
         """The sensor with the named physics as a study.toml; ``None`` where there is none that a study could run."""
-        return self._answer.repaired
+        return self._answer.toml
 
     def to_dataframe(self) -> Any:
         """One row per named effect and parameter."""
@@ -120,6 +120,36 @@ class Diagnosis(Result):
             for parameter in effect["parameters"]
         ]
         names = ["effect", "channels", "parameter", "value", "ci95_low", "ci95_high", "unit", "held_out_gain", "p_value"]
+        return _pandas().DataFrame(rows, columns=names)
+
+
+class Check(Result):
+    """Whether recordings can be trusted: what each can know, and whether they say the same; ``check.json`` of the command."""
+
+    @property
+    def sensor(self) -> str | None:
+        """The sensor with its spread from run to run as a sensor.toml; ``None`` where nothing was compared that a study has."""
+        return self._answer.toml
+
+    def to_dataframe(self) -> Any:
+        """One row per recording and parameter, ``NaN`` where it is not determined."""
+        rows = [
+            (recording["file"], parameter["name"], parameter["value"], *(parameter["ci95"] or (None, None)),
+             parameter["unit"], parameter["determined"])
+            for recording in self._values["recordings"]
+            for parameter in recording["parameters"]
+        ]
+        names = ["file", "parameter", "value", "ci95_low", "ci95_high", "unit", "determined"]
+        return _pandas().DataFrame(rows, columns=names)
+
+    def agreement_to_dataframe(self) -> Any:
+        """One row per parameter that was compared: the difference, or of sizes the ratio, and whether it is chance."""
+        compared = (self._values["agreement"] or {"parameters": []})["parameters"]
+        rows = [
+            (line["name"], line["difference"], line["ratio"], *line["ci95"], line["unit"], line["p_value"], line["agrees"])
+            for line in compared
+        ]
+        names = ["parameter", "difference", "ratio", "ci95_low", "ci95_high", "unit", "p_value", "agrees"]
         return _pandas().DataFrame(rows, columns=names)
 
 

@@ -4,7 +4,7 @@
 use crate::grouped::{Said, grouped};
 use crate::table::Table;
 use proofmass_base::number::{duration, rounded, significant, superscript};
-use proofmass_numerics::numerics::allan::fit::Fit;
+use proofmass_numerics::numerics::allan::fitted::Fit;
 use proofmass_numerics::numerics::allan::law::{TERMS, Term};
 use proofmass_recording::noise::{Channel, Deviation, Noise};
 use proofmass_recording::unit::Quantity;
@@ -198,7 +198,7 @@ pub(super) fn verdict(channel: &Channel) -> String {
             "No sum of the five laws fits this curve (p < {}): it departs from the best one by about {} %, most at \
              τ = {}, where it is {} times the fit. The intervals allow for that. Typical causes are vibration, \
              temperature and motion; `proofmass diagnose` with kind = \"static\" identifies which.",
-            significant(proofmass_numerics::numerics::allan::fit::BAD, 1),
+            significant(proofmass_numerics::numerics::allan::fitted::BAD, 1),
             significant(100.0 * fit.discrepancy, 2),
             duration(fit.worst.0),
             significant(fit.worst.1, 3)

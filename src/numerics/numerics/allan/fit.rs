@@ -8,6 +8,11 @@
 //! fitted under it, is kept when the estimate lies within the central 95 % of what simulated curves
 //! would give. So skewness at long times, the wall at zero and the correlation between points are
 //! all in the interval. A term whose interval begins at zero is not supported by the data.
+//!
+//! Two things that the laws do not say are allowed for. A filter on the chip takes N² c/τ² from white noise
+//! once it is shorter than τ (the first term in its length over τ), so that the square of Q may be negative
+//! where the shortest octaves are left out. And what is realised of white noise with heavy tails has a
+//! variance of its own, κ/n of its square, that all points share (`tails`).
 
 use nalgebra::{DMatrix, DVector};
 use rand::{Rng, RngExt as _};
@@ -15,96 +20,36 @@ use rand_distr::StandardNormal;
 
 use super::Point;
 use super::covariance::Covariance;
-use super::law::{self, TERMS};
-use crate::numerics::non_negative::non_negative;
+use super::fitted::{BAD, Coefficient, Fit};
+use super::law::{self, TERMS, Term};
+use crate::numerics::non_negative::signed;
 
 /// Simulated curves per test; the same random numbers serve every hypothesis.
 const DRAWS: usize = 400;
 /// Octaves at the short end that may be left out when they follow no law.
 const SHORTEST_DROPPED: usize = 6;
+/// Misfit χ² that an octave costs which is left out: two standard deviations squared.
+const LEFT_OUT: f64 = 4.0;
 /// Relative errors of the laws themselves, on the variance, that are tried in turn.
 const DISCREPANCIES: [f64; 8] = [0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
-/// A fit is called bad below this probability.
-pub const BAD: f64 = 0.01;
-
-/// A fitted noise coefficient (not squared) with its interval.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coefficient {
-    /// Estimate; zero where the best fit does without.
-    pub value: f64,
-    /// 95 % interval; begins at zero where the term is not supported.
-    pub ci95: [f64; 2],
-    /// Probability of an estimate this large without the term.
-    pub p_value: f64,
-}
-
-impl Coefficient {
-    /// Returns whether the data need this term.
-    pub fn supported(&self) -> bool {
-        self.ci95[0] > 0.0
-    }
-}
-
-/// A fitted Allan curve.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Fit {
-    /// Coefficients in the order of [`TERMS`].
-    pub coefficients: [Coefficient; 5],
-    /// Covariance of the squared coefficients by least squares, as if none could reach zero; zero for
-    /// those that are zero.
-    pub covariance: [[f64; 5]; 5],
-    /// Probability of deviations as large as these if the five terms were all there is.
-    pub p_value: f64,
-    /// Shortest averaging time fitted, s.
-    pub from_s: f64,
-    /// Longest averaging time fitted, s.
-    pub to_s: f64,
-    /// Averaging time at which the curve leaves the fit most, and measured over fitted deviation
-    /// there.
-    pub worst: (f64, f64),
-    /// Departure of the curve from any sum of the laws beyond chance, as a share of the deviation;
-    /// zero for a good fit. The intervals allow for it.
-    pub discrepancy: f64,
-}
-
-impl Fit {
-    /// The squared coefficients Q², N², B², K², R².
-    pub fn squares(&self) -> [f64; 5] {
-        self.coefficients.map(|c| c.value * c.value)
-    }
-
-    /// Squared coefficients of the terms that the data support, 0 of the others.
-    pub fn supported_squares(&self) -> [f64; 5] {
-        self.coefficients.map(|c| if c.supported() { c.value * c.value } else { 0.0 })
-    }
-
-    /// Allan deviation of the terms that the data support.
-    pub fn deviation(&self, tau_s: f64) -> f64 {
-        law::variance(&self.supported_squares(), tau_s).sqrt()
-    }
-
-    /// Returns whether the five terms describe the curve.
-    pub fn good(&self) -> bool {
-        self.p_value >= BAD
-    }
-}
-
 /// Fits an Allan curve. `None` for fewer than four octaves or a signal without any variance.
 ///
 /// Where the five terms cannot describe the curve, the shortest octaves are left out (an on-chip
 /// filter bends them). If that does not help, the laws are taken as true only to within a share of
 /// their value, the smallest that explains the curve: then no point counts for more than the laws
-/// are worth, and the intervals are wide as they should be.
-pub fn fit(points: &[Point], rate_hz: f64, rng: &mut impl Rng) -> Option<Fit> {
+/// are worth, and the intervals are wide as they should be. `tails` is the excess kurtosis κ of white noise
+/// over the number of samples: the relative variance of its realised square.
+pub fn fit(points: &[Point], rate_hz: f64, tails: f64, rng: &mut impl Rng) -> Option<Fit> {
     let octaves: Vec<Point> = points.iter().copied().filter(Point::on_octave).collect();
     if octaves.len() < 4 || octaves.iter().any(|p| p.variance.is_nan() || p.variance <= 0.0) {
         return None;
     }
     let draws = DMatrix::from_fn(octaves.len(), DRAWS, |_, _| rng.sample::<f64, _>(StandardNormal));
     let drops = 0..=SHORTEST_DROPPED.min(octaves.len() - 4);
-    let mut curves: Vec<Curve<'_>> = drops.map(|d| Curve::new(&octaves[d..], rate_hz, &draws)).collect();
-    let (chosen, p_value, best) = choose(&mut curves);
-    let curve = &curves[chosen];
+    let curve = |d: usize| Curve { is_filtered: d > 0, tails, ..Curve::new(&octaves[d..], rate_hz, &draws) };
+    let mut curves: Vec<Curve<'_>> = drops.map(curve).collect();
+    let Chosen { left_out, p_value, squares: best, .. } = choose(&mut curves);
+    let curve = &curves[left_out];
     let coefficients = std::array::from_fn(|p| curve.interval(p, &best));
     let ratio = |p: &Point| (p.variance / law::variance(&best, p.tau_s)).sqrt();
     let from_s = curve.points[0].tau_s;
@@ -119,27 +64,48 @@ pub fn fit(points: &[Point], rate_hz: f64, rng: &mut impl Rng) -> Option<Fit> {
         to_s: octaves[octaves.len() - 1].tau_s,
         worst: (worst.tau_s, ratio(worst)),
         discrepancy: curve.discrepancy / 2.0,
+        filtered: -Term::Quantisation.variance(1.0) * best[Term::Quantisation as usize].min(0.0),
     })
 }
 
-/// The curve with the smallest discrepancy, then the fewest octaves left out, that is described;
-/// how probable its deviations are without any discrepancy; and its squared coefficients.
-fn choose(curves: &mut [Curve<'_>]) -> (usize, f64, [f64; 5]) {
+/// A number of octaves that are left out, and what is fitted to the others.
+struct Chosen {
+    left_out: usize,
+    /// Misfit χ², with what the octaves that are left out cost.
+    criterion: f64,
+    /// Probability of deviations as large by chance.
+    p_value: f64,
+    squares: [f64; 5],
+}
+
+/// The curve with the smallest discrepancy that is described; `p_value` is that without any. Where all octaves are
+/// not described, one more is left out as often as it lies two standard deviations away.
+fn choose(curves: &mut [Curve<'_>]) -> Chosen {
     let mut without = 0.0;
     for discrepancy in DISCREPANCIES {
-        for (index, curve) in curves.iter_mut().enumerate() {
+        let mut best: Option<Chosen> = None;
+        for (left_out, curve) in curves.iter_mut().enumerate() {
             curve.discrepancy = discrepancy;
             let squares = curve.estimate();
-            let p_value = curve.quality(&squares);
-            if discrepancy == 0.0 && index == 0 {
+            let (misfit, p_value) = curve.quality(&squares);
+            if discrepancy == 0.0 && left_out == 0 {
                 without = p_value;
             }
-            if p_value >= BAD {
-                return (index, if discrepancy == 0.0 { p_value } else { without }, squares);
+            let criterion = misfit + LEFT_OUT * left_out as f64;
+            let is_better = best.as_ref().is_none_or(|b| criterion < b.criterion);
+            if p_value >= BAD && is_better && squares.iter().all(|s| s.is_finite()) {
+                let p_value = if discrepancy == 0.0 { p_value } else { without };
+                best = Some(Chosen { left_out, criterion, p_value, squares });
+            }
+            if left_out == 0 && best.is_some() {
+                break;
             }
         }
+        if let Some(chosen) = best {
+            return chosen;
+        }
     }
-    (0, without, curves[0].estimate())
+    Chosen { left_out: 0, criterion: f64::INFINITY, p_value: without, squares: curves[0].estimate() }
 }
 
 /// Octave points with what their fit needs.
@@ -152,6 +118,10 @@ struct Curve<'a> {
     draws: &'a DMatrix<f64>,
     /// Relative error of the laws, on the variance.
     discrepancy: f64,
+    /// States whether the square of Q may be negative.
+    is_filtered: bool,
+    /// Relative variance of the realised square of white noise beyond that of normal noise.
+    tails: f64,
 }
 
 /// Least squares under one covariance: everything is divided by its Cholesky factor.
@@ -159,6 +129,7 @@ struct Whitened {
     factor: DMatrix<f64>,
     laws: DMatrix<f64>,
     normal: [[f64; 5]; 5],
+    is_filtered: bool,
 }
 
 impl<'a> Curve<'a> {
@@ -172,12 +143,18 @@ impl<'a> Curve<'a> {
             measured: DVector::from_fn(points.len(), |i, _| points[i].variance),
             draws,
             discrepancy: 0.0,
+            is_filtered: false,
+            tails: 0.0,
         }
     }
 
     /// Covariance of two points: of chance, and of the laws' own error.
     fn covariance(&self, i: usize, j: usize, squares: &[f64; 5]) -> f64 {
-        let chance = self.covariance.at(i, j, squares);
+        // What a filter takes is not taken from the chance of what it leaves: intervals err to the wide side.
+        let positive = squares.map(|s| s.max(0.0));
+        let white = squares[Term::White as usize];
+        let laws = |i: usize| white * self.laws[(i, Term::White as usize)];
+        let chance = self.covariance.at(i, j, &positive) + self.tails * laws(i) * laws(j);
         if i != j {
             return chance;
         }
@@ -201,7 +178,7 @@ impl<'a> Curve<'a> {
         let factor = factor.unwrap_or_else(|| DMatrix::from_diagonal(&spread()));
         let laws = solve_lower(&factor, &self.laws);
         let normal = square(&laws);
-        Whitened { factor, laws, normal }
+        Whitened { factor, laws, normal, is_filtered: self.is_filtered }
     }
 
     fn estimate(&self) -> [f64; 5] {
@@ -211,15 +188,16 @@ impl<'a> Curve<'a> {
             |i: usize| self.measured[i] * (self.points[i].factor as f64 / self.points[i].samples as f64).sqrt();
         let laws = DMatrix::from_fn(self.points.len(), 5, |i, p| self.laws[(i, p)] / weight(i));
         let measured = DVector::from_fn(self.points.len(), |i, _| self.measured[i] / weight(i));
-        let mut squares = non_negative(&square(&laws), &from_column(laws.tr_mul(&measured).as_slice()), &[true; 5]);
+        let target = from_column(laws.tr_mul(&measured).as_slice());
+        let mut squares = signed(&square(&laws), &target, &[true; 5], self.is_filtered);
         for _ in 0..6 {
             squares = self.whitened(&squares).solve(&self.measured, &[true; 5]);
         }
         squares
     }
 
-    /// Probability of a worse fit by chance.
-    fn quality(&self, squares: &[f64; 5]) -> f64 {
+    /// Misfit χ², and the probability of a worse one by chance.
+    fn quality(&self, squares: &[f64; 5]) -> (f64, f64) {
         let whitened = self.whitened(squares);
         let misfits = |curves: &DMatrix<f64>| -> Vec<f64> {
             let curves = solve_lower(&whitened.factor, curves);
@@ -231,7 +209,7 @@ impl<'a> Curve<'a> {
         let measured = misfits(&as_matrix(&self.measured))[0];
         let simulated = misfits(&self.simulate(squares, &whitened));
         let worse = simulated.iter().filter(|s| **s >= measured).count();
-        (worse + 1) as f64 / (simulated.len() + 1) as f64
+        (measured, (worse + 1) as f64 / (simulated.len() + 1) as f64)
     }
 
     /// Curves (one per column) as chance would give them: each point a scaled χ² with its own
@@ -240,7 +218,7 @@ impl<'a> Curve<'a> {
         let count = self.points.len();
         let mut curves = &whitened.factor * self.draws.rows(self.draws.nrows() - count, count);
         for i in 0..count {
-            let mean = law::variance(squares, self.points[i].tau_s);
+            let mean = law::variance(squares, self.points[i].tau_s).max(f64::MIN_POSITIVE);
             let spread = self.covariance(i, i, squares).sqrt();
             let cube_root_variance = (spread / mean).powi(2) / 9.0;
             for value in curves.row_mut(i).iter_mut() {
@@ -280,6 +258,10 @@ impl<'a> Curve<'a> {
         // The first step up: as large as the term could be at its best point.
         let ceiling =
             (0..self.points.len()).map(|i| self.measured[i] / self.laws[(i, p)]).fold(f64::INFINITY, f64::min);
+        if best[p] < 0.0 {
+            // A filter hides it.
+            return Coefficient { value: 0.0, ci95: [0.0, ceiling.sqrt()], p_value };
+        }
         let mut beyond = best[p].max(1e-6 * ceiling);
         let mut inside = best[p];
         for _ in 0..60 {
@@ -312,7 +294,7 @@ pub fn expected_errors(squares: &[f64; 5], rate_hz: f64, samples: usize) -> [f64
 impl Whitened {
     /// Covariance of squared coefficients of which those that are zero are held there.
     fn covariance(&self, squares: &[f64; 5]) -> [[f64; 5]; 5] {
-        let free: Vec<usize> = (0..5).filter(|p| squares[*p] > 0.0).collect();
+        let free: Vec<usize> = (0..5).filter(|p| squares[*p] != 0.0).collect();
         let scale = |p: usize| self.normal[p][p].sqrt();
         let matrix = DMatrix::from_fn(free.len(), free.len(), |i, j| {
             self.normal[free[i]][free[j]] / (scale(free[i]) * scale(free[j]))
@@ -338,7 +320,8 @@ impl Whitened {
 
     fn solve_whitened(&self, curves: &DMatrix<f64>, free: &[bool; 5]) -> Vec<[f64; 5]> {
         let targets = self.laws.tr_mul(curves);
-        targets.column_iter().map(|target| non_negative(&self.normal, &from_column(target.as_slice()), free)).collect()
+        let solve = |target: &[f64]| signed(&self.normal, &from_column(target), free, self.is_filtered);
+        targets.column_iter().map(|target| solve(target.as_slice())).collect()
     }
 }
 
