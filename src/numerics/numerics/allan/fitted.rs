@@ -43,7 +43,7 @@ pub struct Fit {
     /// Departure of the curve from any sum of the laws beyond chance, as a share of the deviation;
     /// zero for a good fit. The intervals allow for it.
     pub discrepancy: f64,
-    /// What a filter takes from the variance, times τ², unit²·s²; zero where there is none.
+    /// Variance that a filter takes, times τ², unit²·s²; zero where there is none.
     pub filtered: f64,
 }
 
