@@ -8,7 +8,7 @@ pub struct Answer {
     /// The JSON document, as the command prints it.
     #[pyo3(get)]
     pub json: String,
-    /// What a study takes of it, where there is anything: the repaired sensor, or the sensor with its spread.
+    /// TOML that a study takes of it, where there is any: the repaired sensor, or the sensor with its spread.
     #[pyo3(get)]
     pub toml: Option<String>,
     /// Draws the report page as HTML.
