@@ -1,4 +1,4 @@
-//! How far the values of each parameter lie from their mean, in units of how well they are known.
+//! Distances of the values of each parameter from their mean, in units of how well they are known.
 
 use super::table::columns;
 use super::words::name;
