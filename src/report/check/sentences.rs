@@ -26,7 +26,21 @@ pub(super) fn answer(files: &[String], checked: &Checked) -> String {
         None => format!("{} determine no parameter in common: there is nothing to compare.", what(compared)),
         Some(joint) if joint.agrees() => {
             let each = if *compared == Compared::Runs { "all" } else { "both" };
-            format!("{} agree in the {} parameters that {each} determine.", what(compared), agreement.lines.len())
+            let differ = agreement.lines.iter().filter(|l| !l.agrees()).count();
+            let expected = 0.05 * agreement.lines.len() as f64;
+            // Errors that go together differ together.
+            let one_by_one = match differ as f64 > expected {
+                true => format!(
+                    ", all together; of them one by one, {differ} differ at 95 % (chance alone: {})",
+                    short(expected)
+                ),
+                false => String::new(),
+            };
+            format!(
+                "{} agree in the {} parameters that {each} determine{one_by_one}.",
+                what(compared),
+                agreement.lines.len()
+            )
         }
         Some(_) => format!("{} do not agree{}.", what(compared), differing(checked, agreement)),
     };
