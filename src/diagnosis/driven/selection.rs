@@ -9,6 +9,7 @@ pub mod earned;
 mod exponent_forms;
 pub mod folds;
 pub mod free_forms;
+mod heats;
 pub mod held_input;
 pub mod held_out;
 pub mod identifiability;

@@ -18,6 +18,7 @@ use crate::physics::scales::Scales;
 use crate::physics::state::LANES;
 
 use super::earned::ITERATIONS;
+use super::heats::HEAT;
 use super::held_out::{Comparison, compare};
 use super::input_line::follows_input;
 use super::judged::{Judged, Trial, judge};
@@ -34,8 +35,6 @@ pub(super) const SURE: usize = 3;
 const LEAST_PROMISE: f64 = 8.0;
 /// Candidates that are fitted to the end in one round.
 const POLISHED: usize = 3;
-/// Iterations after which the laggards are left behind.
-const HEAT: usize = 3;
 
 /// The start of a term from which one linear step promises most, and what it promises.
 pub(crate) fn screen(

@@ -21,6 +21,7 @@ use crate::trace::Step;
 
 use super::earned::{ITERATIONS, earned};
 use super::free_forms::{LEAST_LEAD, UNDONE, with_instead};
+use super::heats::best_of;
 use super::judged::{Departing, Judged, Selection, judge};
 use super::residual_structure::residual_structure;
 use super::rivals::TIE;
@@ -161,8 +162,8 @@ impl Search<'_> {
 
     /// The best of fits from these values of one law, taken further until it rests.
     fn best(&self, model: &Fit, index: usize, term: Term, starts: &[Vec<f64>]) -> Option<Judged> {
-        let all: Vec<Fit> = parallel::filter_map(starts, |start| self.fitted(model, index, term, start));
-        let mut best = all.into_iter().min_by(|a, b| a.variance.total_cmp(&b.variance))?;
+        let starts: Vec<_> = starts.iter().map(|start| with_instead(model, index, term, start)).collect();
+        let mut best = best_of(self.data, &starts, self.scales)?;
         for _ in 0..HEATS {
             if best.converged || self.is_over() {
                 break;

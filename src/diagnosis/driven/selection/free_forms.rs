@@ -14,7 +14,6 @@ use crate::driven::simulation::structure::ModelStructure;
 use crate::gate::Gate;
 use crate::numerics::least_squares::Residuals;
 use crate::numerics::moments::rms;
-use crate::parallel;
 use crate::physics::free_form::{Argument, Extent, FreeForm, Freed};
 use crate::physics::law::Law;
 use crate::physics::library::Term;
@@ -23,6 +22,7 @@ use crate::physics::stiffness_drift::StiffnessDrift;
 use crate::trace::Step;
 
 use super::earned::{ITERATIONS, earned, without};
+use super::heats::best_of;
 use super::held_out::compare;
 use super::identifiability::is_linear;
 use super::judged::{Departing, Judged, Rival, Selection, judge};
@@ -128,12 +128,8 @@ pub(crate) fn freed(data: &Data, model: &Fit, index: usize, scales: &Scales, scr
     let stated = model.structure.of(index, &model.point);
     let (typical, size) = sizes(data, model, law, stated)?;
     let best = |model: &Fit, term: Term, starts: &[Vec<f64>]| {
-        let fitted = |start: &Vec<f64>| {
-            let (structure, point) = with_instead(model, index, term, start);
-            fit(data, &structure, &point, scales, ITERATIONS)
-        };
-        let all: Vec<Fit> = parallel::filter_map(starts, fitted);
-        all.into_iter().min_by(|a, b| a.variance.total_cmp(&b.variance))
+        let starts: Vec<_> = starts.iter().map(|start| with_instead(model, index, term, start)).collect();
+        best_of(data, &starts, scales)
     };
     let wide = FreeForm { law, size, extent: Extent::Wide };
     let narrow = FreeForm { extent: Extent::Narrow, ..wide };
