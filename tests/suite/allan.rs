@@ -93,10 +93,10 @@ fn round_trip(name: &str, truth: [f64; 5]) -> Result<(), Failed> {
 }
 
 /// White noise of N = 1 unit·√s as a chip that averages 2 to 8 samples gives it, and with the tails of Student's
-/// t of three degrees of freedom (scaled to variance one): N is that of the sensor, and its interval holds it.
-/// Control: without its tails' own variance, the interval of the latter does not.
+/// t of three degrees of freedom (scaled to variance one): N is that of the sensor, and its interval holds it in
+/// at least four of five logs. Control: without its tails' own variance, the interval of the latter does not.
 fn spoiled() -> Result<(), Failed> {
-    const REPLICAS: u64 = 40;
+    const REPLICAS: u64 = 80;
     const SAMPLES: usize = 12_000;
     let noise = |replica: u64, taps: usize, has_tails: bool| -> Vec<f64> {
         let mut rng = Philox::new(14, replica, Stream::Host);
@@ -125,13 +125,14 @@ fn spoiled() -> Result<(), Failed> {
         check(held.len() as u64 == REPLICAS, "every replica can be fitted")?;
         Ok(held.iter().filter(|h| **h).count() as f64 / REPLICAS as f64)
     };
-    // How many octaves the filter bends is itself estimated: that costs some of the 95 %.
+    // How many octaves the filter bends is itself estimated, and of an infinite kurtosis a log shows a part: that
+    // costs some of the 95 %.
     for taps in [2, 8] {
         let share = held(taps, false, true)?;
         check(share >= 0.8, format!("{taps} taps: N is covered in {share} of the replicas"))?;
     }
     let share = held(1, true, true)?;
-    check(share >= 0.85, format!("heavy tails: N is covered in {share} of the replicas"))?;
+    check(share >= 0.8, format!("heavy tails: N is covered in {share} of the replicas"))?;
     let share = held(1, true, false)?;
     check(share < 0.6, format!("without the tails' own variance N is covered in {share} of the replicas"))
 }
