@@ -46,7 +46,7 @@ def test_the_odd_recording_is_found_and_tables_say_so():
 
 
 def test_a_kind_that_is_not_checked_is_said():
-    model = {"kind": "driven", "columns": {"input": "u", "output": ["x"]}, "rate_hz": 100.0}
+    model = {"kind": "driven", "columns": {"input": "u", "output": "x"}, "rate_hz": 100.0}
     log = {"u": numpy.sin(numpy.arange(4096)), "x": numpy.cos(numpy.arange(4096))}
     with pytest.raises(proofmass.Error, match="driven"):
         proofmass.check(log, model)
