@@ -53,7 +53,7 @@ pub fn check(recordings: &[Recording], model: &Model, control: &Control) -> Resu
         return Err(Error::new(
             format!("could not check {} with this model", second.path.display()),
             format!("the model names {}, which belongs to one recording, and several are given", file.display()),
-            "check each by its halves with a model of its own, and compare what `--json` says of them",
+            "check each by itself, with a model that names its own file, and compare the values that `--json` prints",
         ));
     }
     let run = |recording: &Recording| match model {

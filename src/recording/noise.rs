@@ -210,7 +210,7 @@ impl Meter {
         let fit = fit::fit(&quiet, rate_hz, tails, &mut Philox::new(0, index, Stream::Host));
         // Without a fit, white noise is as good a guess as any.
         let squares = fit.as_ref().map_or([0.0, 1.0, 0.0, 0.0, 0.0], Fit::squares);
-        let curve: Vec<Deviation> = points.iter().map(|p| deviation(p, rate_hz, &squares)).collect();
+        let curve: Vec<Deviation> = points.iter().map(|p| deviation(p, rate_hz, tails, &squares)).collect();
         let sure = curve.iter().copied().filter(|d| d.degrees_of_freedom >= 10.0);
         Channel {
             name: name.into(),
@@ -227,8 +227,9 @@ impl Meter {
     }
 }
 
-fn deviation(point: &Point, rate_hz: f64, squares: &[f64; 5]) -> Deviation {
-    let degrees_of_freedom = Covariance::new(&[point.factor], &[point.samples], rate_hz).degrees_of_freedom(0, squares);
+fn deviation(point: &Point, rate_hz: f64, tails: f64, squares: &[f64; 5]) -> Deviation {
+    let covariance = Covariance::new(&[point.factor], &[point.samples], rate_hz).with_tails(tails);
+    let degrees_of_freedom = covariance.degrees_of_freedom(0, squares);
     let edge = |probability: f64| {
         (point.variance * degrees_of_freedom / chi_squared_quantile(probability, degrees_of_freedom)).sqrt()
     };

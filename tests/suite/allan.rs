@@ -22,7 +22,10 @@ pub fn tests() -> Vec<Trial> {
         test("allan: quantisation, white noise and a ramp come back, covered as claimed", || {
             round_trip("Q, N, R", [0.02, 0.1, 0.0, 0.0, 2e-4])
         }),
-        test("allan: behind an averaging filter, or with heavy tails, N is covered as claimed", spoiled),
+        test(
+            "allan: behind an averaging filter, or with heavy tails, N is covered, by intervals less than 1.5 times too narrow",
+            spoiled,
+        ),
         test("allan: a white log has reached no floor and says so, one with flicker has", floor),
         test("allan: the command writes JSON, a page and a sensor for a study, or one sentence why not", command),
         data_test("allan: the ADIS16405 has the coefficients known of it", adis16405),
@@ -93,11 +96,13 @@ fn round_trip(name: &str, truth: [f64; 5]) -> Result<(), Failed> {
 }
 
 /// White noise of N = 1 unit·√s as a chip that averages 2 to 8 samples gives it, and with the tails of Student's
-/// t of three degrees of freedom (scaled to variance one): N is that of the sensor, and its interval holds it in
-/// at least four of five logs. Control: without its tails' own variance, the interval of the latter does not.
+/// t of three degrees of freedom (scaled to variance one): N is that of the sensor. An interval of 95 % that is 1.5
+/// times too narrow would hold it in 81 % (1.96/1.5 standard deviations): that is the floor. Control: of heavy tails
+/// without a variance of their own, intervals are 2.3 times too narrow or more (60 %).
 fn spoiled() -> Result<(), Failed> {
     const REPLICAS: u64 = 80;
     const SAMPLES: usize = 12_000;
+    const FLOOR: f64 = 0.81;
     let noise = |replica: u64, taps: usize, has_tails: bool| -> Vec<f64> {
         let mut rng = Philox::new(14, replica, Stream::Host);
         let mut normal = || rng.sample::<f64, _>(StandardNormal);
@@ -129,10 +134,10 @@ fn spoiled() -> Result<(), Failed> {
     // costs some of the 95 %.
     for taps in [2, 8] {
         let share = held(taps, false, true)?;
-        check(share >= 0.8, format!("{taps} taps: N is covered in {share} of the replicas"))?;
+        check(share >= FLOOR, format!("{taps} taps: N is covered in {share} of the replicas"))?;
     }
     let share = held(1, true, true)?;
-    check(share >= 0.8, format!("heavy tails: N is covered in {share} of the replicas"))?;
+    check(share >= FLOOR, format!("heavy tails: N is covered in {share} of the replicas"))?;
     let share = held(1, true, false)?;
     check(share < 0.6, format!("without the tails' own variance N is covered in {share} of the replicas"))
 }

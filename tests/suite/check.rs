@@ -207,7 +207,7 @@ fn command() -> Result<(), Failed> {
     // Two runs alike and one 1 % off have a standard deviation of 0.58 %.
     check((0.004..0.008).contains(&share), format!("spread {share}"))?;
     let page = std::fs::read_to_string(out.join("report.html"))?;
-    check(page.contains("<svg") && page.contains("standard errors"), "a page without its figure")?;
+    check(page.contains("<svg") && page.contains("half of its 95 % interval"), "a page without its figure")?;
     let sensor = std::fs::read_to_string(out.join("sensor.toml"))?;
     check(sensor.contains("sd = ") && sensor.contains("gyro"), &sensor)?;
     run(program().arg("export").arg(out.join("sensor.toml")).args(["--to", "kalibr", "--json"]))?.json()?;

@@ -21,10 +21,11 @@ pub(super) const CONVENTIONS: [&str; 7] = [
     "Overlapping Allan deviation (IEEE 952, NIST SP 1065), fully overlapped up to 128 samples, with 80 to 128 window \
     starts per averaging time beyond; averaging times up to a third of the recording.",
     "Whiskers: 95 % intervals from χ² with the equivalent degrees of freedom of overlapping windows, computed for the fitted \
-     mixture of noises.",
+     mixture of noises and for the kurtosis of the readings' changes: heavy tails make them wider.",
     "Laws of the Allan variance: quantisation 3Q²/τ²; white noise N²/τ; flicker (2 ln 2/π)B²; random walk K²τ/3; ramp R²τ²/2.",
     "Fit: generalised least squares on the variance at octave-spaced averaging times with the full covariance of the points, \
-     no coefficient negative.",
+     no coefficient negative. Behind an on-chip filter the shortest times are left out, and what the filter still takes \
+     above them, a share of N² that falls as 1/τ², is fitted with the laws.",
     "Intervals: Monte Carlo test inversion, 400 simulated curves per hypothesis; the other coefficients are refitted under \
      each. A term is supported if zero lies outside.",
     "White noise: σ of a sample = N√f = n√(f/2) at the sampling rate f; n = √2 N is the one-sided density.",

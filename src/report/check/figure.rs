@@ -1,56 +1,80 @@
 //! Distances of the values of each parameter from their mean, in units of how well they are known.
 
-use super::table::columns;
+use super::table::short_name;
 use super::words::name;
 use crate::figure::{Axis, Chart, Ink, Mark};
 use proofmass_diagnosis::check::{Checked, Compared};
+use proofmass_diagnosis::repeatability::agreement::Odd;
+use proofmass_diagnosis::repeatability::parameter::Estimate;
 
-pub(super) const CAPTION: &str = "Each value less the mean of those compared, over its standard error, with its 95 % \
-     interval. Where two differ by more than chance makes them differ in one of twenty cases, the table says so.";
+pub(super) const CAPTION: &str = "Each value less the weighted mean of those compared, over half the width of its own \
+     95 % interval, which reaches one to each side. What lies beyond six is drawn at six. Which differences are more \
+     than chance is said in the table.";
 
-/// Standard errors from a value to the end of its 95 % interval.
-const TO_THE_END: f64 = 1.96;
-/// Recordings that are told apart by colour.
-const SHOWN: usize = 6;
-/// Distance of two recordings within a row.
-const APART: f64 = 0.14;
-/// Standard errors beyond which a value is drawn at the edge.
-const EDGE: f64 = 12.0;
+/// Recordings that are told apart by colour; of more, only the odd one is.
+const COLOURED: usize = 6;
+/// Part of a row over which the recordings are spread.
+const SPREAD: f64 = 0.5;
+/// Half-widths beyond which a value is drawn at the edge.
+const EDGE: f64 = 6.0;
+
+/// A recording, or a half of one.
+struct Side<'a> {
+    name: String,
+    ink: Ink,
+    estimate: &'a Estimate,
+}
 
 /// A row for each parameter that is compared.
 pub(super) fn differences(files: &[String], checked: &Checked) -> Option<Chart> {
-    let (compared, agreement) = checked.agreement.as_ref()?;
-    let estimate = &checked.runs.first()?.estimate;
+    let (_, agreement) = checked.agreement.as_ref()?;
     let rows = agreement.lines.len();
-    if rows == 0 {
-        return None;
-    }
+    let sides = sides(files, checked);
+    let first = sides.first().filter(|_| rows > 0)?.estimate;
     let place = |row: usize| (rows - row) as f64;
     let names = agreement.lines.iter().enumerate();
-    let names = names.map(|(row, line)| (place(row), name(&estimate.parameters[line.parameter]))).collect();
+    let names = names.map(|(row, line)| (place(row), name(&first.parameters[line.parameter]))).collect();
     let mut chart = Chart::new(
         "How far the values lie apart",
-        Axis::linear("value less mean / standard errors"),
+        Axis::linear("value less mean / half of its 95 % interval"),
         Axis::linear("parameter").named(names).within(0.4, rows as f64 + 0.6),
     );
-    let (headings, _) = columns(files, checked);
-    // Of one recording the whole stands first, and is not compared.
-    let headings = &headings[usize::from(matches!(compared, Compared::Halves(_)))..];
     let clip = |x: f64| x.clamp(-EDGE, EDGE);
-    for (run, heading) in headings.iter().enumerate().take(SHOWN) {
+    for (n, side) in sides.iter().enumerate() {
         let mut dots = Vec::new();
         for (row, line) in agreement.lines.iter().enumerate() {
-            let Some((value, error)) = line.runs.get(run).copied() else { continue };
-            let weight = line.runs.iter().map(|r| r.1.powi(-2)).sum::<f64>();
-            let mean = line.runs.iter().map(|r| r.0 * r.1.powi(-2)).sum::<f64>() / weight;
-            let x = (value - mean) / error;
-            let y = place(row) + APART * (0.5 * (headings.len().min(SHOWN) - 1) as f64 - run as f64);
+            let p = line.parameter;
+            let weight = |s: &Side<'_>| s.estimate.half_width(p).powi(-2);
+            let sum: f64 = sides.iter().map(weight).sum();
+            let mean = sides.iter().map(|s| weight(s) * s.estimate.value[p]).sum::<f64>() / sum;
+            let x = (side.estimate.value[p] - mean) / side.estimate.half_width(p);
+            let y = place(row) + SPREAD * (0.5 - (n as f64 + 0.5) / sides.len() as f64);
             dots.push((clip(x), y));
-            let interval = [x - TO_THE_END, x + TO_THE_END].map(|end| (clip(end), y));
-            chart.add("", Ink::nth(run), Mark::Line, interval.to_vec());
+            let interval = [x - 1.0, x + 1.0].map(|end| (clip(end), y));
+            chart.add("", side.ink, Mark::Line, interval.to_vec());
         }
-        chart.add(heading, Ink::nth(run), Mark::Dots(3), dots);
+        chart.add(&side.name, side.ink, Mark::Dots(3), dots);
     }
     chart.size = (720, 120 + 24 * rows.max(4) as u32);
     Some(chart)
+}
+
+fn sides<'a>(files: &[String], checked: &'a Checked) -> Vec<Side<'a>> {
+    let Some((compared, agreement)) = &checked.agreement else { return Vec::new() };
+    if let (Compared::Halves(_), [only]) = (compared, &checked.runs[..]) {
+        let halves = only.halves.iter().flat_map(|halves| &halves.each).zip(["one half", "other half"]).enumerate();
+        let side = |(n, (estimate, name)): (usize, (&'a Estimate, &str))| Side {
+            name: name.to_owned(),
+            ink: Ink::nth(n),
+            estimate,
+        };
+        return halves.map(side).collect();
+    }
+    let is_few = files.len() <= COLOURED;
+    let side = |(n, (file, estimate)): (usize, (&String, &'a Estimate))| match agreement.odd == Some(Odd::Run(n)) {
+        _ if is_few => Side { name: short_name(file), ink: Ink::nth(n), estimate },
+        true => Side { name: short_name(file), ink: Ink::Red, estimate },
+        false => Side { name: String::new(), ink: Ink::Soft, estimate },
+    };
+    files.iter().zip(checked.runs.iter().map(|run| &run.estimate)).enumerate().map(side).collect()
 }

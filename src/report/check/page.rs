@@ -31,7 +31,7 @@ pub fn page(files: &[String], recordings: &[Recording], checked: &Checked) -> Pa
     for (file, run) in files.iter().zip(&checked.runs) {
         page.subsection(&short_name(file));
         match &sentences::of_run(run)[..] {
-            [] => page.paragraph("Its motion and its length determine every parameter."),
+            [] => page.paragraph("It determines every parameter."),
             said => page.list(said),
         }
     }

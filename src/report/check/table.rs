@@ -57,7 +57,7 @@ fn without_unit(parameter: &Parameter, line: &Line) -> String {
 }
 
 /// Columns side by side: a recording and its halves, or the recordings.
-pub(super) fn columns<'a>(files: &[String], checked: &'a Checked) -> (Vec<String>, Vec<&'a Estimate>) {
+fn columns<'a>(files: &[String], checked: &'a Checked) -> (Vec<String>, Vec<&'a Estimate>) {
     match (&checked.agreement, &checked.runs[..]) {
         (Some((Compared::Halves(_), _)), [only]) => {
             let halves = only.halves.iter().flat_map(|h| h.each.iter());

@@ -3,10 +3,10 @@
 use crate::figure::{Axis, Chart, Ink, Mark};
 use proofmass_diagnosis::plan::experiment::Experiment;
 
-/// Stretches of the time axis within which nothing is told apart.
+/// Number of stretches of the time axis, each about a pixel wide.
 const STRETCHES: usize = 400;
 
-/// The input; where it has more samples than the picture tells apart, what it covers.
+/// The input; where samples are closer than pixels, the range that it covers.
 pub(super) fn input(experiment: &Experiment, file: &str) -> Chart {
     let values = experiment.input();
     let time_s = |k: usize| k as f64 / experiment.rate_hz;

@@ -24,6 +24,8 @@ pub struct Covariance {
     products: Vec<[[f64; 4]; 4]>,
     /// Per pair of points, per term: 1/(n_i n_j) Σ R_p, what a ramp is multiplied by.
     sums: Vec<[f64; 4]>,
+    /// Relative variance of the realised square of white noise beyond that of normal noise.
+    tails: f64,
 }
 
 impl Covariance {
@@ -46,7 +48,13 @@ impl Covariance {
             }
         }
         let taus_s = factors.iter().map(|m| *m as f64 / rate_hz).collect();
-        Self { count, taus_s, products, sums }
+        Self { count, taus_s, products, sums, tails: 0.0 }
+    }
+
+    /// For white noise with heavy tails: `tails` is its excess kurtosis over the number of samples. By so much the
+    /// mean square of the samples varies beyond 2/n, relative to its square, and all points with it.
+    pub fn with_tails(self, tails: f64) -> Self {
+        Self { tails, ..self }
     }
 
     /// Covariance of points `i` and `j` for these squared coefficients (order of [`TERMS`]).
@@ -58,6 +66,8 @@ impl Covariance {
                 out += squares[p] * squares[q] * product;
             }
         }
+        let white = |i: usize| squares[Term::White as usize] * Term::White.variance(self.taus_s[i]);
+        out += self.tails * white(i) * white(j);
         let ramp = squares[4] * self.taus_s[i] * self.taus_s[j] / 2.0;
         out + 4.0 * ramp * self.sums[pair].iter().zip(squares).map(|(s, square)| s * square).sum::<f64>()
     }

@@ -9,10 +9,9 @@
 //! would give. So skewness at long times, the wall at zero and the correlation between points are
 //! all in the interval. A term whose interval begins at zero is not supported by the data.
 //!
-//! Two things that the laws do not say are allowed for. A filter on the chip takes N² c/τ² from white noise
-//! once it is shorter than τ (the first term in its length over τ), so that the square of Q may be negative
-//! where the shortest octaves are left out. And what is realised of white noise with heavy tails has a
-//! variance of its own, κ/n of its square, that all points share (`tails`).
+//! A filter on the chip lowers the variance of white noise by N² c/τ² at averaging times above its length (the
+//! first term of a series in length over τ). Where the shortest octaves are left out, the square of Q may
+//! therefore be negative.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{Rng, RngExt as _};
@@ -28,17 +27,17 @@ use crate::numerics::non_negative::signed;
 const DRAWS: usize = 400;
 /// Octaves at the short end that may be left out when they follow no law.
 const SHORTEST_DROPPED: usize = 6;
-/// Misfit χ² that an octave costs which is left out: two standard deviations squared.
+/// Misfit χ² that leaving out an octave must save: two standard deviations squared.
 const LEFT_OUT: f64 = 4.0;
 /// Relative errors of the laws themselves, on the variance, that are tried in turn.
 const DISCREPANCIES: [f64; 8] = [0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
+
 /// Fits an Allan curve. `None` for fewer than four octaves or a signal without any variance.
 ///
 /// Where the five terms cannot describe the curve, the shortest octaves are left out (an on-chip
 /// filter bends them). If that does not help, the laws are taken as true only to within a share of
 /// their value, the smallest that explains the curve: then no point counts for more than the laws
-/// are worth, and the intervals are wide as they should be. `tails` is the excess kurtosis κ of white noise
-/// over the number of samples: the relative variance of its realised square.
+/// are worth, and the intervals are wide as they should be. `tails`: see [`Covariance::with_tails`].
 pub fn fit(points: &[Point], rate_hz: f64, tails: f64, rng: &mut impl Rng) -> Option<Fit> {
     let octaves: Vec<Point> = points.iter().copied().filter(Point::on_octave).collect();
     if octaves.len() < 4 || octaves.iter().any(|p| p.variance.is_nan() || p.variance <= 0.0) {
@@ -46,7 +45,7 @@ pub fn fit(points: &[Point], rate_hz: f64, tails: f64, rng: &mut impl Rng) -> Op
     }
     let draws = DMatrix::from_fn(octaves.len(), DRAWS, |_, _| rng.sample::<f64, _>(StandardNormal));
     let drops = 0..=SHORTEST_DROPPED.min(octaves.len() - 4);
-    let curve = |d: usize| Curve { is_filtered: d > 0, tails, ..Curve::new(&octaves[d..], rate_hz, &draws) };
+    let curve = |d: usize| Curve { is_filtered: d > 0, ..Curve::new(&octaves[d..], rate_hz, tails, &draws) };
     let mut curves: Vec<Curve<'_>> = drops.map(curve).collect();
     let Chosen { left_out, p_value, squares: best, .. } = choose(&mut curves);
     let curve = &curves[left_out];
@@ -120,8 +119,6 @@ struct Curve<'a> {
     discrepancy: f64,
     /// States whether the square of Q may be negative.
     is_filtered: bool,
-    /// Relative variance of the realised square of white noise beyond that of normal noise.
-    tails: f64,
 }
 
 /// Least squares under one covariance: everything is divided by its Cholesky factor.
@@ -133,28 +130,24 @@ struct Whitened {
 }
 
 impl<'a> Curve<'a> {
-    fn new(points: &'a [Point], rate_hz: f64, draws: &'a DMatrix<f64>) -> Self {
+    fn new(points: &'a [Point], rate_hz: f64, tails: f64, draws: &'a DMatrix<f64>) -> Self {
         let factors: Vec<usize> = points.iter().map(|p| p.factor).collect();
         let samples: Vec<usize> = points.iter().map(|p| p.samples).collect();
         Self {
             points,
-            covariance: Covariance::new(&factors, &samples, rate_hz),
+            covariance: Covariance::new(&factors, &samples, rate_hz).with_tails(tails),
             laws: DMatrix::from_fn(points.len(), 5, |i, p| TERMS[p].variance(points[i].tau_s)),
             measured: DVector::from_fn(points.len(), |i, _| points[i].variance),
             draws,
             discrepancy: 0.0,
             is_filtered: false,
-            tails: 0.0,
         }
     }
 
     /// Covariance of two points: of chance, and of the laws' own error.
     fn covariance(&self, i: usize, j: usize, squares: &[f64; 5]) -> f64 {
         // What a filter takes is not taken from the chance of what it leaves: intervals err to the wide side.
-        let positive = squares.map(|s| s.max(0.0));
-        let white = squares[Term::White as usize];
-        let laws = |i: usize| white * self.laws[(i, Term::White as usize)];
-        let chance = self.covariance.at(i, j, &positive) + self.tails * laws(i) * laws(j);
+        let chance = self.covariance.at(i, j, &squares.map(|s| s.max(0.0)));
         if i != j {
             return chance;
         }
@@ -284,7 +277,7 @@ pub fn expected_errors(squares: &[f64; 5], rate_hz: f64, samples: usize) -> [f64
         Point { factor, tau_s, variance: law::variance(squares, tau_s), samples }
     };
     let points: Vec<Point> = octaves.map(at).collect();
-    let covariance = Curve::new(&points, rate_hz, &DMatrix::zeros(0, 0)).whitened(squares).covariance(squares);
+    let covariance = Curve::new(&points, rate_hz, 0.0, &DMatrix::zeros(0, 0)).whitened(squares).covariance(squares);
     std::array::from_fn(|p| match squares[p] > 0.0 {
         true => covariance[p][p].sqrt() / (2.0 * squares[p]),
         false => f64::INFINITY,
