@@ -168,7 +168,7 @@ const NEUTRAL: [f64; SensorTerm::COUNT] = {
 
 /// The numbers of a member that has no errors and no mass. Most of any member's are these: written
 /// once, so that a term that is not there costs a comparison.
-const NOTHING: [f64; COLUMNS] = {
+pub const NOTHING: [f64; COLUMNS] = {
     let mut all = [0.0; COLUMNS];
     let mut i = 0;
     while i < SensorTerm::COUNT {

@@ -39,6 +39,14 @@ pub fn tests() -> Vec<Trial> {
             check(got[0] == 0.0, format!("a plain sum kept what f32 must lose: {got:?}"))?;
             check(got[1] == 1.0, format!("the compensated sum lost it: {got:?}"))
         }),
+        gpu_test("parity: threads that ask for a GPU at a time all get it", || {
+            let ask = || -> Result<[f32; 2], Failed> { Ok(Gpu::open()?.compensation()?) };
+            std::thread::scope(|scope| {
+                let asked: Vec<_> = (0..16).map(|_| scope.spawn(ask)).collect();
+                let answers = asked.into_iter().map(|one| one.join().unwrap_or_else(|_| Err("a panic".into())));
+                answers.map(|got| check(got? == [0.0, 1.0], "another sum")).collect()
+            })
+        }),
     ]
 }
 

@@ -17,7 +17,7 @@ pub(super) fn coefficients(law: &StudyLaw) -> Vec<String> {
 }
 
 /// Numbers of a member's laws, in the order of their columns.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Number<'a> {
     /// A coefficient, by its place.
     Coefficient(usize),

@@ -1,5 +1,5 @@
-//! A compute device: adapters, buffers, kernels made when first asked for, dispatches. The only
-//! file that names wgpu.
+//! A compute device: adapters, buffers, kernels made when first asked for, dispatches. This and
+//! `memory` are the only files that name wgpu.
 //!
 //! Nothing here knows what is computed; `gpu::simulate` and the map kernels build on it. A device
 //! that is lost or refuses is an `Err`, never a panic: every call of wgpu that can fail goes
@@ -10,10 +10,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
-
 use self::adapter::adapters;
-pub use self::adapter::list;
+pub use self::memory::{Buffer, Piece};
 use super::adapter::Adapter;
 use crate::error::{Error, Result};
 use crate::kernel::integrator::Integrator;
@@ -23,28 +21,30 @@ use crate::statistics::Machine;
 mod adapter;
 pub mod flight;
 mod guard;
+mod memory;
 pub mod orbits;
+mod pace;
 pub mod peak;
 pub mod simulate;
 
-/// An open device with its queue and compiled kernels.
+/// An open device with its queue and compiled kernels: one for all who ask for it.
+#[derive(Clone)]
 pub struct Gpu {
     /// The adapter it was opened on.
     pub adapter: Adapter,
     device: wgpu::Device,
     queue: wgpu::Queue,
     lost: Arc<Mutex<Option<String>>>,
-    failed: AtomicBool,
-    kernels: Mutex<HashMap<String, Kernel>>,
+    failed: Arc<AtomicBool>,
+    kernels: Arc<Mutex<HashMap<String, Kernel>>>,
 }
-
-/// Memory on the device.
-#[derive(Debug, Clone)]
-pub struct Buffer(wgpu::Buffer);
 
 /// A compiled kernel. Its buffers are bound in the order of their binding numbers, all in group 0.
 #[derive(Debug, Clone)]
-pub struct Kernel(wgpu::ComputePipeline);
+pub struct Kernel {
+    pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
+}
 
 /// A kernel with its buffers and the number of workgroups to run.
 #[derive(Debug, Clone)]
@@ -52,7 +52,7 @@ pub struct Dispatch<'a> {
     /// Kernel to run.
     pub kernel: &'a Kernel,
     /// Buffers in the order of their binding numbers.
-    pub buffers: &'a [&'a Buffer],
+    pub buffers: Vec<&'a Buffer>,
     /// Number of workgroups.
     pub workgroups: u32,
 }
@@ -73,17 +73,42 @@ fn timeout() -> Duration {
 const ATTEMPT: &str = "could not compute on the GPU";
 const USE_CPU: &str = "use --backend cpu";
 
-/// The best of the `wanted` adapters, opened; of several as good as it, the `nth`, counted round.
-fn guarded_open(nth: usize, wanted: impl Fn(&Adapter) -> bool) -> Result<Option<Gpu>> {
+/// Says which adapters are wanted: of those that are as good as the best, the one of a number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Wanted {
+    only_hardware: bool,
+    nth: usize,
+}
+
+/// The devices that this process has opened, by what was wanted. They stay open: a driver takes a
+/// second for each, and NVIDIA's (580) stops for good where several threads open and close some at
+/// a time.
+static OPENED: Mutex<Vec<(Wanted, Gpu)>> = Mutex::new(Vec::new());
+
+/// The best of the wanted adapters, opened, once unless it has failed since.
+fn opened(wanted: Wanted) -> Result<Option<Gpu>> {
+    let mut all = locked(&OPENED);
+    all.retain(|(_, gpu)| !gpu.has_failed());
+    if let Some((_, gpu)) = all.iter().find(|(of, _)| *of == wanted) {
+        return Ok(Some(gpu.clone()));
+    }
     let open = || {
-        let mut found: Vec<_> = adapters().into_iter().filter(|(adapter, _)| wanted(adapter)).collect();
+        let mut found = adapters(wanted.only_hardware);
         let rank = |(described, adapter): &(Adapter, wgpu::Adapter)| (described.kind, adapter.get_info().backend);
         let equal = found.first().map_or(1, |best| found.iter().filter(|other| rank(other) == rank(best)).count());
         // The best come first.
-        let found = if found.is_empty() { None } else { Some(found.swap_remove(nth % equal)) };
+        let found = if found.is_empty() { None } else { Some(found.swap_remove(wanted.nth % equal)) };
         found.map(|(described, adapter)| Gpu::on(described, &adapter)).transpose()
     };
-    guard::guarded(open).unwrap_or_else(|said| Err(Error::new("could not open the GPU", said, USE_CPU)))
+    let gpu = guard::guarded(open).unwrap_or_else(|said| Err(Error::new("could not open the GPU", said, USE_CPU)))?;
+    all.extend(gpu.clone().map(|gpu| (wanted, gpu)));
+    Ok(gpu)
+}
+
+/// The adapters of this machine that can compute, best first.
+pub fn list() -> Vec<Adapter> {
+    let _alone = locked(&OPENED);
+    adapter::list()
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -116,7 +141,7 @@ impl Gpu {
     /// # Errors
     /// As [`Gpu::open`].
     pub fn open_nth(nth: usize) -> Result<Self> {
-        guarded_open(nth, |_| true)?.ok_or_else(|| {
+        opened(Wanted { only_hardware: false, nth })?.ok_or_else(|| {
             Error::new(
                 "could not use a GPU",
                 "no adapter was found by Vulkan, Metal, DirectX 12 or OpenGL",
@@ -139,7 +164,7 @@ impl Gpu {
     /// # Errors
     /// It refuses.
     pub fn hardware_nth(nth: usize) -> Result<Option<Self>> {
-        guarded_open(nth, |adapter| adapter.hardware)
+        opened(Wanted { only_hardware: true, nth })
     }
 
     fn on(described: Adapter, adapter: &wgpu::Adapter) -> Result<Self> {
@@ -165,7 +190,7 @@ impl Gpu {
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
             locked(&by_error).get_or_insert(error.to_string());
         }));
-        Ok(Self { adapter: described, device, queue, lost, failed: AtomicBool::new(false), kernels: Mutex::default() })
+        Ok(Self { adapter: described, device, queue, lost, failed: Arc::default(), kernels: Arc::default() })
     }
 
     /// Returns whether anything has failed on this device since it was opened. It must not be used
@@ -184,7 +209,7 @@ impl Gpu {
     /// An error if the device was lost or refused something since it was opened.
     ///
     /// # Errors
-    /// What it said.
+    /// The sentence that it said.
     fn healthy(&self) -> Result<()> {
         match &*locked(&self.lost) {
             None => Ok(()),
@@ -236,65 +261,18 @@ impl Gpu {
             // SAFETY: indices stay checked, and every loop of our shaders counts to a bound: a test
             // reads each of them.
             let module = unsafe { self.device.create_shader_module_trusted(described, checks) };
-            Kernel(self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(shader.name),
                 layout: None,
                 module: &module,
                 entry_point: Some(shader.name),
                 compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
                 cache: None,
-            }))
+            });
+            Kernel { layout: pipeline.get_bind_group_layout(0), pipeline }
         })?;
         locked(&self.kernels).insert(key, kernel.clone());
         Ok(kernel)
-    }
-
-    /// A storage buffer with these bytes.
-    ///
-    /// # Errors
-    /// Not enough memory.
-    pub fn upload(&self, bytes: &[u8]) -> Result<Buffer> {
-        self.buffer(bytes, wgpu::BufferUsages::STORAGE)
-    }
-
-    /// A uniform buffer with these bytes.
-    ///
-    /// # Errors
-    /// Not enough memory.
-    pub fn uniform(&self, bytes: &[u8]) -> Result<Buffer> {
-        self.buffer(bytes, wgpu::BufferUsages::UNIFORM)
-    }
-
-    fn buffer(&self, contents: &[u8], usage: wgpu::BufferUsages) -> Result<Buffer> {
-        let usage = usage | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-        self.caught("allocate memory", || {
-            Buffer(self.device.create_buffer_init(&BufferInitDescriptor { label: None, contents, usage }))
-        })
-    }
-
-    /// A storage buffer of zeros.
-    ///
-    /// # Errors
-    /// Not enough memory.
-    pub fn zeros(&self, bytes: u64) -> Result<Buffer> {
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-        let size = bytes.max(4).next_multiple_of(4);
-        self.caught("allocate memory", || {
-            Buffer(self.device.create_buffer(&wgpu::BufferDescriptor {
-                label: None,
-                size,
-                usage,
-                mapped_at_creation: false,
-            }))
-        })
-    }
-
-    /// Overwrites the beginning of a buffer, before what is submitted next.
-    ///
-    /// # Errors
-    /// Not enough memory; the device was lost.
-    pub fn write(&self, buffer: &Buffer, bytes: &[u8]) -> Result<()> {
-        self.caught("write to memory", || self.queue.write_buffer(&buffer.0, 0, bytes))
     }
 
     /// Hands dispatches to the device, one after the other.
@@ -304,21 +282,22 @@ impl Gpu {
     pub fn submit(&self, dispatches: &[Dispatch<'_>]) -> Result<Submission> {
         let index = self.caught("dispatch", || {
             let mut encoder = self.device.create_command_encoder(&Default::default());
+            let mut pass = encoder.begin_compute_pass(&Default::default());
             for d in dispatches {
                 let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
-                    .zip(d.buffers)
-                    .map(|(binding, b)| wgpu::BindGroupEntry { binding, resource: b.0.as_entire_binding() })
+                    .zip(&d.buffers)
+                    .map(|(binding, b)| wgpu::BindGroupEntry { binding, resource: b.binding() })
                     .collect();
                 let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
                     label: None,
-                    layout: &d.kernel.0.get_bind_group_layout(0),
+                    layout: &d.kernel.layout,
                     entries: &entries,
                 });
-                let mut pass = encoder.begin_compute_pass(&Default::default());
-                pass.set_pipeline(&d.kernel.0);
+                pass.set_pipeline(&d.kernel.pipeline);
                 pass.set_bind_group(0, &group, &[]);
                 pass.dispatch_workgroups(d.workgroups, 1, 1);
             }
+            drop(pass);
             self.queue.submit([encoder.finish()])
         })?;
         Ok(Submission(index))
@@ -345,43 +324,6 @@ impl Gpu {
         self.healthy()
     }
 
-    /// The first bytes of a buffer, after all that was submitted.
-    ///
-    /// # Errors
-    /// The device was lost.
-    pub fn read(&self, buffer: &Buffer, bytes: u64) -> Result<Vec<u8>> {
-        self.guarded(|| self.read_back(buffer, bytes))
-    }
-
-    fn read_back(&self, buffer: &Buffer, bytes: u64) -> Result<Vec<u8>> {
-        let staging = self.caught("read back", || {
-            let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
-                label: None,
-                size: bytes,
-                usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            });
-            let mut encoder = self.device.create_command_encoder(&Default::default());
-            encoder.copy_buffer_to_buffer(&buffer.0, 0, &staging, 0, bytes);
-            self.queue.submit([encoder.finish()]);
-            staging
-        })?;
-        let (send, receive) = std::sync::mpsc::channel();
-        staging.map_async(wgpu::MapMode::Read, .., move |result| {
-            // Nobody listens any more if the wait below has failed.
-            let _ = send.send(result);
-        });
-        let failed = |cause: String| Error::new(ATTEMPT, cause, USE_CPU);
-        self.poll(None)?;
-        match receive.recv_timeout(timeout()) {
-            Ok(Ok(())) => {}
-            Ok(Err(e)) => return Err(failed(e.to_string())),
-            Err(e) => return Err(failed(e.to_string())),
-        }
-        let view = staging.get_mapped_range(..).map_err(|e| failed(e.to_string()))?;
-        Ok(view.to_vec())
-    }
-
     /// Returns what a plain and a compensated f32 sum keep of 1 when 2²⁵ is added and taken away
     /// again: 0 and 1 where compensation is alive.
     ///
@@ -390,7 +332,7 @@ impl Gpu {
     pub fn compensation(&self) -> Result<[f32; 2]> {
         let kernel = self.kernel(&source::compensation(), &[])?;
         let numbers = self.upload(bytemuck::cast_slice(&[1.0_f32, 33_554_432.0, 0.0, 0.0]))?;
-        self.submit(&[Dispatch { kernel: &kernel, buffers: &[&numbers], workgroups: 1 }])?;
+        self.submit(&[Dispatch { kernel: &kernel, buffers: vec![&numbers], workgroups: 1 }])?;
         let bytes = self.read(&numbers, 8)?;
         let read: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
         Ok([read[0], read[1]])

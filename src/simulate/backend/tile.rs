@@ -50,9 +50,9 @@ pub fn submission(clock: &Clock, from: u64, budget: u64, most: u64) -> Vec<Tile>
 }
 
 /// The number of samples that brings a submission to `target_s`, from how long the last one took:
-/// at most doubled or halved.
+/// at most four times as many, or half.
 pub fn adapt(samples: u64, took_s: f64, target_s: f64) -> u64 {
-    let ratio = (target_s / took_s.max(1e-6)).clamp(0.5, 2.0);
+    let ratio = (target_s / took_s.max(1e-6)).clamp(0.5, 4.0);
     ((samples as f64 * ratio) as u64 & !3).max(4)
 }
 
@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn tiles_grow_and_shrink_towards_the_target() {
-        assert_eq!(adapt(1000, 0.01, 0.08), 2000);
+        assert_eq!(adapt(1000, 0.01, 0.08), 4000);
         assert_eq!(adapt(1000, 10.0, 0.08), 500);
         assert_eq!(adapt(4, 10.0, 0.08), 4);
         assert_eq!(adapt(1000, 0.08, 0.08), 1000);

@@ -3,14 +3,22 @@
 use super::guard;
 use crate::backend::adapter::Adapter;
 
-fn instance() -> wgpu::Instance {
-    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+/// Adapters, best first: hardware before software, discrete before integrated, Vulkan before
+/// OpenGL. Where there is hardware, OpenGL is not even asked: its driver takes half a second.
+pub(super) fn adapters(only_hardware: bool) -> Vec<(Adapter, wgpu::Adapter)> {
+    let mut found = of(wgpu::Backends::PRIMARY);
+    if !found.iter().any(|(described, _)| described.hardware) {
+        found = of(wgpu::Backends::all());
+    }
+    found.retain(|(described, _)| described.hardware || !only_hardware);
+    found
 }
 
-/// Adapters, best first: hardware before software, discrete before integrated, Vulkan before
-/// OpenGL.
-pub(super) fn adapters() -> Vec<(Adapter, wgpu::Adapter)> {
-    let found = pollster::block_on(instance().enumerate_adapters(wgpu::Backends::all()));
+/// All adapters of these kinds of driver, in the same order.
+fn of(backends: wgpu::Backends) -> Vec<(Adapter, wgpu::Adapter)> {
+    let mut asked = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+    asked.backends &= backends;
+    let found = pollster::block_on(wgpu::Instance::new(asked).enumerate_adapters(backends));
     let mut adapters: Vec<(Adapter, wgpu::Adapter)> = found.into_iter().map(|a| (describe(&a), a)).collect();
     adapters.retain(|(_, a)| a.get_downlevel_capabilities().flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS));
     let rank = |kind: &str| ["discrete", "integrated", "virtual", "other", "software"].iter().position(|k| *k == kind);
@@ -42,9 +50,9 @@ fn describe(adapter: &wgpu::Adapter) -> Adapter {
     }
 }
 
-/// The adapters of this machine that can compute, best first.
-pub fn list() -> Vec<Adapter> {
-    let list = || adapters().into_iter().map(|(described, _)| described).collect();
+/// All adapters of this machine that can compute, best first.
+pub(super) fn list() -> Vec<Adapter> {
+    let list = || of(wgpu::Backends::all()).into_iter().map(|(described, _)| described).collect();
     // A driver that cannot even be asked has no adapter to offer.
     guard::guarded(list).unwrap_or_default()
 }

@@ -2,12 +2,12 @@
 //! the navigation that reads them, tile by tile.
 
 use std::sync::Arc;
-use std::time::Instant;
 
-use bytemuck::{Zeroable, bytes_of, cast_slice};
+use bytemuck::{Zeroable, cast_slice};
 
-use super::simulate::{Plan, Shape, forces, per_sample};
-use super::{Buffer, Dispatch, Gpu, Kernel, Submission};
+use super::pace::Pace;
+use super::simulate::{PIECES, Plan, Shape};
+use super::{Buffer, Dispatch, Gpu, Kernel, Piece, Submission};
 use crate::backend::flight::{FlightBackend, FlightBatch, QUANTITIES, Sums};
 use crate::backend::{Batch, tile};
 use crate::error::{Error, Result};
@@ -18,7 +18,7 @@ use crate::kernel::layout::{
     self, BLOCK, NAVIGATE_ATTITUDE, NAVIGATE_STATE, NAVIGATE_WORKGROUP, SIMULATE_WORKGROUP, state,
 };
 use crate::kernel::source;
-use crate::kernel::truth_step::NUMBERS;
+use crate::parallel;
 use crate::statistics::histogram::BINS;
 use crate::statistics::{Bins, Machine};
 
@@ -26,8 +26,8 @@ use crate::statistics::{Bins, Machine};
 const TILE: u64 = 64;
 /// Samples summed before they are added to totals, as `navigate` does it.
 const CHUNK: u64 = 64;
-/// Seconds a submission should take.
-const TARGET_S: f64 = 0.08;
+/// Members whose beginnings are found in one go.
+const AT_ONCE: usize = 1024;
 /// Most samples of a submission.
 const MOST_SAMPLES: u64 = 1 << 14;
 /// Numbers that a member is given: what is taken off its readings, couplings, what follows, and
@@ -107,15 +107,6 @@ struct Carried<'a> {
     stride: u32,
 }
 
-/// Uniforms of one tile.
-struct Uniforms {
-    tiles: Vec<[Buffer; 3]>,
-    flight: Buffer,
-    passages: Buffer,
-    fix: Buffer,
-    report: Buffer,
-}
-
 impl<'a> Carried<'a> {
     fn new(gpu: &Gpu, batch: &'a FlightBatch<'a>) -> Result<Self> {
         let flight = batch.flight;
@@ -160,44 +151,52 @@ impl<'a> Carried<'a> {
     /// Sends what the members begin to navigate with; `means`: what the still start of each axis
     /// has found, accelerometers and gyros, member by member.
     fn begin(&self, gpu: &Gpu, means: Option<&[Vec<(f32, f32)>]>) -> Result<()> {
-        let (flight, stride) = (self.batch.flight, self.stride as usize);
-        let mut given = vec![0.0_f32; stride * GIVEN];
-        let mut state = vec![0.0_f32; stride * NAVIGATE_STATE];
-        for i in 0..self.members as usize {
-            let member = self.batch.members.start + i as u64;
+        let (flight, stride) = (self.batch.flight, u64::from(self.stride));
+        let numbers_of = |member: usize| {
+            let (mut given, mut attitude) = ([0.0_f32; GIVEN], [0.0_f32; 6]);
+            let index = self.batch.members.start + member as u64;
             let begin = match means {
-                None => flight.begin(member, None),
+                None => flight.begin(index, None),
                 Some(means) => {
-                    let of = |axis: usize| (f64::from(means[axis][i].0), f64::from(means[axis][i].1));
-                    let begin = flight.aligned(member, std::array::from_fn(of));
+                    let of = |axis: usize| (f64::from(means[axis][member].0), f64::from(means[axis][member].1));
+                    let begin = flight.aligned(index, std::array::from_fn(of));
                     for axis in 0..3 {
                         // The readings come without their means: what is taken off instead is the
                         // difference.
                         let (accelerometer, gyro) = of(axis);
-                        given[axis * stride + i] = (begin.accelerometer[axis] - accelerometer) as f32;
-                        given[(3 + axis) * stride + i] = (begin.gyro[axis] - gyro) as f32;
-                        given[(6 + COUPLINGS + FOLLOWED + axis) * stride + i] = gyro as f32;
+                        given[axis] = (begin.accelerometer[axis] - accelerometer) as f32;
+                        given[3 + axis] = (begin.gyro[axis] - gyro) as f32;
+                        given[6 + COUPLINGS + FOLLOWED + axis] = gyro as f32;
                     }
                     begin
                 }
             };
-            for axis in 0..3 {
-                let value = begin.attitude[axis];
-                state[(NAVIGATE_ATTITUDE + axis) * stride + i] = value as f32;
-                state[(NAVIGATE_ATTITUDE + 3 + axis) * stride + i] = (value - f64::from(value as f32)) as f32;
+            for (axis, value) in begin.attitude.into_iter().enumerate() {
+                attitude[axis] = value as f32;
+                attitude[3 + axis] = (value - f64::from(value as f32)) as f32;
             }
             if let Some(coupling) = &flight.coupling {
-                let numbers = coupling(member).numbers();
-                numbers.iter().enumerate().for_each(|(k, v)| given[(6 + k) * stride + i] = *v as f32);
+                given[6..].iter_mut().zip(coupling(index).numbers()).for_each(|(to, from)| *to = from as f32);
             }
             if let Some(follow) = &flight.follow {
-                let numbers = follow(member).numbers();
-                let at = |k: usize| (6 + COUPLINGS + k) * stride + i;
-                numbers.iter().enumerate().for_each(|(k, v)| given[at(k)] = *v as f32);
+                given[6 + COUPLINGS..].iter_mut().zip(follow(index).numbers()).for_each(|(to, from)| *to = from as f32);
             }
-        }
-        gpu.write(&self.given, cast_slice(&given))?;
-        gpu.write(&self.state, cast_slice(&state))
+            (given, attitude)
+        };
+        let starts: Vec<usize> = (0..self.members as usize).step_by(AT_ONCE).collect();
+        let chunks = parallel::map(&starts, |first| {
+            let all: Vec<_> = (*first..(self.members as usize).min(first + AT_ONCE)).map(numbers_of).collect();
+            let given = std::array::from_fn::<Vec<f32>, GIVEN, _>(|k| all.iter().map(|(given, _)| given[k]).collect());
+            let attitude = std::array::from_fn::<Vec<f32>, 6, _>(|k| all.iter().map(|(_, of)| of[k]).collect());
+            (given, attitude)
+        });
+        let given = |k: usize| chunks.iter().map(|(given, _)| cast_slice(&given[k])).collect();
+        let state = |k: usize| match k.checked_sub(NAVIGATE_ATTITUDE) {
+            Some(place @ 0..6) => chunks.iter().map(|(_, attitude)| cast_slice(&attitude[place])).collect(),
+            _ => Vec::new(),
+        };
+        gpu.write_columns(&self.given, 4 * stride, GIVEN, &given)?;
+        gpu.write_columns(&self.state, 4 * stride, NAVIGATE_STATE, &state)
     }
 
     /// The mean errors of an axis over the still start, as its kernel takes them off.
@@ -215,9 +214,10 @@ impl<'a> Carried<'a> {
     /// All of it; nothing where it was stopped.
     fn run(&self, gpu: &Gpu) -> Result<Option<Vec<Sums>>> {
         let clock = self.batch.flight.clock();
-        let (mut from, mut samples) = (0, 4 * TILE);
+        let (mut from, mut pace) = (0, Pace::of(3 * u64::from(self.members), MOST_SAMPLES));
         while from < clock.samples {
             let still = from < clock.still_samples;
+            let samples = pace.samples.max(TILE);
             let budget = if still { samples.min(clock.still_samples - from) } else { samples };
             let tiles = self.tiles(from, budget);
             let Some(last) = tiles.last() else { break };
@@ -225,17 +225,16 @@ impl<'a> Carried<'a> {
                 let means = (0..3).map(|axis| self.means(gpu, axis)).collect::<Result<Vec<_>>>()?;
                 self.begin(gpu, Some(&means))?;
             }
-            let begun = Instant::now();
             let count = last.samples.end - from;
             from = last.samples.end;
-            let submitted = self.submit(gpu, &tiles)?;
-            gpu.wait(&submitted)?;
-            samples = tile::adapt(count, begun.elapsed().as_secs_f64(), TARGET_S).clamp(TILE, MOST_SAMPLES);
+            pace.follow(gpu, self.submit(gpu, &tiles)?, count)?;
             (self.batch.progress)(count * u64::from(self.members));
             if from < clock.samples && (self.batch.stop)() {
+                pace.finish(gpu)?;
                 return Ok(None);
             }
         }
+        pace.finish(gpu)?;
         self.sums(gpu).map(Some)
     }
 
@@ -263,17 +262,11 @@ impl<'a> Carried<'a> {
         tiles
     }
 
-    fn uniforms(&self, gpu: &Gpu, next: &tile::Tile) -> Result<Uniforms> {
+    /// The pieces that the kernels read of a tile: three axes, then flight, passages, fix and report.
+    fn pieces(&self, next: &tile::Tile) -> Vec<Piece> {
         let flight = self.batch.flight;
         let clock = flight.clock();
         let (first, count) = (next.samples.start, next.samples.end - next.samples.start);
-        let axis = |axis: usize| -> Result<[Buffer; 3]> {
-            let tile = layout::Tile { first_sample: first as u32, samples: count as u32, ..self.axes[axis].tile };
-            let force = forces(&flight.axes[axis], first, count);
-            let samples = per_sample(&flight.axes[axis], first, count);
-            let [tile, force] = [gpu.uniform(bytes_of(&tile))?, gpu.uniform(cast_slice(&force))?];
-            Ok([tile, force, gpu.upload(cast_slice(&samples))?])
-        };
         let passed = first.saturating_sub(clock.still_samples);
         let heading_rad = flight.heading_rad(passed + count);
         let shared = layout::Flight {
@@ -290,13 +283,11 @@ impl<'a> Carried<'a> {
             passed: passed as u32,
             padding: 0,
         };
-        let mut passages = vec![0.0_f32; 4 * layout::PASSAGES];
-        if first >= clock.still_samples {
-            for (n, numbers) in passages.chunks_exact_mut(NUMBERS).take(count as usize).enumerate() {
-                let passage = flight.course.passage(passed + n as u64).numbers();
-                numbers.iter_mut().zip(passage).for_each(|(to, from)| *to = from as f32);
-            }
-        }
+        let passages: Vec<f32> = if first >= clock.still_samples {
+            (0..count).flat_map(|n| flight.course.passage(passed + n).numbers()).map(|number| number as f32).collect()
+        } else {
+            Vec::new()
+        };
         let report = layout::Report {
             members: self.members,
             stride: self.stride,
@@ -305,13 +296,14 @@ impl<'a> Carried<'a> {
             counts: u32::from(!self.batch.bins.is_empty()),
             padding: [0; 3],
         };
-        Ok(Uniforms {
-            tiles: (0..3).map(axis).collect::<Result<_>>()?,
-            flight: gpu.uniform(bytes_of(&shared))?,
-            passages: gpu.uniform(cast_slice(&passages))?,
-            fix: gpu.uniform(bytes_of(&self.fix(passed + count)))?,
-            report: gpu.uniform(bytes_of(&report))?,
-        })
+        let axes = (0..3).flat_map(|axis| self.axes[axis].pieces(&flight.axes[axis], next));
+        axes.chain([
+            Piece::of(&shared),
+            Piece::begin(&passages, layout::PASSAGES * size_of::<[f32; 4]>()),
+            Piece::of(&self.fix(passed + count)),
+            Piece::of(&report),
+        ])
+        .collect()
     }
 
     /// The fix that a tile ends with after this many samples, if one is due.
@@ -331,37 +323,35 @@ impl<'a> Carried<'a> {
     /// a tile ends with.
     fn submit(&self, gpu: &Gpu, tiles: &[tile::Tile]) -> Result<Submission> {
         let still_samples = self.batch.flight.clock().still_samples;
-        let uniforms = tiles.iter().map(|tile| self.uniforms(gpu, tile)).collect::<Result<Vec<_>>>()?;
-        let mut buffers: Vec<(&Kernel, Vec<&Buffer>, u32)> = Vec::new();
-        for (tile, shared) in tiles.iter().zip(&uniforms) {
-            for (axis, [uniform, force, samples]) in shared.tiles.iter().enumerate() {
+        let read = gpu.pack(&tiles.iter().flat_map(|tile| self.pieces(tile)).collect::<Vec<_>>())?;
+        let mut work: Vec<Dispatch<'_>> = Vec::new();
+        for (tile, read) in tiles.iter().zip(read.chunks_exact(3 * PIECES + 4)) {
+            let (axes, shared) = read.split_at(3 * PIECES);
+            for (axis, read) in axes.chunks_exact(PIECES).enumerate() {
                 let plan = &self.axes[axis];
-                let own = [uniform, &plan.columns, &plan.turns, &plan.state, force, &plan.errors];
-                let bound = own.into_iter().chain([samples, &self.traces[axis]]).collect();
-                buffers.push((&plan.simulate, bound, self.stride / SIMULATE_WORKGROUP));
+                let mut buffers = plan.bound(read);
+                buffers.push(&self.traces[axis]);
+                work.push(Dispatch { kernel: &plan.simulate, buffers, workgroups: self.stride / SIMULATE_WORKGROUP });
             }
             if tile.samples.start < still_samples {
                 continue;
             }
+            let [flight, passages, fix, report] = shared else { continue };
             let [x, y, z] = [&self.traces[0], &self.traces[1], &self.traces[2]];
             let errors = self.groups.iter().map(|group| &group.errors);
-            let bound = [&shared.flight, &shared.passages, x, y, z, &self.given, &self.state];
-            buffers.push((
-                &self.navigate,
-                bound.into_iter().chain(errors).chain([&shared.fix]).collect(),
-                self.stride / NAVIGATE_WORKGROUP,
-            ));
+            let buffers = [flight, passages, x, y, z, &self.given, &self.state].into_iter().chain(errors);
+            work.push(Dispatch {
+                kernel: &self.navigate,
+                buffers: buffers.chain([fix]).collect(),
+                workgroups: self.stride / NAVIGATE_WORKGROUP,
+            });
             if tile.report.is_some() {
                 for group in &self.groups {
-                    let bound = vec![&shared.report, &group.errors, &group.bins, &group.partials, &group.counts];
-                    buffers.push((&self.reduce, bound, self.stride / BLOCK));
+                    let buffers = vec![report, &group.errors, &group.bins, &group.partials, &group.counts];
+                    work.push(Dispatch { kernel: &self.reduce, buffers, workgroups: self.stride / BLOCK });
                 }
             }
         }
-        let work: Vec<Dispatch<'_>> = buffers
-            .iter()
-            .map(|(kernel, buffers, workgroups)| Dispatch { kernel, buffers, workgroups: *workgroups })
-            .collect();
         gpu.submit(&work)
     }
 

@@ -14,11 +14,16 @@ use crate::error::Result;
 use crate::kernel::layout::{ORBIT_WORKGROUP, OrbitTile};
 use crate::kernel::orbit::{ALIGN_PERIODS, Orbit, Plan, Point};
 use crate::kernel::source;
+use crate::parallel;
 
 /// Seconds a submission should take.
 const TARGET_S: f64 = 0.08;
 /// Numbers of state per point: x, v, tangent x and v, sum of logarithms, lost.
 const STATE: usize = 6;
+/// Numbers that a point is given.
+const PARAMETERS: usize = 6;
+/// Points that are prepared in one go.
+const AT_ONCE: usize = 4096;
 
 /// Integrates every point on the device, as `backend::orbits::explore::<f32>` does on the CPU.
 /// Orbits agree with those of the CPU while they are regular; chaotic ones agree in distribution,
@@ -67,24 +72,20 @@ enum Phase {
 impl<'a> Run<'a> {
     fn new(gpu: &'a Gpu, points: &'a [Point], plan: &Plan) -> Result<Self> {
         let step_s = |p: &Point| 2.0 * std::f64::consts::PI / (p.omega_rad_s * f64::from(plan.steps_per_period));
-        let column = |f: &dyn Fn(&Point) -> f64| points.iter().map(|p| f(p) as f32).collect::<Vec<f32>>();
-        let parameters = [
-            column(&|p| p.damping_per_s),
-            column(&|p| p.stiffness_per_s2),
-            column(&|p| p.cubic_per_m2_s2),
-            column(&|p| p.amplitude_m_s2),
-            column(&step_s),
-            column(&|p| p.noise_m_s2_rts / step_s(p).sqrt()),
-        ];
-        let nothing = vec![0.0f32; points.len()];
-        let state = [
-            column(&|p| p.x_m),
-            column(&|p| p.v_m_s),
-            vec![1.0; points.len()],
-            nothing.clone(),
-            nothing.clone(),
-            nothing,
-        ];
+        // Parameters, then the state: columns of some points at a time.
+        let numbers = |p: &Point| {
+            let noise = p.noise_m_s2_rts / step_s(p).sqrt();
+            let given = [p.damping_per_s, p.stiffness_per_s2, p.cubic_per_m2_s2, p.amplitude_m_s2, step_s(p), noise];
+            let state = [p.x_m, p.v_m_s, 1.0, 0.0, 0.0, 0.0];
+            let all: [f64; PARAMETERS + STATE] = std::array::from_fn(|k| *given.get(k).unwrap_or(&state[k % STATE]));
+            all.map(|number| number as f32)
+        };
+        let chunks = parallel::map_chunks(points, AT_ONCE, |_, points| {
+            let all: Vec<_> = points.iter().map(numbers).collect();
+            std::array::from_fn::<Vec<f32>, { PARAMETERS + STATE }, _>(|k| all.iter().map(|n| n[k]).collect())
+        });
+        let column = |k: usize| chunks.iter().map(|chunk| cast_slice(&chunk[k])).collect();
+        let column_bytes = 4 * points.len() as u64;
         let halves = 2 * plan.steps_per_period;
         let angle = |j: u32| 2.0 * std::f64::consts::PI * f64::from(j % halves) / f64::from(halves);
         let cosines: Vec<f32> = (0..=halves).map(|j| angle(j).cos() as f32).collect();
@@ -96,9 +97,9 @@ impl<'a> Run<'a> {
             lyapunov: gpu.kernel(&source::lyapunov(int64), &[])?,
             poincare: gpu.kernel(&source::poincare(int64), &[])?,
             tile: gpu.uniform(&[0; size_of::<OrbitTile>()])?,
-            parameters: gpu.upload(cast_slice(&parameters.concat()))?,
+            parameters: gpu.upload_columns(column_bytes, PARAMETERS, &column)?,
             cosines: gpu.upload(cast_slice(&cosines))?,
-            state: gpu.upload(cast_slice(&state.concat()))?,
+            state: gpu.upload_columns(column_bytes, STATE, &|k| column(PARAMETERS + k))?,
             strobes: gpu.zeros((points.len() * plan.strobes.max(1) as usize * 8) as u64)?,
             next: 0,
             stride: 1,
@@ -124,7 +125,7 @@ impl<'a> Run<'a> {
                 strobes: (0..self.plan.strobes as usize).map(|s| strobes[s * n + i]).collect(),
             }
         };
-        Ok(self.points.iter().enumerate().map(orbit).collect())
+        Ok(parallel::map_indices(n, |i| orbit((i, &self.points[i]))))
     }
 
     fn go(&mut self, phase: Phase, periods: u32, control: &Control) -> Result<()> {
@@ -145,14 +146,12 @@ impl<'a> Run<'a> {
             };
             self.gpu.write(&self.tile, bytes_of(&tile))?;
             let begun = Instant::now();
-            let four = [&self.tile, &self.parameters, &self.cosines, &self.state];
-            let five = [&self.tile, &self.parameters, &self.cosines, &self.state, &self.strobes];
+            let strobed = matches!(phase, Phase::Transient | Phase::Strobe);
+            let mut buffers = vec![&self.tile, &self.parameters, &self.cosines, &self.state];
+            buffers.extend(strobed.then_some(&self.strobes));
+            let kernel = if strobed { &self.poincare } else { &self.lyapunov };
             let workgroups = (self.points.len() as u32).div_ceil(ORBIT_WORKGROUP);
-            let dispatch = match phase {
-                Phase::Transient | Phase::Strobe => Dispatch { kernel: &self.poincare, buffers: &five, workgroups },
-                Phase::Align | Phase::Count => Dispatch { kernel: &self.lyapunov, buffers: &four, workgroups },
-            };
-            let submission = self.gpu.submit(&[dispatch])?;
+            let submission = self.gpu.submit(&[Dispatch { kernel, buffers, workgroups }])?;
             self.gpu.wait(&submission)?;
             let took_s = begun.elapsed().as_secs_f64().max(1e-6);
             (done, self.next) = (done + now, self.next + now);

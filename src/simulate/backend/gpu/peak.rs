@@ -19,7 +19,7 @@ pub fn multiply_adds(gpu: &Gpu) -> Result<f64> {
     let kernel = gpu.kernel(&source::peak(), &[])?;
     let numbers = gpu.upload(cast_slice(&[0.999_f32, 1e-3, 0.0]))?;
     let workgroups: u32 = if gpu.adapter.hardware { 1 << 15 } else { 1 << 10 };
-    let submission = gpu.submit(&[Dispatch { kernel: &kernel, buffers: &[&numbers], workgroups }])?;
+    let submission = gpu.submit(&[Dispatch { kernel: &kernel, buffers: vec![&numbers], workgroups }])?;
     gpu.wait(&submission)?;
     Ok(f64::from(workgroups) * f64::from(PEAK_WORKGROUP) * EACH)
 }

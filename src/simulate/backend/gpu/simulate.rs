@@ -8,33 +8,33 @@
 //! a batch ends or is asked to stop, 96 bytes for 256 members and a report, 6 MB for sixteen
 //! reports of a million members.
 
-mod needed;
+mod drawn;
 mod tables;
 
 use std::sync::Arc;
-use std::time::Instant;
 
-use bytemuck::{Zeroable, bytes_of, cast_slice};
+use bytemuck::{Zeroable, cast_slice};
 
-use super::{Buffer, Dispatch, Gpu, Kernel, Submission};
-use crate::backend::cpu::column;
+use self::drawn::Drawn;
+use super::pace::Pace;
+use super::{Buffer, Dispatch, Gpu, Kernel, Piece, Submission};
 use crate::backend::{Backend, Batch, Partial, Ran, Unfinished, tile};
 use crate::error::{Error, Result};
 use crate::kernel::job::Job;
 use crate::kernel::layout::{self, BLOCK, SIMULATE_WORKGROUP, state};
 use crate::kernel::low_pass::WEIGHTS;
-use crate::kernel::member::{COLUMNS, Column, WAVES, flicker_amplitudes};
+use crate::kernel::member::{COLUMNS, flicker_amplitudes};
 use crate::kernel::source;
-use crate::parallel;
 use crate::physics::coefficients;
 use crate::sensor::SensorTerm;
 use crate::sensor::error_law::ErrorLaw;
 use crate::statistics::histogram::BINS;
 use crate::statistics::{Bins, Histogram, Machine, Moments};
-pub(super) use tables::{forces, per_sample};
+use tables::{forces, per_sample};
 
-/// Seconds a submission should take.
-const TARGET_S: f64 = 0.08;
+/// Pieces that the kernel reads of a tile: the tile, its forces, and what is known of each sample.
+pub(super) const PIECES: usize = 3;
+
 /// Substeps tabulated at a time; the entry before the first holds where it begins.
 const MOST_SUBSTEPS: u64 = layout::FORCES as u64 - 1;
 /// Most samples per submission, so that Ctrl-C is heard whatever a clock said.
@@ -151,29 +151,9 @@ impl Plan {
         let job = batch.job;
         let members = batch.members.end - batch.members.start;
         let stride = members.next_multiple_of(u64::from(BLOCK));
-        let drawn = parallel::map_members(batch.members.clone(), |i| column(job, i))
-            .into_iter()
-            .collect::<Result<Vec<Column>>>()?;
-        let place = |number: Number<'_>| {
-            parallel::map_chunks(&drawn, 4096, |_, d| d.iter().map(|d| number.of(d) as f32).collect())
-        };
-        let pad = (stride - members) as usize;
-        let mut columns: Vec<f32> = Vec::with_capacity(COLUMNS * stride as usize);
-        let laws = needed::acting(job, &drawn)?;
-        let constants = needed::constants(job, &drawn)?;
-        let on = |term: &SensorTerm| constants.iter().any(|(n, v)| *n == source::terms::switch(*term) && *v != 0.0);
-        let weights = if on(&SensorTerm::ReadoutLowPass) { WEIGHTS } else { 0 };
+        let drawn = Drawn::of(job, batch.members.clone())?;
+        let (laws, constants) = (drawn.laws(), drawn.constants(job));
         let own_states: usize = laws.iter().map(|law| law.term.states()).sum();
-        let beside = source::laws::columns(&laws).into_iter().map(Number::Law).chain((0..weights).map(Number::LowPass));
-        let numbers: Vec<Number<'_>> = (0..COLUMNS).map(Number::Value).chain(beside).collect();
-        for number in numbers {
-            place(number).into_iter().for_each(|part: Vec<f32>| columns.extend(part));
-            columns.extend(std::iter::repeat_n(0.0, pad));
-        }
-        let of = |d: &Column, place: usize| *d.turns.get(place).unwrap_or(&d.waves[place.saturating_sub(2)]);
-        let turns: Vec<u32> = (0..2 + WAVES)
-            .flat_map(|t| drawn.iter().map(move |d| of(d, t)).chain(std::iter::repeat_n(0, pad)))
-            .collect();
         let named: Vec<(&str, f64)> = constants.iter().map(|(name, value)| (name.as_str(), *value)).collect();
         let amplitudes = flicker_amplitudes(&job.clock);
         let sample_s = job.clock.sample_s();
@@ -197,7 +177,7 @@ impl Plan {
             flicker,
         };
         let flickers = SensorTerm::ALL.into_iter().filter(|term| matches!(term.law(), ErrorLaw::Flicker(_)));
-        let sets = flickers.filter(on).count();
+        let sets = flickers.filter(|term| drawn.has(*term)).count();
         let reports = job.clock.report_samples.len() as u64;
         let mut bins: Vec<layout::Bins> =
             batch.bins.iter().flatten().map(|b| layout::Bins { begin: b.from, per_unit: b.per_unit }).collect();
@@ -211,8 +191,8 @@ impl Plan {
             simulate: gpu.kernel(&shader(gpu.adapter.int64, &laws), &named)?,
             reduce: gpu.kernel(&source::reduce(), &[])?,
             tile,
-            columns: gpu.upload(cast_slice(&columns))?,
-            turns: gpu.upload(cast_slice(&turns))?,
+            columns: drawn.send_numbers(gpu, &laws, stride)?,
+            turns: drawn.send_turns(gpu, stride)?,
             state: gpu.zeros(state_bytes)?,
             state_bytes,
             errors: gpu.zeros(4 * stride * 5)?,
@@ -237,37 +217,25 @@ impl Plan {
     fn integrate(&self, gpu: &Gpu, batch: &Batch<'_>, mut from: u64, most: u64) -> Result<u64> {
         let job = batch.job;
         let most = most.min(MOST_SUBSTEPS / job.steps_per_sample());
-        let mut samples = 16;
-        let (mut under_way, mut begun) = (None, Instant::now());
+        let mut pace = Pace::of(u64::from(self.members) * job.steps_per_sample(), MOST_SAMPLES);
         loop {
-            let tiles = tile::submission(&job.clock, from, samples, most);
+            let tiles = tile::submission(&job.clock, from, pace.samples, most);
             let Some(last) = tiles.last() else { break };
             let count = last.samples.end - from;
             from = last.samples.end;
-            let submitted = self.submit(gpu, batch, &tiles)?;
-            // Wait for the submission before this one; its time sizes the next.
-            if let Some((before, length)) = under_way.replace((submitted, count)) {
-                gpu.wait(&before)?;
-                let took_s = begun.elapsed().as_secs_f64();
-                samples = tile::adapt(length, took_s, TARGET_S).min(MOST_SAMPLES);
-                begun = Instant::now();
-            }
+            pace.follow(gpu, self.submit(gpu, batch, &tiles)?, count)?;
             (batch.progress)(count * u64::from(self.members));
             if (batch.stop)() {
                 break;
             }
         }
-        if let Some((last, _)) = under_way {
-            gpu.wait(&last)?;
-        }
+        pace.finish(gpu)?;
         Ok(from)
     }
 
     /// Hands tiles to the device, each followed by the sums of the report it ends with.
     fn submit(&self, gpu: &Gpu, batch: &Batch<'_>, tiles: &[tile::Tile]) -> Result<Submission> {
-        let uniforms = |next: &tile::Tile| -> Result<[Buffer; 4]> {
-            let count = next.samples.end - next.samples.start;
-            let tile = layout::Tile { first_sample: next.samples.start as u32, samples: count as u32, ..self.tile };
+        let pieces = |next: &tile::Tile| {
             let report = layout::Report {
                 members: self.members,
                 stride: self.stride,
@@ -276,35 +244,35 @@ impl Plan {
                 counts: u32::from(!batch.bins.is_empty()),
                 padding: [0; 3],
             };
-            let force = forces(batch.job, next.samples.start, count);
-            Ok([
-                gpu.uniform(bytes_of(&tile))?,
-                gpu.uniform(cast_slice(&force))?,
-                gpu.uniform(bytes_of(&report))?,
-                gpu.upload(cast_slice(&per_sample(batch.job, next.samples.start, count)))?,
-            ])
+            self.pieces(batch.job, next).into_iter().chain([Piece::of(&report)])
         };
-        let uniforms = tiles.iter().map(uniforms).collect::<Result<Vec<_>>>()?;
-        let simulated: Vec<[&Buffer; 7]> = uniforms
-            .iter()
-            .map(|[tile, force, _, warmer]| {
-                [tile, &self.columns, &self.turns, &self.state, force, &self.errors, warmer]
-            })
-            .collect();
-        let reduced: Vec<[&Buffer; 5]> = uniforms
-            .iter()
-            .map(|[_, _, report, _]| [report, &self.errors, &self.bins, &self.partials, &self.counts])
-            .collect();
+        let read = gpu.pack(&tiles.iter().flat_map(pieces).collect::<Vec<_>>())?;
         let mut work = Vec::with_capacity(2 * tiles.len());
-        for (i, tile) in tiles.iter().enumerate() {
+        for (tile, read) in tiles.iter().zip(read.chunks_exact(PIECES + 1)) {
             let workgroups = self.stride / SIMULATE_WORKGROUP;
-            work.push(Dispatch { kernel: &self.simulate, buffers: &simulated[i], workgroups });
+            work.push(Dispatch { kernel: &self.simulate, buffers: self.bound(read), workgroups });
             if tile.report.is_some() {
-                let workgroups = self.stride / BLOCK;
-                work.push(Dispatch { kernel: &self.reduce, buffers: &reduced[i], workgroups });
+                let buffers = vec![&read[PIECES], &self.errors, &self.bins, &self.partials, &self.counts];
+                work.push(Dispatch { kernel: &self.reduce, buffers, workgroups: self.stride / BLOCK });
             }
         }
         gpu.submit(&work)
+    }
+
+    /// The pieces that the kernel reads of a tile.
+    pub(super) fn pieces(&self, job: &Job, next: &tile::Tile) -> [Piece; PIECES] {
+        let (first, count) = (next.samples.start, next.samples.end - next.samples.start);
+        let tile = layout::Tile { first_sample: first as u32, samples: count as u32, ..self.tile };
+        [
+            Piece::of(&tile),
+            Piece::begin(&forces(job, first, count), layout::FORCES * size_of::<[f32; 4]>()),
+            Piece::begin(&per_sample(job, first, count), 0),
+        ]
+    }
+
+    /// Its buffers, in the order of the kernel's bindings.
+    pub(super) fn bound<'a>(&'a self, read: &'a [Buffer]) -> Vec<&'a Buffer> {
+        vec![&read[0], &self.columns, &self.turns, &self.state, &read[1], &self.errors, &read[2]]
     }
 
     fn partials(&self, gpu: &Gpu, batch: &Batch<'_>) -> Result<Vec<Partial>> {
@@ -356,26 +324,6 @@ impl Shape {
             Partial { blocks, histograms, failed: u64::from(members) - counted }
         };
         Ok((0..reports).map(partial).collect())
-    }
-}
-
-/// Place of a number of a member on the host.
-#[derive(Debug, Clone, Copy)]
-enum Number<'a> {
-    Value(usize),
-    /// Among the numbers of its laws.
-    Law(source::laws::Number<'a>),
-    /// Among the weights of its low-pass.
-    LowPass(usize),
-}
-
-impl Number<'_> {
-    fn of(self, column: &Column) -> f64 {
-        match self {
-            Self::Value(place) => column.values[place],
-            Self::Law(number) => number.of(column),
-            Self::LowPass(place) => column.low_pass[place],
-        }
     }
 }
 

@@ -2,22 +2,19 @@
 
 use crate::kernel::force;
 use crate::kernel::job::Job;
-use crate::kernel::layout;
 
 /// The force over some samples as the kernel reads it.
-pub(in crate::backend::gpu) fn forces(job: &Job, first: u64, count: u64) -> Vec<[f32; 4]> {
+pub(super) fn forces(job: &Job, first: u64, count: u64) -> Vec<[f32; 4]> {
     let table = force::table::<f32>(job, first, count);
     let begin = table.first().map(|f| [f.begin, 0.0, 0.0, 0.0]);
     let rest = table.iter().map(|f| [f.end, f.middle, f.to_middle, f.to_end]);
-    let mut entries: Vec<[f32; 4]> = begin.into_iter().chain(rest).collect();
-    entries.resize(layout::FORCES, [0.0; 4]);
-    entries
+    begin.into_iter().chain(rest).collect()
 }
 
 /// Writes what is known of each of some samples, as the kernel reads it: how much warmer than its
 /// reference the sensor is, and behind that what the late force has more than the force itself. A
 /// buffer is never empty.
-pub(in crate::backend::gpu) fn per_sample(job: &Job, first: u64, count: u64) -> Vec<f32> {
+pub(super) fn per_sample(job: &Job, first: u64, count: u64) -> Vec<f32> {
     let (mut all, late) = (job.warmer_k(first, count), force::late::<f32>(job, first, count));
     if !late.is_empty() {
         all.resize(count as usize, 0.0);

@@ -1,0 +1,192 @@
+//! The members of a batch as the kernel reads them, and which parts of the kernel they need: the
+//! rest is compiled away.
+//!
+//! Members are drawn a chunk at a time and kept as the 32-bit numbers that the device takes: a
+//! million of them in double precision are a gigabyte, which every pass over them would move.
+
+use std::ops::Range;
+
+use bytemuck::cast_slice;
+
+use super::super::{Buffer, Gpu};
+use crate::backend::cpu::column;
+use crate::error::Result;
+use crate::kernel::integrator::Capability;
+use crate::kernel::job::Job;
+use crate::kernel::low_pass::WEIGHTS;
+use crate::kernel::member::{COLUMNS, Column, NOTHING, WAVES, column};
+use crate::kernel::source;
+use crate::parallel;
+use crate::physics::coefficients::{self, StudyLaw};
+use crate::sensor::error_law::ErrorLaw;
+use crate::sensor::{Sense, SensorTerm};
+
+/// Members of the whole job that are asked which parts of the kernel it needs.
+const ASKED: u64 = 256;
+/// Members of a chunk: few enough for a core's own cache, many enough to be worth a turn, and no
+/// power of two, so that the numbers of a member do not all fall on the same lines of that cache.
+const CHUNK: u64 = 1000;
+/// Whole numbers of a member: phases and steps of its excitation and of the sinusoids of its readings.
+const TURNS: usize = 2 + WAVES;
+
+/// A batch of members.
+pub(super) struct Drawn {
+    chunks: Vec<Chunk>,
+    numbers: Vec<Number<'static>>,
+    present: Present,
+}
+
+/// Some members, number by number.
+struct Chunk {
+    members: usize,
+    numbers: Vec<f32>,
+    turns: Vec<u32>,
+}
+
+/// Says which numbers are not what a member has that lacks them, in some member.
+#[derive(Clone)]
+struct Present {
+    values: [bool; COLUMNS],
+    laws: [bool; coefficients::MOST],
+}
+
+impl Drawn {
+    /// Draws members of a job, and asks some from all over it which numbers they have, so that every
+    /// batch of a job runs the same kernel: two compilations may round differently.
+    ///
+    /// # Errors
+    /// A member that the job's integrator cannot step.
+    pub(super) fn of(job: &Job, members: Range<u64>) -> Result<Self> {
+        let mut present = Present { values: [false; COLUMNS], laws: [false; coefficients::MOST] };
+        let asked = job.members.min(ASKED);
+        for i in 0..asked {
+            present.note(&column(job, i * (job.members / asked))?);
+        }
+        let numbers = numbers(job);
+        let starts: Vec<u64> = members.clone().step_by(CHUNK as usize).collect();
+        let draw = |first: &u64| {
+            let mut present = present.clone();
+            Chunk::of(job, *first..members.end.min(first + CHUNK), &numbers, &mut present).map(|chunk| (chunk, present))
+        };
+        let drawn = parallel::map(&starts, draw).into_iter().collect::<Result<Vec<_>>>()?;
+        drawn.iter().for_each(|(_, of_chunk)| present.add(of_chunk));
+        Ok(Self { chunks: drawn.into_iter().map(|(chunk, _)| chunk).collect(), numbers, present })
+    }
+
+    /// The parts of the kernel that the job needs, as its constants.
+    pub(super) fn constants(&self, job: &Job) -> Vec<(String, f64)> {
+        let some = |wanted: &dyn Fn(SensorTerm) -> bool| SensorTerm::ALL.into_iter().any(|t| wanted(t) && self.has(t));
+        let flag = |on: bool| f64::from(u8::from(on));
+        let reading = |t: SensorTerm| matches!(t.law(), ErrorLaw::Proportional(_));
+        let mut constants = vec![
+            ("INTEGRATOR".to_owned(), job.integrator.method().code() as f64),
+            ("SUBSTEPS".to_owned(), job.steps_per_sample() as f64),
+            ("HAS_FORCE".to_owned(), flag(self.present.values[column::FORCE])),
+            ("HAS_SINE".to_owned(), flag(self.present.values[column::SINE])),
+            ("HAS_GYRO".to_owned(), flag(some(&|t| t.sense() == Sense::Gyro))),
+            ("HAS_READING".to_owned(), flag(some(&reading))),
+            ("HAS_STILL".to_owned(), flag(job.clock.still_samples > 0)),
+        ];
+        constants.extend(SensorTerm::ALL.map(|term| (source::terms::switch(term), flag(self.has(term)))));
+        constants
+    }
+
+    /// Returns whether some member has this term.
+    pub(super) fn has(&self, term: SensorTerm) -> bool {
+        self.present.values[column::of(term)]
+    }
+
+    /// The laws that some member follows.
+    pub(super) fn laws(&self) -> Vec<StudyLaw> {
+        coefficients::laws().iter().filter(|law| self.present.laws[law.first]).copied().collect()
+    }
+
+    /// Sends the numbers that the kernel reads where the members follow these laws: one column each,
+    /// `stride` members long.
+    ///
+    /// # Errors
+    /// Not enough memory.
+    pub(super) fn send_numbers(&self, gpu: &Gpu, laws: &[StudyLaw], stride: u64) -> Result<Buffer> {
+        let weights = if self.has(SensorTerm::ReadoutLowPass) { WEIGHTS } else { 0 };
+        let place = |number: &Number<'_>| self.numbers.iter().position(|n| n == number);
+        let places: Vec<usize> = wanted(laws, weights).iter().filter_map(place).collect();
+        let column = |k: usize| self.chunks.iter().map(|c| cast_slice(c.column(&c.numbers, places[k]))).collect();
+        gpu.upload_columns(4 * stride, places.len(), &column)
+    }
+
+    /// Sends their whole numbers in the same way.
+    ///
+    /// # Errors
+    /// Not enough memory.
+    pub(super) fn send_turns(&self, gpu: &Gpu, stride: u64) -> Result<Buffer> {
+        let column = |k: usize| self.chunks.iter().map(|c| cast_slice(c.column(&c.turns, k))).collect();
+        gpu.upload_columns(4 * stride, TURNS, &column)
+    }
+}
+
+impl Chunk {
+    fn of(job: &Job, members: Range<u64>, numbers: &[Number<'_>], present: &mut Present) -> Result<Self> {
+        let count = (members.end - members.start) as usize;
+        let mut chunk =
+            Self { members: count, numbers: vec![0.0; numbers.len() * count], turns: vec![0; TURNS * count] };
+        for (i, member) in members.enumerate() {
+            let drawn = column(job, member)?;
+            present.note(&drawn);
+            let places = chunk.numbers.iter_mut().skip(i).step_by(count);
+            places.zip(numbers).for_each(|(place, number)| *place = number.of(&drawn) as f32);
+            let places = chunk.turns.iter_mut().skip(i).step_by(count);
+            places.zip(drawn.turns.iter().chain(&drawn.waves)).for_each(|(place, turn)| *place = *turn);
+        }
+        Ok(chunk)
+    }
+
+    fn column<'a, T>(&self, numbers: &'a [T], place: usize) -> &'a [T] {
+        &numbers[place * self.members..(place + 1) * self.members]
+    }
+}
+
+impl Present {
+    fn note(&mut self, column: &Column) {
+        let values = self.values.iter_mut().zip(&column.values).zip(&NOTHING);
+        values.for_each(|((present, value), nothing)| *present |= value != nothing);
+        self.laws.iter_mut().zip(&column.laws).for_each(|(present, value)| *present |= *value != 0.0);
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.values.iter_mut().zip(other.values).for_each(|(a, b)| *a |= b);
+        self.laws.iter_mut().zip(other.laws).for_each(|(a, b)| *a |= b);
+    }
+}
+
+/// Place of a number of a member on the host.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Number<'a> {
+    Value(usize),
+    /// Among the numbers of its laws.
+    Law(source::laws::Number<'a>),
+    /// Among the weights of its low-pass.
+    LowPass(usize),
+}
+
+/// All that members of a job can have.
+fn numbers(job: &Job) -> Vec<Number<'static>> {
+    let takes_laws = job.integrator.method().reach == Capability::General;
+    let laws = if takes_laws { coefficients::laws() } else { &[] };
+    wanted(laws, WEIGHTS)
+}
+
+/// Numbers of members that follow these laws, in the order of their columns.
+fn wanted(laws: &[StudyLaw], weights: usize) -> Vec<Number<'_>> {
+    let of_laws = source::laws::columns(laws).into_iter().map(Number::Law);
+    (0..COLUMNS).map(Number::Value).chain(of_laws).chain((0..weights).map(Number::LowPass)).collect()
+}
+
+impl Number<'_> {
+    fn of(self, column: &Column) -> f64 {
+        match self {
+            Self::Value(place) => column.values[place],
+            Self::Law(number) => number.of(column),
+            Self::LowPass(place) => column.low_pass[place],
+        }
+    }
+}
