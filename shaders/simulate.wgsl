@@ -106,8 +106,8 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     let zero = tile.zero;
 
     let k = Coefficients(
-        vec4<f32>(column(i, 0u), column(i, 1u), column(i, 2u), column(i, 3u)),
-        vec4<f32>(column(i, 4u), column(i, 5u), column(i, 6u), column(i, 7u)),
+        vec4<f32>(column(i, COEFFICIENT_0), column(i, COEFFICIENT_1), column(i, COEFFICIENT_2), column(i, COEFFICIENT_3)),
+        vec4<f32>(column(i, COEFFICIENT_4), column(i, COEFFICIENT_5), column(i, COEFFICIENT_6), column(i, COEFFICIENT_7)),
     );
     let laws = laws_of(i);
 #own load

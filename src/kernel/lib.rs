@@ -17,6 +17,7 @@ pub mod layout;
 pub mod low_pass;
 pub mod member;
 pub mod orbit;
+pub mod places;
 pub mod source;
 pub mod truth_step;
 

@@ -16,7 +16,8 @@ use super::flicker::{PLACE_MASK, RENEWED, RETAINED, SPREAD};
 use super::integrator::{Capability, METHODS};
 use super::layout::state;
 use super::low_pass;
-use super::member::{COLUMNS, column};
+use super::member::{COEFFICIENTS, column};
+use super::places::Places;
 use crate::physics::coefficients::StudyLaw;
 use crate::physics::cubic_stiffness;
 use crate::rng::Stream;
@@ -46,14 +47,15 @@ fn with_random_numbers(name: &'static str, text: &str, int64: bool) -> Shader {
     Shader { name, text: [multiply, PHILOX, ELEMENTARY, text].join("\n") }
 }
 
-/// The ensemble kernel for proof masses that follow these laws.
-pub fn simulate(int64: bool, laws: &[StudyLaw]) -> Shader {
-    ensemble(int64, laws, false)
+/// The ensemble kernel for proof masses that follow these laws, whose members' numbers stand at these
+/// places; behind them those of the laws, then the weights of a low-pass.
+pub fn simulate(int64: bool, laws: &[StudyLaw], places: &Places) -> Shader {
+    ensemble(int64, laws, places, false)
 }
 
 /// The same, writing the errors of every reading of a tile for `navigate`: binding 7.
-pub fn simulate_traced(int64: bool, laws: &[StudyLaw]) -> Shader {
-    ensemble(int64, laws, true)
+pub fn simulate_traced(int64: bool, laws: &[StudyLaw], places: &Places) -> Shader {
+    ensemble(int64, laws, places, true)
 }
 
 /// Texts at the lines `#trace …`.
@@ -63,7 +65,7 @@ const TRACE: [(&str, &str); 3] = [
     ("#trace gyro", "trace[(2u * (n - tile.first_sample) + 1u) * stride + i] = turn;"),
 ];
 
-fn ensemble(int64: bool, laws: &[StudyLaw], traced: bool) -> Shader {
+fn ensemble(int64: bool, laws: &[StudyLaw], places: &Places, traced: bool) -> Shader {
     let mut own = terms::expand(include_str!("../../shaders/simulate.wgsl"));
     for (line, text) in TRACE {
         own = own.replace(line, if traced { text } else { "" });
@@ -71,15 +73,14 @@ fn ensemble(int64: bool, laws: &[StudyLaw], traced: bool) -> Shader {
     let follows_temperature = laws.iter().any(|law| law.term.follows_temperature());
     let warm = if follows_temperature { "warmer_k = warmer[n - tile.first_sample];" } else { "" };
     own = own.replace("#warm sample", warm);
-    let mut declared = constants();
+    let mut declared = constants(places);
     let own_states = laws.iter().map(|law| law.term.states()).sum::<usize>();
     declared += &format!("const STATE_TERMS = {}u;\n", state::TERMS + own_states);
-    // The weights of a low-pass stand behind the numbers of the laws.
-    let first = COLUMNS + laws::columns(laws).len();
+    let first = places.shown().len() + laws::columns(laws).len();
     for (place, name) in low_pass::NAMED.iter().enumerate() {
         declared += &format!("const LOW_PASS_{name} = {}u;\n", first + place);
     }
-    let laws_text = laws::text(laws) + &staged::text(laws);
+    let laws_text = laws::text(laws, places.shown().len()) + &staged::text(laws);
     let text =
         [&declared, LAYOUT, cubic_stiffness::WGSL, OSCILLATOR, &laws_text, &advance(), ACCUMULATE, &own].join("\n");
     with_random_numbers("simulate", &staged::expand(&text, laws), int64)
@@ -100,10 +101,13 @@ fn advance() -> String {
 
 /// Writes what the host knows by number, so that no number is written twice: columns, states,
 /// streams and bounds.
-fn constants() -> String {
-    let mut text = terms::declarations();
-    for (name, place) in column::NAMED {
-        text += &format!("const {name} = {place}u;\n");
+fn constants(places: &Places) -> String {
+    let mut text = terms::declarations(places);
+    for number in 0..COEFFICIENTS {
+        text += &format!("const COEFFICIENT_{number} = {}u;\n", places.column(number));
+    }
+    for (name, number) in column::NAMED {
+        text += &format!("const {name} = {}u;\n", places.column(number));
     }
     for (name, place) in state::NAMED {
         text += &format!("const STATE_{name} = {place}u;\n");

@@ -12,7 +12,7 @@ use crate::rng::Stream;
 /// A Gauss–Markov process in the shader: stream 1 starts it from its stationary law.
 pub(crate) const MARKOV: Fragment = Fragment {
     begin: "
-    let $term_memory = column(i, $TERM + 1u);
+    let $term_memory = column(i, NEXT_TO_$TERM);
     let $term_step = column(i, $TERM) * sqrt($term_memory * (2.0 - $term_memory));
     var $term_numbers = vec4<f32>();
     var $term_state = state[STATE_$TERM * stride + i];
@@ -95,7 +95,7 @@ impl<T: Real> Kernel for AddMarkov<'_, T> {
 pub(crate) const SETTLING: Fragment = Fragment {
     begin: "
     let $term_start = column(i, $TERM);
-    let $term_rate = column(i, $TERM + 1u);
+    let $term_rate = column(i, NEXT_TO_$TERM);
 ",
     block: "",
     draw: "",

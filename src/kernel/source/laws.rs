@@ -3,7 +3,7 @@
 //!
 //! A law that no member follows is not in the text. States of a law's own: `staged`.
 
-use crate::member::{COLUMNS, Column};
+use crate::member::Column;
 use crate::physics::coefficients::StudyLaw;
 
 /// Name of a law's function.
@@ -42,8 +42,8 @@ pub fn columns(laws: &[StudyLaw]) -> Vec<Number<'_>> {
 }
 
 /// Writes what the general integrator needs: `Laws`, `laws_of` a member, and `act`. The
-/// coefficients stand in the columns after the last, in the order of the laws given.
-pub(super) fn text(laws: &[StudyLaw]) -> String {
+/// coefficients stand from column `first` on, in the order of the laws given.
+pub(super) fn text(laws: &[StudyLaw], first: usize) -> String {
     let mut fields: Vec<String> = laws.iter().flat_map(coefficients).collect();
     fields.extend(laws.iter().filter(|law| law.has_states()).map(|law| format!("{}_rest", function(law))));
     let mut text = String::new();
@@ -55,7 +55,7 @@ pub(super) fn text(laws: &[StudyLaw]) -> String {
     let (declared, loaded) = if fields.is_empty() {
         ("    none: f32,\n".to_owned(), "0.0".to_owned())
     } else {
-        let column = |place: usize| format!("column(i, {}u)", COLUMNS + place);
+        let column = |place: usize| format!("column(i, {}u)", first + place);
         let loaded: Vec<String> = (0..fields.len()).map(column).collect();
         (fields.iter().map(|field| format!("    {field}: f32,\n")).collect(), loaded.join(", "))
     };

@@ -8,6 +8,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use super::Shader;
 use crate::layout::{self, Bins, Fix, Flight, OrbitTile, Partial, Report, Tile};
 use crate::physics::coefficients::{StudyLaw, laws};
+use crate::places::Places;
 use crate::sensor::SensorTerm;
 use crate::sensor::error_law::{ErrorLaw, Shape};
 use crate::source;
@@ -21,11 +22,16 @@ fn parsed(shader: &Shader) -> naga::Module {
     module
 }
 
+/// The ensemble kernel of members that have all numbers.
+fn simulate(int64: bool, laws: &[StudyLaw]) -> Shader {
+    source::simulate(int64, laws, &Places::all())
+}
+
 /// Every shader there is.
 fn all() -> Vec<Shader> {
     let drawing =
-        [false, true].map(|int64| [source::simulate(int64, laws()), source::lyapunov(int64), source::poincare(int64)]);
-    let traced = source::simulate_traced(false, laws());
+        [false, true].map(|int64| [simulate(int64, laws()), source::lyapunov(int64), source::poincare(int64)]);
+    let traced = source::simulate_traced(false, laws(), &Places::all());
     let others = [
         source::reduce(),
         source::compensation(),
@@ -133,9 +139,9 @@ fn structs_have_the_same_members_at_the_same_places() {
     let fix = mirror!(Fix { seed, first_member, number, present, sd, gain } "padding_0" at 24, "padding_1" at 28);
     let partial = mirror!(Partial { count, mean, correction, squares, least, greatest });
     for (shader, name, mirror) in [
-        (source::simulate(false, laws()), "Tile", tile()),
-        (source::simulate(false, laws()), "Bins", mirror!(Bins { begin, per_unit })),
-        (source::simulate(false, laws()), "Partial", partial),
+        (simulate(false, laws()), "Tile", tile()),
+        (simulate(false, laws()), "Bins", mirror!(Bins { begin, per_unit })),
+        (simulate(false, laws()), "Partial", partial),
         (source::reduce(), "Report", report),
         (source::navigate(false), "Flight", flight),
         (source::navigate(false), "Fix", fix),
@@ -148,7 +154,7 @@ fn structs_have_the_same_members_at_the_same_places() {
 
 #[test]
 fn a_shifted_member_is_noticed() {
-    let moved = source::simulate(false, laws()).text.replacen("stride: u32,", "", 1);
+    let moved = simulate(false, laws()).text.replacen("stride: u32,", "", 1);
     let module = parsed(&Shader { name: "moved", text: moved.replace("tile.stride", "tile.members") });
     assert_ne!(structure(&module, "Tile"), tile());
 }
@@ -156,8 +162,8 @@ fn a_shifted_member_is_noticed() {
 #[test]
 fn bindings_and_workgroups_are_what_the_host_dispatches() {
     for (shader, bindings, size) in [
-        (source::simulate(false, laws()), 7, layout::SIMULATE_WORKGROUP),
-        (source::simulate_traced(false, laws()), 8, layout::SIMULATE_WORKGROUP),
+        (simulate(false, laws()), 7, layout::SIMULATE_WORKGROUP),
+        (source::simulate_traced(false, laws(), &Places::all()), 8, layout::SIMULATE_WORKGROUP),
         (source::navigate(false), 11, layout::NAVIGATE_WORKGROUP),
         (source::reduce(), 5, layout::REDUCE_WORKGROUP),
         (source::lyapunov(false), 4, layout::ORBIT_WORKGROUP),
@@ -185,7 +191,7 @@ fn divides(shader: &Shader) -> bool {
 /// quantised reading to another step: the host divides.
 #[test]
 fn no_reading_hangs_on_a_division() {
-    let simulate = source::simulate(false, laws());
+    let simulate = simulate(false, laws());
     assert!(!divides(&simulate));
     let (product, quotient) = ("(opaque(felt, zero) + error) * steps", "(felt + error) / max(lsb, 1e-30)");
     assert!(simulate.text.contains(product));
@@ -200,7 +206,7 @@ fn has(shader: &Shader, name: &str, value: &str) {
 
 #[test]
 fn columns_and_bounds_agree() {
-    let simulate = source::simulate(false, laws());
+    let simulate = simulate(false, laws());
     assert!(simulate.text.contains(&format!("array<vec4<f32>, {}>", layout::FORCES)));
     assert!(source::navigate(false).text.contains(&format!("array<vec4<f32>, {}>", layout::PASSAGES)));
     let reduce = source::reduce();
@@ -218,7 +224,7 @@ fn uses(shader: &Shader, name: &str) -> bool {
 /// noticed; a number of a term's shape by its place behind the term's, or as turns.
 #[test]
 fn every_sensor_term_is_taken_up_by_the_shader() {
-    let simulate = source::simulate(false, laws());
+    let simulate = simulate(false, laws());
     let left = |line: &str| line.starts_with("#terms") || line.contains('$');
     assert!(!simulate.text.lines().any(left), "a line was not replaced");
     let module = parsed(&simulate);
@@ -229,7 +235,7 @@ fn every_sensor_term_is_taken_up_by_the_shader() {
         let of = source::terms::name(before.filter(|_| term.is_shape()).unwrap_or(term));
         let taken_up = match term.law() {
             ErrorLaw::Shape(Shape::Memory | Shape::Settling) => {
-                simulate.text.contains(&format!("column(i, {of} + 1u)"))
+                simulate.text.contains(&format!("column(i, NEXT_TO_{of})"))
             }
             ErrorLaw::Shape(Shape::Frequency | Shape::Phase) => uses(&simulate, &format!("TURNS_{of}")),
             // What they do stands behind their switch.
@@ -246,13 +252,13 @@ fn every_sensor_term_is_taken_up_by_the_shader() {
 #[test]
 fn a_shader_holds_the_laws_that_act_and_no_other() {
     for law in laws() {
-        let with = source::simulate(false, std::slice::from_ref(law));
+        let with = simulate(false, std::slice::from_ref(law));
         drop(parsed(&with));
         let name = source::laws::function(law);
         assert!(uses(&with, &name), "{name}");
-        assert!(!uses(&source::simulate(false, &[]), &name), "{name} is in a shader of linear masses");
+        assert!(!uses(&simulate(false, &[]), &name), "{name} is in a shader of linear masses");
     }
-    drop(parsed(&source::simulate(false, &[])));
+    drop(parsed(&simulate(false, &[])));
 }
 
 /// States of laws' own are in a shader with such a law, and leave no trace in one without.
@@ -260,7 +266,7 @@ fn a_shader_holds_the_laws_that_act_and_no_other() {
 fn a_shader_holds_states_only_of_laws_that_have_them() {
     let (with, without): (Vec<StudyLaw>, Vec<StudyLaw>) = laws().iter().copied().partition(StudyLaw::has_states);
     assert_eq!(with.len(), 3);
-    let [with, without] = [source::simulate(false, &with), source::simulate(false, &without)];
+    let [with, without] = [simulate(false, &with), simulate(false, &without)];
     let places = |states: usize| format!("const STATE_TERMS = {}u;", layout::state::TERMS + states);
     assert!(with.text.contains("struct Own") && with.text.contains(&places(5)));
     assert!(!without.text.contains("Own") && !without.text.contains("_own(") && without.text.contains(&places(0)));

@@ -8,7 +8,8 @@
 use crate::cpu::reading;
 use crate::fragment::Fragment;
 use crate::layout::state;
-use crate::member::column;
+use crate::member::{COLUMNS, column};
+use crate::places::Places;
 use crate::sensor::error_law::ErrorLaw;
 use crate::sensor::{Sense, SensorTerm};
 
@@ -30,11 +31,15 @@ pub fn switch(term: SensorTerm) -> String {
 }
 
 /// Columns, states, streams and switches of all terms.
-pub(super) fn declarations() -> String {
+pub(super) fn declarations(places: &Places) -> String {
     let mut text = String::new();
     for term in SensorTerm::ALL {
         let name = name(term);
-        text += &format!("const {name} = {}u;\noverride HAS_{name}: bool = false;\n", column::of(term));
+        text += &format!("const {name} = {}u;\noverride HAS_{name}: bool = false;\n", places.column(column::of(term)));
+        // The first number of its shape.
+        if column::of(term) + 1 < COLUMNS {
+            text += &format!("const NEXT_TO_{name} = {}u;\n", places.column(column::of(term) + 1));
+        }
         if let Some(stream) = term.law().stream() {
             text += &format!("const STREAM_{name} = {}u;\n", stream as u32);
         }

@@ -190,10 +190,12 @@ impl<'a> Carried<'a> {
             let attitude = std::array::from_fn::<Vec<f32>, 6, _>(|k| all.iter().map(|(_, of)| of[k]).collect());
             (given, attitude)
         });
-        let given = |k: usize| chunks.iter().map(|(given, _)| cast_slice(&given[k])).collect();
-        let state = |k: usize| match k.checked_sub(NAVIGATE_ATTITUDE) {
-            Some(place @ 0..6) => chunks.iter().map(|(_, attitude)| cast_slice(&attitude[place])).collect(),
-            _ => Vec::new(),
+        let given =
+            |k: usize, take: &mut dyn FnMut(&[u8])| chunks.iter().for_each(|(given, _)| take(cast_slice(&given[k])));
+        let state = |k: usize, take: &mut dyn FnMut(&[u8])| {
+            if let Some(place @ 0..6) = k.checked_sub(NAVIGATE_ATTITUDE) {
+                chunks.iter().for_each(|(_, attitude)| take(cast_slice(&attitude[place])));
+            }
         };
         gpu.write_columns(&self.given, 4 * stride, GIVEN, &given)?;
         gpu.write_columns(&self.state, 4 * stride, NAVIGATE_STATE, &state)

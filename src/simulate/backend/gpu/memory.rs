@@ -49,6 +49,9 @@ impl Piece {
     }
 }
 
+/// Hands on the pieces of a column, by its number.
+pub(super) type Column<'a> = dyn Fn(usize, &mut dyn FnMut(&[u8])) + Sync + 'a;
+
 impl Gpu {
     /// A storage buffer with these bytes.
     ///
@@ -58,17 +61,17 @@ impl Gpu {
         self.buffer(bytes, wgpu::BufferUsages::STORAGE)
     }
 
-    /// Writes a buffer of columns as long as each other: the pieces that `column` gives, one after
+    /// Writes a buffer of columns as long as each other: the pieces that `column` hands on, one after
     /// the other, and zeros behind. All threads write into the memory that the device copies from.
     ///
     /// # Errors
     /// Not enough memory; the device was lost.
-    pub fn write_columns<'a>(
+    pub(super) fn write_columns(
         &self,
         buffer: &Buffer,
         column_bytes: u64,
         columns: usize,
-        column: &(dyn Fn(usize) -> Vec<&'a [u8]> + Sync),
+        column: &Column<'_>,
     ) -> Result<()> {
         self.caught("write to memory", || {
             let view = |k: usize| {
@@ -79,10 +82,10 @@ impl Gpu {
             parallel::for_each_mut(&mut views, |k, view| {
                 let Some(view) = view else { return };
                 let mut at = 0;
-                for piece in column(k) {
+                column(k, &mut |piece| {
                     view.slice(at..at + piece.len()).copy_from_slice(piece);
                     at += piece.len();
-                }
+                });
                 view.slice(at..).fill(0);
             });
         })
@@ -92,12 +95,7 @@ impl Gpu {
     ///
     /// # Errors
     /// Not enough memory.
-    pub fn upload_columns<'a>(
-        &self,
-        column_bytes: u64,
-        columns: usize,
-        column: &(dyn Fn(usize) -> Vec<&'a [u8]> + Sync),
-    ) -> Result<Buffer> {
+    pub(super) fn upload_columns(&self, column_bytes: u64, columns: usize, column: &Column<'_>) -> Result<Buffer> {
         let buffer = self.zeros(column_bytes * columns as u64)?;
         self.write_columns(&buffer, column_bytes, columns, column)?;
         Ok(buffer)

@@ -84,7 +84,8 @@ impl<'a> Run<'a> {
             let all: Vec<_> = points.iter().map(numbers).collect();
             std::array::from_fn::<Vec<f32>, { PARAMETERS + STATE }, _>(|k| all.iter().map(|n| n[k]).collect())
         });
-        let column = |k: usize| chunks.iter().map(|chunk| cast_slice(&chunk[k])).collect();
+        let column =
+            |k: usize, take: &mut dyn FnMut(&[u8])| chunks.iter().for_each(|chunk| take(cast_slice(&chunk[k])));
         let column_bytes = 4 * points.len() as u64;
         let halves = 2 * plan.steps_per_period;
         let angle = |j: u32| 2.0 * std::f64::consts::PI * f64::from(j % halves) / f64::from(halves);
@@ -99,7 +100,7 @@ impl<'a> Run<'a> {
             tile: gpu.uniform(&[0; size_of::<OrbitTile>()])?,
             parameters: gpu.upload_columns(column_bytes, PARAMETERS, &column)?,
             cosines: gpu.upload(cast_slice(&cosines))?,
-            state: gpu.upload_columns(column_bytes, STATE, &|k| column(PARAMETERS + k))?,
+            state: gpu.upload_columns(column_bytes, STATE, &|k, take| column(PARAMETERS + k, take))?,
             strobes: gpu.zeros((points.len() * plan.strobes.max(1) as usize * 8) as u64)?,
             next: 0,
             stride: 1,

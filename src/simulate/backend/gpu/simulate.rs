@@ -152,7 +152,7 @@ impl Plan {
         let members = batch.members.end - batch.members.start;
         let stride = members.next_multiple_of(u64::from(BLOCK));
         let drawn = Drawn::of(job, batch.members.clone())?;
-        let (laws, constants) = (drawn.laws(), drawn.constants(job));
+        let (laws, places, constants) = (drawn.laws(), drawn.places(), drawn.constants(job));
         let own_states: usize = laws.iter().map(|law| law.term.states()).sum();
         let named: Vec<(&str, f64)> = constants.iter().map(|(name, value)| (name.as_str(), *value)).collect();
         let amplitudes = flicker_amplitudes(&job.clock);
@@ -188,10 +188,10 @@ impl Plan {
         Ok(Self {
             members: members as u32,
             stride: stride as u32,
-            simulate: gpu.kernel(&shader(gpu.adapter.int64, &laws), &named)?,
+            simulate: gpu.kernel(&shader(gpu.adapter.int64, &laws, &places), &named)?,
             reduce: gpu.kernel(&source::reduce(), &[])?,
             tile,
-            columns: drawn.send_numbers(gpu, &laws, stride)?,
+            columns: drawn.send_numbers(gpu, &laws, &places, stride)?,
             turns: drawn.send_turns(gpu, stride)?,
             state: gpu.zeros(state_bytes)?,
             state_bytes,

@@ -15,6 +15,7 @@ use crate::kernel::integrator::Capability;
 use crate::kernel::job::Job;
 use crate::kernel::low_pass::WEIGHTS;
 use crate::kernel::member::{COLUMNS, Column, NOTHING, WAVES, column};
+use crate::kernel::places::Places;
 use crate::kernel::source;
 use crate::parallel;
 use crate::physics::coefficients::{self, StudyLaw};
@@ -36,11 +37,21 @@ pub(super) struct Drawn {
     present: Present,
 }
 
-/// Some members, number by number.
+/// Some members, number by number: of those that all have alike one is kept.
 struct Chunk {
     members: usize,
-    numbers: Vec<f32>,
-    turns: Vec<u32>,
+    /// Real numbers, then whole ones, by their bits.
+    columns: Vec<Stretch>,
+    kept: Vec<u32>,
+}
+
+/// A number of the members of a chunk.
+#[derive(Clone, Copy)]
+enum Stretch {
+    /// The same for all.
+    Same(u32),
+    /// Those kept from here on.
+    Each(usize),
 }
 
 /// Says which numbers are not what a member has that lacks them, in some member.
@@ -91,6 +102,11 @@ impl Drawn {
         constants
     }
 
+    /// The columns of their numbers on the device.
+    pub(super) fn places(&self) -> Places {
+        Places::of(&self.present.values)
+    }
+
     /// Returns whether some member has this term.
     pub(super) fn has(&self, term: SensorTerm) -> bool {
         self.present.values[column::of(term)]
@@ -101,17 +117,16 @@ impl Drawn {
         coefficients::laws().iter().filter(|law| self.present.laws[law.first]).copied().collect()
     }
 
-    /// Sends the numbers that the kernel reads where the members follow these laws: one column each,
-    /// `stride` members long.
+    /// Sends the numbers that the kernel reads at these places, and behind them those of these laws: one
+    /// column each, `stride` members long.
     ///
     /// # Errors
     /// Not enough memory.
-    pub(super) fn send_numbers(&self, gpu: &Gpu, laws: &[StudyLaw], stride: u64) -> Result<Buffer> {
+    pub(super) fn send_numbers(&self, gpu: &Gpu, laws: &[StudyLaw], places: &Places, stride: u64) -> Result<Buffer> {
         let weights = if self.has(SensorTerm::ReadoutLowPass) { WEIGHTS } else { 0 };
-        let place = |number: &Number<'_>| self.numbers.iter().position(|n| n == number);
-        let places: Vec<usize> = wanted(laws, weights).iter().filter_map(place).collect();
-        let column = |k: usize| self.chunks.iter().map(|c| cast_slice(c.column(&c.numbers, places[k]))).collect();
-        gpu.upload_columns(4 * stride, places.len(), &column)
+        let place = |number: Number<'_>| self.numbers.iter().position(|n| *n == number);
+        let columns: Vec<usize> = wanted(places.shown(), laws, weights).into_iter().filter_map(place).collect();
+        gpu.upload_columns(4 * stride, columns.len(), &|k, take| self.column(columns[k], take))
     }
 
     /// Sends their whole numbers in the same way.
@@ -119,29 +134,46 @@ impl Drawn {
     /// # Errors
     /// Not enough memory.
     pub(super) fn send_turns(&self, gpu: &Gpu, stride: u64) -> Result<Buffer> {
-        let column = |k: usize| self.chunks.iter().map(|c| cast_slice(c.column(&c.turns, k))).collect();
-        gpu.upload_columns(4 * stride, TURNS, &column)
+        gpu.upload_columns(4 * stride, TURNS, &|k, take| self.column(self.numbers.len() + k, take))
+    }
+
+    fn column(&self, place: usize, take: &mut dyn FnMut(&[u8])) {
+        for chunk in &self.chunks {
+            match chunk.columns[place] {
+                Stretch::Same(bits) => take(cast_slice(&vec![bits; chunk.members])),
+                Stretch::Each(begin) => take(cast_slice(&chunk.kept[begin..begin + chunk.members])),
+            }
+        }
     }
 }
 
 impl Chunk {
     fn of(job: &Job, members: Range<u64>, numbers: &[Number<'_>], present: &mut Present) -> Result<Self> {
         let count = (members.end - members.start) as usize;
-        let mut chunk =
-            Self { members: count, numbers: vec![0.0; numbers.len() * count], turns: vec![0; TURNS * count] };
+        let mut all = vec![0; (numbers.len() + TURNS) * count];
         for (i, member) in members.enumerate() {
             let drawn = column(job, member)?;
             present.note(&drawn);
-            let places = chunk.numbers.iter_mut().skip(i).step_by(count);
-            places.zip(numbers).for_each(|(place, number)| *place = number.of(&drawn) as f32);
-            let places = chunk.turns.iter_mut().skip(i).step_by(count);
-            places.zip(drawn.turns.iter().chain(&drawn.waves)).for_each(|(place, turn)| *place = *turn);
+            let mut place = i;
+            let mut put = |bits: u32| {
+                all[place] = bits;
+                place += count;
+            };
+            drawn.values.iter().for_each(|value| put((*value as f32).to_bits()));
+            numbers[COLUMNS..].iter().for_each(|number| put((number.of(&drawn) as f32).to_bits()));
+            drawn.turns.iter().chain(&drawn.waves).for_each(|turn| put(*turn));
         }
-        Ok(chunk)
-    }
-
-    fn column<'a, T>(&self, numbers: &'a [T], place: usize) -> &'a [T] {
-        &numbers[place * self.members..(place + 1) * self.members]
+        let mut kept = Vec::new();
+        let stretch = |column: &[u32]| {
+            let first = column[0];
+            if column.iter().all(|bits| *bits == first) {
+                return Stretch::Same(first);
+            }
+            kept.extend_from_slice(column);
+            Stretch::Each(kept.len() - count)
+        };
+        let columns = all.chunks_exact(count).map(stretch).collect();
+        Ok(Self { members: count, columns, kept })
     }
 }
 
@@ -172,13 +204,13 @@ enum Number<'a> {
 fn numbers(job: &Job) -> Vec<Number<'static>> {
     let takes_laws = job.integrator.method().reach == Capability::General;
     let laws = if takes_laws { coefficients::laws() } else { &[] };
-    wanted(laws, WEIGHTS)
+    wanted(Places::all().shown(), laws, WEIGHTS)
 }
 
-/// Numbers of members that follow these laws, in the order of their columns.
-fn wanted(laws: &[StudyLaw], weights: usize) -> Vec<Number<'_>> {
+/// These numbers of members that follow these laws, in the order of their columns.
+fn wanted<'a>(values: &[usize], laws: &'a [StudyLaw], weights: usize) -> Vec<Number<'a>> {
     let of_laws = source::laws::columns(laws).into_iter().map(Number::Law);
-    (0..COLUMNS).map(Number::Value).chain(of_laws).chain((0..weights).map(Number::LowPass)).collect()
+    values.iter().map(|place| Number::Value(*place)).chain(of_laws).chain((0..weights).map(Number::LowPass)).collect()
 }
 
 impl Number<'_> {
