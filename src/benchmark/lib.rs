@@ -201,6 +201,12 @@ pub fn gpu(device: &Gpu, backend: &mut dyn Backend, control: &Control, progress:
         measured.instructions = (what == FULL).then_some(operations::FULL_GPU);
         rows.push(measured);
     }
+    // Members are drawn and sent once however long they run: what is left is the kernel.
+    if hardware {
+        progress.rename(work::LONG);
+        let job = work::long(many as u64, work::LONG_SAMPLES);
+        rows.push(ensemble(control, work::LONG, name, backend, &job)?.counted(operations::FULL_GPU));
+    }
     // Ten million on a software adapter would only take long.
     for members in work::SIZES.into_iter().filter(|m| hardware || *m <= 1 << 20) {
         progress.rename(&format!("{members} members"));

@@ -19,6 +19,10 @@ pub(crate) const SIZES: [u64; 7] = [1, 64, 1024, 8192, 65_536, 1 << 20, 10_000_0
 pub(crate) const SIZED: &str = "full, by size of the ensemble";
 /// Name of the rows of 8192 members over ever longer runs.
 pub(crate) const SCALED: &str = "full, by length of the run";
+/// Name of the row whose run is so long that a card does nothing else.
+pub const LONG: &str = "full, a run of 100000 steps";
+/// Samples of that run.
+pub(super) const LONG_SAMPLES: u64 = 100_000;
 /// Samples of the runs of [`SCALED`].
 pub(super) const LENGTHS: [u64; 4] = [1000, 10_000, 100_000, 1_000_000];
 

@@ -24,6 +24,11 @@ use crate::statistics::{Bins, Machine};
 
 /// Samples of a tile: what the three axes write of it stays in the cache of a software adapter.
 const TILE: u64 = 64;
+/// Members of a batch on hardware, where the readings of a tile fit: twice what the largest cards have
+/// in flight.
+const MOST_MEMBERS: u64 = 1 << 19;
+/// The same on a software adapter.
+const MOST_MEMBERS_SOFTWARE: u64 = 1 << 12;
 /// Samples summed before they are added to totals, as `navigate` does it.
 const CHUNK: u64 = 64;
 /// Members whose beginnings are found in one go.
@@ -54,7 +59,10 @@ impl FlightBackend for Flights {
     }
 
     fn batch_members(&self) -> u64 {
-        if self.gpu.adapter.hardware { 1 << 17 } else { 1 << 12 }
+        if !self.gpu.adapter.hardware {
+            return MOST_MEMBERS_SOFTWARE;
+        }
+        (self.gpu.adapter.largest_binding / (8 * TILE)).min(MOST_MEMBERS) & !u64::from(BLOCK - 1)
     }
 
     fn run(&mut self, batch: &FlightBatch<'_>) -> Result<Option<Vec<Sums>>> {
