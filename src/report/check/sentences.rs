@@ -131,11 +131,19 @@ fn of_known(estimate: &Estimate, known: Known) -> Vec<String> {
 
 /// Of what is not determined: the terms of which only a combination is.
 fn mixed(run: &Run) -> Vec<String> {
-    let of = |parts: &[(usize, f64)]| -> Vec<String> {
-        parts.iter().filter_map(|(p, _)| run.estimate.parameters.get(*p)).map(name).collect()
+    // Two directions of the same parameters, in which they weigh differently, are one thing to say.
+    let mut said: Vec<Vec<usize>> = Vec::new();
+    for direction in run.information.undetermined.iter().filter(|d| d.parts.len() > 1) {
+        let mut parts: Vec<usize> = direction.parts.iter().map(|(parameter, _)| *parameter).collect();
+        parts.sort_unstable();
+        if !said.contains(&parts) {
+            said.push(parts);
+        }
+    }
+    let names = |parts: &Vec<usize>| -> Vec<String> {
+        parts.iter().filter_map(|p| run.estimate.parameters.get(*p)).map(name).collect()
     };
-    let directions = run.information.undetermined.iter().filter(|d| d.parts.len() > 1);
-    directions.take(2).map(|d| format!("this motion does not tell apart: {}", list(&of(&d.parts)))).collect()
+    said.iter().take(2).map(|parts| format!("this motion does not tell apart: {}", list(&names(parts)))).collect()
 }
 
 fn motion(motion: &Motion) -> Vec<String> {

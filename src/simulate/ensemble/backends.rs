@@ -19,9 +19,10 @@ use crate::statistics::Statistics;
 /// Member-steps per second and thread of the full path on the CPU: what `proofmass bench` finds on
 /// a Zen 5, rounded down.
 const CPU_PER_THREAD_PER_S: f64 = 1e9;
-/// Seconds to find and open an adapter and to compile a kernel for it: on an NVIDIA H200 0.4, and
-/// 0.3 where its driver has not kept the kernel.
-const START_S: f64 = 0.5;
+/// Seconds to find and open an adapter and to compile a kernel for it: on Mesa's lavapipe 0.04 and
+/// about 0.1; on an NVIDIA H200 0.4, and 0.3 the first time. The lower end, as the processor's rate
+/// is the highest: with every error on it is a tenth of that.
+const START_S: f64 = 0.2;
 /// Seconds that a step takes on a GPU however few members there are: some sixty instructions that
 /// wait for each other, at four to six cycles each and 1.5 GHz. Computed, not measured.
 const STEP_S: f64 = 2e-7;
@@ -133,7 +134,7 @@ mod tests {
         assert!(!worth(1, 1_000_000_000, 2));
         // Many members, few steps: done before an adapter is open.
         assert!(!worth(100_000, 1000, 2));
-        assert!(worth(100_000, 20_000, 2) && worth(10_000_000, 1_000_000, 64));
+        assert!(worth(100_000, 10_000, 2) && worth(10_000_000, 1_000_000, 64));
         // What is worth it next to two threads need not be next to sixty-four.
         assert!(worth(2000, 10_000_000, 2) && !worth(2000, 10_000_000, 64));
     }

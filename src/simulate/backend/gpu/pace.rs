@@ -1,4 +1,4 @@
-//! How much a submission takes: near 80 ms, so that no driver loses patience and Ctrl-C is heard,
+//! The length of submissions: near 80 ms, so that no driver loses patience and Ctrl-C is heard,
 //! while the next one is prepared.
 
 use std::time::Instant;
