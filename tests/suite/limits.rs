@@ -32,6 +32,8 @@ fn limited(folder: &Path, limit: &str, out: &Path) -> Result<Output, Failed> {
     let script = format!("{limit} && exec \"$0\" --json study \"$1\" --backend cpu --out \"$2\"");
     let mut command = Command::new("sh");
     command.args(["-c", &script, program]).arg(&study).arg(out).env("PROOFMASS_STATE_INTERVAL_S", "0.01");
+    // Each thread takes addresses for its stack and its part of the heap.
+    command.env("RAYON_NUM_THREADS", "2");
     Ok(command.output()?)
 }
 
