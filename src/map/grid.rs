@@ -61,6 +61,15 @@ fn set(oscillator: &mut Oscillator, drive: &mut Drive, quantity: Quantity, value
     }
 }
 
+/// Cells that a device is given in one go: few enough for a progress bar that moves, and enough to
+/// fill a card.
+fn at_once(device: Device<'_>) -> usize {
+    match device {
+        Device::Gpu(gpu) if gpu.adapter.hardware => 1 << 20,
+        Device::Gpu(_) | Device::Cpu => 1 << 14,
+    }
+}
+
 /// Computes rows of a map one by one; each takes the step its stiffest cell needs.
 ///
 /// # Errors
@@ -98,8 +107,7 @@ pub fn compute(
     // computed.
     let mut done = u64::from(first) * u64::from(map.x.points);
     for group in stepped.chunk_by(|a, b| a.0 == b.0) {
-        // At most this many cells at once: a progress bar that moves, and Ctrl-C that is heard.
-        for part in group.chunks((16_384 / map.x.points as usize).max(1)) {
+        for part in group.chunks((at_once(device) / map.x.points as usize).max(1)) {
             let points: Vec<Point> = part.iter().flat_map(|r| r.1.iter().copied()).collect();
             let plan = Plan {
                 seed: document.seed,
