@@ -8,6 +8,7 @@
 //! a batch ends or is asked to stop, 96 bytes for 256 members and a report, 6 MB for sixteen
 //! reports of a million members.
 
+mod ahead;
 mod drawn;
 mod tables;
 
@@ -15,6 +16,7 @@ use std::sync::Arc;
 
 use bytemuck::{Zeroable, cast_slice};
 
+use self::ahead::Ahead;
 use self::drawn::Drawn;
 use super::pace::Pace;
 use super::{Buffer, Dispatch, Gpu, Kernel, Piece, Submission};
@@ -25,6 +27,7 @@ use crate::kernel::layout::{self, BLOCK, SIMULATE_WORKGROUP, state};
 use crate::kernel::low_pass::WEIGHTS;
 use crate::kernel::member::{COLUMNS, flicker_amplitudes};
 use crate::kernel::source;
+use crate::parallel;
 use crate::physics::coefficients;
 use crate::sensor::SensorTerm;
 use crate::sensor::error_law::ErrorLaw;
@@ -60,12 +63,13 @@ pub struct Ensembles {
     gpu: Arc<Gpu>,
     /// Most samples per tile.
     pub tile_samples: u64,
+    ahead: Option<Ahead>,
 }
 
 impl Ensembles {
     /// On an open device.
     pub fn on(gpu: Arc<Gpu>) -> Self {
-        Self { gpu, tile_samples: MOST_SUBSTEPS }
+        Self { gpu, tile_samples: MOST_SUBSTEPS, ahead: None }
     }
 }
 
@@ -109,10 +113,19 @@ impl Backend for Ensembles {
     }
 
     fn run(&mut self, batch: &Batch<'_>) -> Result<Ran> {
-        let mut plan = Plan::new(&self.gpu, batch, false)?;
+        let job = batch.job;
+        let drawn = self.ahead.take().and_then(|ahead| ahead.taken(job, &batch.members));
+        let drawn = drawn.map_or_else(|| Drawn::of(job, batch.members.clone()), Ok)?;
+        let mut plan = Plan::sent(&self.gpu, batch, &drawn, false)?;
+        drop(drawn);
         let before = plan.resumed(&self.gpu, batch)?;
         let from = before.map_or(0, |before| before.samples);
-        let samples = plan.integrate(&self.gpu, batch, from, self.tile_samples)?;
+        // A software adapter needs the processor itself.
+        let ahead = || if self.gpu.adapter.hardware { Ahead::after(job, &batch.members) } else { None };
+        let integrate = || plan.integrate(&self.gpu, batch, from, self.tile_samples);
+        let (samples, ahead) = parallel::join(integrate, ahead);
+        let samples = samples?;
+        self.ahead = ahead;
         let mut partials = before.map_or_else(Vec::new, |before| before.partials.clone());
         partials.extend(plan.partials(&self.gpu, batch)?.into_iter().skip(partials.len()));
         if samples == batch.job.clock.samples {
@@ -148,10 +161,14 @@ pub(super) struct Plan {
 impl Plan {
     /// Members drawn and sent; `traced`: every reading's errors are written as well.
     pub(super) fn new(gpu: &Gpu, batch: &Batch<'_>, traced: bool) -> Result<Self> {
+        Self::sent(gpu, batch, &Drawn::of(batch.job, batch.members.clone())?, traced)
+    }
+
+    /// The members of the batch, which are drawn, sent.
+    fn sent(gpu: &Gpu, batch: &Batch<'_>, drawn: &Drawn, traced: bool) -> Result<Self> {
         let job = batch.job;
         let members = batch.members.end - batch.members.start;
         let stride = members.next_multiple_of(u64::from(BLOCK));
-        let drawn = Drawn::of(job, batch.members.clone())?;
         let (laws, places, constants) = (drawn.laws(), drawn.places(), drawn.constants(job));
         let own_states: usize = laws.iter().map(|law| law.term.states()).sum();
         let named: Vec<(&str, f64)> = constants.iter().map(|(name, value)| (name.as_str(), *value)).collect();
