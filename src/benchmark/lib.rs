@@ -201,7 +201,7 @@ pub fn gpu(device: &Gpu, backend: &mut dyn Backend, control: &Control, progress:
         measured.instructions = (what == FULL).then_some(operations::FULL_GPU);
         rows.push(measured);
     }
-    // Members are drawn and sent once however long they run: what is left is the kernel.
+    // Drawing and sending members costs the same for any length, so a long run measures the kernel alone.
     if hardware {
         progress.rename(work::LONG);
         let job = work::long(many as u64, work::LONG_SAMPLES);

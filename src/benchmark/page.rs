@@ -182,7 +182,9 @@ fn parts(rows: &[Row]) -> Option<String> {
 }
 
 const SIZES_WORDS: &str = "The full path (Runge-Kutta 4, force noise, two integrations) from one sensor to millions, \
-including parameter draws and statistics. Sixty-four members share a group of lanes, so fewer cost the same.";
+including parameter draws and statistics. Sixty-four members share a group of lanes, so fewer cost the same. Above 8192 \
+members a run has 512 steps instead of 4096, so that parameter draws weigh eight times as much: on a GPU they are then \
+most of the time.";
 
 /// The page: what was measured and on what.
 pub fn page(rows: &[Row], others: Option<f64>) -> Page {

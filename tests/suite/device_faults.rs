@@ -15,8 +15,9 @@ use serde_json::Value;
 
 use super::world::{check, program, test};
 
-/// Kind of fault, and how many calls succeed before it. The first four come in the middle of a run, on
-/// a quick card too, which takes eight submissions in all; the last two when the device is opened.
+/// Kind of fault, and how many calls succeed before it. The first four come in the middle of a run: of
+/// this study any card needs seven submissions, as they grow at most fourfold; the last two when the
+/// device is opened.
 const FAULTS: [&str; 6] = ["submit:5", "wait:12", "alloc:30", "hang:12", "device:0", "pipeline:0"];
 
 /// Tests of this module.

@@ -8,7 +8,8 @@ use crate::backend::adapter::Adapter;
 pub(super) fn adapters(only_hardware: bool) -> Vec<(Adapter, wgpu::Adapter)> {
     let mut found = of(wgpu::Backends::PRIMARY);
     if !found.iter().any(|(described, _)| described.hardware) {
-        found = of(wgpu::Backends::all());
+        found.extend(of(wgpu::Backends::SECONDARY));
+        sort(&mut found);
     }
     found.retain(|(described, _)| described.hardware || !only_hardware);
     found
@@ -21,9 +22,13 @@ fn of(backends: wgpu::Backends) -> Vec<(Adapter, wgpu::Adapter)> {
     let found = pollster::block_on(wgpu::Instance::new(asked).enumerate_adapters(backends));
     let mut adapters: Vec<(Adapter, wgpu::Adapter)> = found.into_iter().map(|a| (describe(&a), a)).collect();
     adapters.retain(|(_, a)| a.get_downlevel_capabilities().flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS));
+    sort(&mut adapters);
+    adapters
+}
+
+fn sort(adapters: &mut [(Adapter, wgpu::Adapter)]) {
     let rank = |kind: &str| ["discrete", "integrated", "virtual", "other", "software"].iter().position(|k| *k == kind);
     adapters.sort_by_key(|(described, a)| (rank(described.kind), a.get_info().backend == wgpu::Backend::Gl));
-    adapters
 }
 
 fn describe(adapter: &wgpu::Adapter) -> Adapter {

@@ -24,13 +24,15 @@ use crate::statistics::{Bins, Machine};
 
 /// Samples of a tile: what the three axes write of it stays in the cache of a software adapter.
 const TILE: u64 = 64;
-/// Members of a batch on hardware, where the readings of a tile fit: twice what the largest cards have
-/// in flight.
+/// Members of a batch on hardware, where the readings of a tile fit twice over: twice what the largest
+/// cards have in flight.
 const MOST_MEMBERS: u64 = 1 << 19;
 /// The same on a software adapter.
 const MOST_MEMBERS_SOFTWARE: u64 = 1 << 12;
 /// Samples summed before they are added to totals, as `navigate` does it.
 const CHUNK: u64 = 64;
+/// Pieces of a tile that the axes share: flight, passages, fix and report.
+const SHARED: usize = 4;
 /// Members whose beginnings are found in one go.
 const AT_ONCE: usize = 1024;
 /// Most samples of a submission.
@@ -62,7 +64,7 @@ impl FlightBackend for Flights {
         if !self.gpu.adapter.hardware {
             return MOST_MEMBERS_SOFTWARE;
         }
-        (self.gpu.adapter.largest_binding / (8 * TILE)).min(MOST_MEMBERS) & !u64::from(BLOCK - 1)
+        (self.gpu.adapter.largest_binding / (16 * TILE)).min(MOST_MEMBERS) & !u64::from(BLOCK - 1)
     }
 
     fn run(&mut self, batch: &FlightBatch<'_>) -> Result<Option<Vec<Sums>>> {
@@ -335,7 +337,7 @@ impl<'a> Carried<'a> {
         let still_samples = self.batch.flight.clock().still_samples;
         let read = gpu.pack(&tiles.iter().flat_map(|tile| self.pieces(tile)).collect::<Vec<_>>())?;
         let mut work: Vec<Dispatch<'_>> = Vec::new();
-        for (tile, read) in tiles.iter().zip(read.chunks_exact(3 * PIECES + 4)) {
+        for (tile, read) in tiles.iter().zip(read.chunks_exact(3 * PIECES + SHARED)) {
             let (axes, shared) = read.split_at(3 * PIECES);
             for (axis, read) in axes.chunks_exact(PIECES).enumerate() {
                 let plan = &self.axes[axis];

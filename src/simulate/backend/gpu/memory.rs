@@ -91,7 +91,7 @@ impl Gpu {
         })
     }
 
-    /// The same into a storage buffer of its own.
+    /// Writes columns into a new storage buffer.
     ///
     /// # Errors
     /// Not enough memory.

@@ -47,7 +47,7 @@ impl Pace {
     /// Waits for the last.
     ///
     /// # Errors
-    /// As [`Pace::follow`].
+    /// It hangs, or the device was lost.
     pub(super) fn finish(&mut self, gpu: &Gpu) -> Result<()> {
         self.under_way.take().map_or(Ok(()), |(last, _)| gpu.wait(&last))
     }

@@ -115,13 +115,13 @@ impl Backend for Ensembles {
     fn run(&mut self, batch: &Batch<'_>) -> Result<Ran> {
         let job = batch.job;
         let drawn = self.ahead.take().and_then(|ahead| ahead.taken(job, &batch.members));
-        let drawn = drawn.map_or_else(|| Drawn::of(job, batch.members.clone()), Ok)?;
+        let drawn = drawn.map_or_else(|| Drawn::of(job, batch.members.clone(), &|| false), Ok)?;
         let mut plan = Plan::sent(&self.gpu, batch, &drawn, false)?;
         drop(drawn);
         let before = plan.resumed(&self.gpu, batch)?;
         let from = before.map_or(0, |before| before.samples);
         // A software adapter needs the processor itself.
-        let ahead = || if self.gpu.adapter.hardware { Ahead::after(job, &batch.members) } else { None };
+        let ahead = || if self.gpu.adapter.hardware { Ahead::after(job, &batch.members, batch.stop) } else { None };
         let integrate = || plan.integrate(&self.gpu, batch, from, self.tile_samples);
         let (samples, ahead) = parallel::join(integrate, ahead);
         let samples = samples?;
@@ -161,7 +161,7 @@ pub(super) struct Plan {
 impl Plan {
     /// Members drawn and sent; `traced`: every reading's errors are written as well.
     pub(super) fn new(gpu: &Gpu, batch: &Batch<'_>, traced: bool) -> Result<Self> {
-        Self::sent(gpu, batch, &Drawn::of(batch.job, batch.members.clone())?, traced)
+        Self::sent(gpu, batch, &Drawn::of(batch.job, batch.members.clone(), &|| false)?, traced)
     }
 
     /// The members of the batch, which are drawn, sent.

@@ -18,15 +18,15 @@ pub(super) struct Ahead {
 }
 
 impl Ahead {
-    /// Draws the batch of the same size after this one, where there is one. A member that cannot be
-    /// stepped is an error when its turn comes.
-    pub(super) fn after(job: &Job, members: &Range<u64>) -> Option<Self> {
+    /// Draws the batch of the same size after this one, where there is one and this one is not
+    /// stopped meanwhile. A member that cannot be stepped is an error when its turn comes.
+    pub(super) fn after(job: &Job, members: &Range<u64>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Self> {
         let size = members.end - members.start;
         let next = members.end..job.members.min(members.end.saturating_add(size));
         if next.is_empty() {
             return None;
         }
-        let drawn = Drawn::of(job, next.clone()).ok()?;
+        let drawn = Drawn::of(job, next.clone(), stop).ok()?;
         let (draw, clock) = (job.draw.clone(), job.clock.clone());
         Some(Self { draw, clock, integrator: job.integrator, of: job.members, members: next, drawn })
     }
@@ -51,7 +51,7 @@ mod tests {
     fn the_next_batch_is_drawn_for_its_own_job_alone_and_none_after_the_last() {
         let still = Sine { amplitude_m_s2: 0.0, frequency_hz: 0.0, offset_m_s2: 0.0 };
         let job = job(Sensor::default(), 1000, &[1.0], still, Integrator::Ideal);
-        let ahead = || Ahead::after(&job, &(0..512));
+        let ahead = || Ahead::after(&job, &(0..512), &|| false);
         assert!(ahead().is_some_and(|next| next.taken(&job, &(512..1000)).is_some()));
         assert!(ahead().is_some_and(|next| next.taken(&job, &(512..768)).is_none()));
         let mut longer = job.clone();
@@ -60,6 +60,7 @@ mod tests {
         let drawn_otherwise =
             Job { draw: Arc::new(|_| Member { sensor: Sensor::default(), sine: None }), ..job.clone() };
         assert!(ahead().is_some_and(|next| next.taken(&drawn_otherwise, &(512..1000)).is_none()));
-        assert!(Ahead::after(&job, &(512..1000)).is_none());
+        assert!(Ahead::after(&job, &(512..1000), &|| false).is_none());
+        assert!(Ahead::after(&job, &(0..512), &|| true).is_none());
     }
 }

@@ -10,7 +10,7 @@ use bytemuck::cast_slice;
 
 use super::super::{Buffer, Gpu};
 use crate::backend::cpu::column;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::kernel::integrator::Capability;
 use crate::kernel::job::Job;
 use crate::kernel::low_pass::WEIGHTS;
@@ -66,8 +66,8 @@ impl Drawn {
     /// batch of a job runs the same kernel: two compilations may round differently.
     ///
     /// # Errors
-    /// A member that the job's integrator cannot step.
-    pub(super) fn of(job: &Job, members: Range<u64>) -> Result<Self> {
+    /// A member that the job's integrator cannot step; it was asked to stop.
+    pub(super) fn of(job: &Job, members: Range<u64>, stop: &(dyn Fn() -> bool + Sync)) -> Result<Self> {
         let mut present = Present { values: [false; COLUMNS], laws: [false; coefficients::MOST] };
         let asked = job.members.min(ASKED);
         for i in 0..asked {
@@ -76,6 +76,9 @@ impl Drawn {
         let numbers = numbers(job);
         let starts: Vec<u64> = members.clone().step_by(CHUNK as usize).collect();
         let draw = |first: &u64| {
+            if stop() {
+                return Err(Error::new("could not draw the members", "it was stopped", "run it again"));
+            }
             let mut present = present.clone();
             Chunk::of(job, *first..members.end.min(first + CHUNK), &numbers, &mut present).map(|chunk| (chunk, present))
         };
