@@ -68,6 +68,7 @@ mod suite {
     pub mod read_quantity;
     pub mod readout;
     pub mod recording;
+    pub mod report;
     pub mod require;
     pub mod resume_in_motion;
     pub mod rows;
@@ -284,6 +285,7 @@ fn main() {
         // several recordings: fitted together, judged by others, refused where they do not belong together.
         suite::several_recordings::tests(),
         // require: the value that a requirement takes is the one of theory, covered as stated.
+        suite::report::tests(),
         suite::require::tests(),
         // digits: digits that are declared stable are.
         suite::digits::tests(),

@@ -50,9 +50,17 @@ pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
 /// # Errors
 /// A file that cannot be read; one that is no JSON, or lacks what is needed, with line and column.
 pub fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T> {
-    serde_json::from_str(&read_text(path)?).map_err(|error| {
+    parse_json(&path.display().to_string(), &read_text(path)?)
+}
+
+/// Parses a JSON document; `name` stands in messages for where it came from.
+///
+/// # Errors
+/// Text that is not such a document.
+pub fn parse_json<T: DeserializeOwned>(name: &str, text: &str) -> Result<T> {
+    serde_json::from_str(text).map_err(|error| {
         let hint = "give a whole file that this program wrote";
-        Error::new(format!("could not read {}", path.display()), error.to_string(), hint)
+        Error::new(format!("could not read {name}"), error.to_string(), hint)
     })
 }
 

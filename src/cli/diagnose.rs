@@ -182,22 +182,20 @@ fn proposed(path: &Path, asked: &Asked, control: &Control) -> Result<String> {
         ..Request::default()
     };
     let seen = inspection::inspect(path, &request)?;
-    let named = proposal::Named { input: asked.input.clone(), output: asked.output.clone(), rate_hz: asked.rate_hz };
+    let named = proposal::Named {
+        input: asked.input.clone(),
+        output: asked.output.clone(),
+        rate_hz: asked.rate_hz,
+        is_cut: asked.seconds != model::Seconds::default(),
+    };
     proposal::proposed(&path.display().to_string(), &seen, &named)
 }
 
 fn outputs(arguments: &Arguments, model: &Model) -> output::Request {
-    let reads = match model {
-        Model::Tumble(tumble) => tumble.poses.iter().cloned().collect(),
-        Model::Trajectory(model) => {
-            model.reference.iter().flat_map(|r| [Some(r.file.clone()), r.times.clone()]).flatten().collect()
-        }
-        Model::Driven(_) | Model::Static(_) | Model::Response(_) => Vec::new(),
-    };
     output::Request {
         command: "diagnose",
         inputs: arguments.recordings.iter().chain(&arguments.test).chain(&arguments.model).cloned().collect(),
-        reads,
+        reads: model.files(),
         writes: [REPORT, VERDICT, REPAIRED, UNCORRECTED, PROPOSED]
             .map(str::to_owned)
             .into_iter()

@@ -30,6 +30,7 @@ pub mod output;
 mod overrides;
 pub mod paper;
 pub mod plan;
+pub mod report;
 pub mod require;
 mod samples;
 pub mod schema;
@@ -60,6 +61,7 @@ const EXAMPLES: &str = "Examples:
   proofmass study study.toml --members 100000       your own sensor
   proofmass require study.toml --limit 'p95(position_error_m, 60) < 10' --vary gyro.bias_deg_h.sd
   proofmass inspect flight.ulg                      what a recording contains, and what to run next
+  proofmass report log.csv                          all that a recording says, on one page
   proofmass check turned.csv                        is this calibration determined, and does it repeat?
   proofmass allan log.csv --rate-hz 100             noise coefficients of a static log
   proofmass export sensor.toml --to kalibr          its noise as the configuration of an estimator
@@ -81,6 +83,8 @@ pub enum Command {
     Merge(merge::Arguments),
     /// Show what a recording contains, and what to run next
     Inspect(inspect::Arguments),
+    /// Report all that a recording says, on one page: what a model leaves out, noise, whether it repeats
+    Report(report::Arguments),
     /// Check what a recording can know of a sensor, and whether its halves or several runs agree
     Check(check::Arguments),
     /// Estimate noise coefficients from a static log
@@ -199,6 +203,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         Some(Command::Require(a)) => require::run(a, json),
         Some(Command::Merge(a)) => merge::run(a, json),
         Some(Command::Inspect(a)) => inspect::run(a, json),
+        Some(Command::Report(a)) => report::run(a, json),
         Some(Command::Check(a)) => check::run(a, json),
         Some(Command::Allan(a)) => allan::run(a, json),
         Some(Command::Export(a)) => export::run(a, json),

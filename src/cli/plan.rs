@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::numbers;
 use super::output::{sayln, screen};
 use proofmass_base::document::to_json;
-use proofmass_base::error::{Error, Result};
+use proofmass_base::error::Result;
 use proofmass_base::output::{self, Folder};
 use proofmass_base::progress;
 use proofmass_diagnosis::plan::limits::Limits;
@@ -62,10 +62,6 @@ const EXPERIMENTS: [&str; 2] = ["experiment.csv", "next.csv"];
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let control = progress::terminal();
     let wish = Wish { probability: arguments.probability, confirm: arguments.confirm };
-    if !(wish.probability > 0.0 && wish.probability < 1.0) {
-        let cause = format!("--probability {} is no probability between zero and one", wish.probability);
-        return Err(Error::new("could not plan an experiment", cause, "0.95 decides rightly in 19 of 20 cases"));
-    }
     let limits = Limits::read(&arguments.limits)?;
     let question = asked::read(&arguments.from, arguments.show.as_deref(), &limits)?;
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs(arguments))).transpose()?;

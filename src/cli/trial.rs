@@ -4,6 +4,7 @@
 mod answer;
 mod book;
 mod independent;
+mod planned;
 pub(super) mod shard;
 
 use std::path::{Path, PathBuf};
@@ -84,6 +85,11 @@ pub struct Arguments {
     /// real noise; driven, at rest and hand-rotated
     #[arg(long, conflicts_with_all = ["planted", "like", "recordings"])]
     pub independent: bool,
+    /// Experiments that `plan` proposes, for sensors whose first recording leaves laws tied: how often they
+    /// decide, and as promised
+    #[arg(long, conflicts_with_all = ["planted", "independent", "like", "recordings", "samples", "book", "shard",
+        "parquet"])]
+    pub plan: bool,
     /// Only cases of this kind of the second generator: driven, static, tumble, or response, whose
     /// stepped-sine sweeps no other trial has; the number of a --case says its kind
     #[arg(long, value_name = "KIND", requires = "independent", conflicts_with = "case", value_parser = kind)]
@@ -120,7 +126,7 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    fn plan(&self) -> Plan {
+    fn campaign(&self) -> Plan {
         let campaign = if self.planted { Campaign::Planted } else { Campaign::Concealed };
         let usual = Plan { seed: self.seed, cases: campaign.size(), samples: campaign.samples(), campaign };
         let usual = if self.quick { Plan::quick(self.seed) } else { usual };
@@ -180,7 +186,12 @@ fn trial(arguments: &Arguments, json: bool, control: &Control) -> Result<()> {
         let request = independent::Request { out, force, quick, resume, cases, seed, rows, case, kind };
         return independent::run(&request, &tool(control), json, control);
     }
-    let plan = arguments.plan();
+    if arguments.plan {
+        let Arguments { out, force, quick, resume, cases, seed, case, .. } = arguments.clone();
+        let request = planned::Request { out, force, quick, resume, cases, seed, case };
+        return planned::run(&request, &tool(control), json, control);
+    }
+    let plan = arguments.campaign();
     if !(1..=1_000_000).contains(&plan.cases) || !(500..=10_000_000).contains(&plan.samples) {
         let cause = format!("{} cases of {} samples", plan.cases, plan.samples);
         return Err(Error::new("could not plan the trial", cause, "use at least one case and 500 samples"));

@@ -156,6 +156,7 @@ mod tests {
             channels: Vec::new(),
             evidence: Evidence { held_out_gain: 1.0, p_value: 0.0 },
             share: None,
+            base: Vec::new(),
             confusable_with: Vec::new(),
             form: None,
         };

@@ -19,7 +19,7 @@ pub use split::{Ranges, Split};
 pub use trajectory::{Half, InertialNoise, Reference, Trajectory, TrajectoryColumns};
 pub use tumble::{Tumble, TumbleColumns};
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
@@ -62,6 +62,17 @@ impl Model {
             Self::Tumble(m) => m.topic.as_ref(),
             Self::Trajectory(m) => m.topic.as_ref(),
             Self::Response(m) => m.topic.as_ref(),
+        }
+    }
+
+    /// Files besides the recording that the model names: its poses, its reference, the times of that.
+    pub fn files(&self) -> Vec<PathBuf> {
+        match self {
+            Self::Tumble(tumble) => tumble.poses.iter().cloned().collect(),
+            Self::Trajectory(model) => {
+                model.reference.iter().flat_map(|r| [Some(r.file.clone()), r.times.clone()]).flatten().collect()
+            }
+            Self::Driven(_) | Self::Static(_) | Self::Response(_) => Vec::new(),
         }
     }
 

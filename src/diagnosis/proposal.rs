@@ -15,7 +15,7 @@ const AT_REST: f64 = 0.8;
 /// Directions of gravity in which a sensor rests that is turned on purpose: the faces of a box.
 const FACES: usize = 6;
 /// Rests shorter than this tell little of noise, s.
-const WORTHWHILE_S: f64 = 60.0;
+pub const WORTHWHILE_S: f64 = 60.0;
 /// Standard gravity (CGPM 1901), where nobody said what it is at the place of the recording.
 const GRAVITY_M_S2: f64 = 9.806_65;
 
@@ -47,6 +47,8 @@ pub struct Named {
     pub output: Option<String>,
     /// Sampling rate of a recording without a clock, Hz.
     pub rate_hz: Option<f64>,
+    /// States that a part of the recording was cut out: of a sensor that mostly rests in it, its rest.
+    pub is_cut: bool,
 }
 
 /// The time that a sensor lay still, s.
@@ -126,6 +128,7 @@ fn of_kind(file: &str, seen: &Inspection, named: &Named) -> Result<String> {
         Some(Suited::Driven) => driven(file, rows, named),
         Some(Suited::Sweeps) => Ok(response(rows, seen.clock.as_deref())),
         Some(Suited::Rest) => Ok(at_rest(rows)),
+        Some(Suited::RestFor(_)) if named.is_cut => Ok(at_rest(rows)),
         Some(Suited::Poses) => poses(file, rows),
         Some(Suited::RestFor(rest)) => {
             let [from, to] = [rest.from_s, rest.to_s].map(|t| rounded(t, 4));

@@ -6,6 +6,7 @@ pub mod butterworth;
 pub mod cosine;
 pub mod elementary;
 pub mod exponential;
+pub mod fourier;
 pub mod lagrange;
 pub mod least_squares;
 pub mod legendre;

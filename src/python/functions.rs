@@ -19,6 +19,9 @@ use proofmass_base::error::{Error, Result};
 use proofmass_cli as cli;
 use proofmass_cli::allan::{Asked, Scales};
 use proofmass_diagnosis::model::{self, Model};
+use proofmass_diagnosis::plan::experiment::Experiment;
+use proofmass_diagnosis::plan::limits::Limits;
+use proofmass_diagnosis::plan::{Wish, asked};
 use proofmass_diagnosis::recordings::Recordings;
 use proofmass_diagnosis::{self as diagnosis, repaired};
 use proofmass_recording::{self as recording, Recording, Request};
@@ -224,6 +227,62 @@ pub(super) fn check(py: Python<'_>, given: Vec<Given<'_>>, model: Document<'_>, 
         let toml = recordings.first().and_then(|first| checked.sensor_toml(first.rate_hz));
         Ok(Answer { json, toml, draw: Box::new(move || report::check::page(&files, &recordings, &checked).finish()) })
     })
+}
+
+/// A question that an experiment shall answer, and what it shall reach.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(super) struct Wanted<'py> {
+    /// A verdict as JSON, where it is not a file.
+    verdict: Option<String>,
+    /// A model, or the path of a verdict or a model.
+    given: Option<Document<'py>>,
+    show: Option<String>,
+    probability: f64,
+    confirm: usize,
+}
+
+/// Inputs to play, an array of time and one of input for each.
+type Inputs<'py> = Vec<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)>;
+
+/// `proofmass.plan`: the next experiment.
+#[pyfunction]
+pub(super) fn plan<'py>(py: Python<'py>, wanted: Wanted<'_>, limits: Document<'_>) -> PyResult<(Answer, Inputs<'py>)> {
+    let Wanted { verdict, given, show, probability, confirm } = wanted;
+    let prepared = || {
+        let limits = match limits {
+            Document::Path(path) => Limits::read(&path)?,
+            Document::Table(table) => Limits::of_table("the limits", value::table(&table, "")?)?,
+        };
+        let show = show.as_deref();
+        let question = match (verdict, given) {
+            (Some(text), _) => asked::of_verdict("the diagnosis", &text, show)?,
+            (None, Some(Document::Path(path))) => asked::read(&path, show, &limits)?,
+            (None, Some(Document::Table(table))) => {
+                let model = model::of_table("the model", value::table(&table, "")?)?;
+                asked::of_model("the model", model, show, &limits)?
+            }
+            (None, None) => {
+                let hint = "give a diagnosis, a model, or the path of verdict.json or model.toml";
+                return Err(Error::new("could not plan an experiment", "there is no question", hint));
+            }
+        };
+        Ok((question, limits))
+    };
+    let (question, limits) = prepared().map_err(|error: Error| raised(py, error))?;
+    let wish = Wish { probability, confirm };
+    let (answer, experiments) = detached(py, move |control| {
+        let (planned, confirmed) = diagnosis::plan::plan(&question, &limits, wish, control)?;
+        let json = to_json(&report::plan::document(&planned, wish.probability, &confirmed, &[]))?;
+        let experiments: Vec<_> = planned.proposals().map(|p| p.experiment).collect();
+        let draw = move || report::plan::page(&planned, wish.probability, &confirmed, &[]).finish();
+        Ok((Answer { json, toml: None, draw: Box::new(draw) }, experiments))
+    })?;
+    let arrays = |e: &Experiment| {
+        let time: Vec<f64> = (0..e.samples()).map(|k| k as f64 / e.rate_hz).collect();
+        (PyArray1::from_vec(py, time), PyArray1::from_vec(py, e.input()))
+    };
+    Ok((answer, experiments.iter().map(arrays).collect()))
 }
 
 /// Which part of each recording is used.

@@ -17,5 +17,5 @@ mod _proofmass {
     #[pymodule_export]
     use super::answer::Answer;
     #[pymodule_export]
-    use super::functions::{allan, check, diagnose, main, simulate, study};
+    use super::functions::{allan, check, diagnose, main, plan, simulate, study};
 }

@@ -17,6 +17,11 @@ use proofmass_diagnosis::check::Checked;
 pub use document::document;
 pub use page::page;
 
+/// The answer in a sentence or two.
+pub fn answer(files: &[String], checked: &Checked) -> String {
+    sentences::answer(files, checked)
+}
+
 /// The text of a terminal: the answer, what each recording can know, the parameters, and what to do
 /// next.
 pub fn terminal(files: &[String], checked: &Checked) -> String {

@@ -101,6 +101,25 @@ impl Page {
         self.body += "</div>\n";
     }
 
+    /// Adds another page as a section: its lede opens it, its headings stand one level lower, and the names of
+    /// its figures' numbers begin with `prefix`.
+    pub fn chapter(&mut self, heading: &str, prefix: &str, other: Self) {
+        self.section(heading);
+        let (head, body) = other.body.split_once("</header>\n").unwrap_or(("", &other.body));
+        let lede = head.split_once("</h1>").map_or("", |(_, lede)| lede);
+        self.body += lede;
+        // Deepest first, so that none is lowered twice.
+        let lower = body.replace("<h3>", "<h4>").replace("</h3>", "</h4>").replace("</h2>", "</h3>");
+        let mut parts = lower.split("<h2 id=\"");
+        self.body += parts.next().unwrap_or_default();
+        for part in parts {
+            // A section of a chapter is not in the contents, and two chapters would share its name.
+            self.body += &format!("<h3>{}", part.split_once('>').map_or(part, |(_, rest)| rest));
+        }
+        let named = |n: Numbers| Numbers { name: format!("{}{prefix}{}", self.prefix, n.name), columns: n.columns };
+        self.numbers.extend(other.numbers.into_iter().map(named));
+    }
+
     /// The page as a self-contained HTML document.
     pub fn finish(self) -> String {
         let contents = if self.contents.len() < 4 {

@@ -12,6 +12,7 @@ pub mod figure;
 mod grouped;
 pub mod html;
 pub mod inspection;
+pub mod log;
 pub mod plan;
 pub mod require;
 pub mod strapdown;

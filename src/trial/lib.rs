@@ -7,7 +7,7 @@
 //! diagnosis receives two files, recording and base model, and nothing else.
 //!
 //! `independent` is a second generator with families of its own, which shares only plumbing with
-//! the first.
+//! the first. `planned` records what `plan` proposes.
 //!
 //! Not for fitting: nothing here is used by `diagnosis`, and nothing here calls into its numerics.
 
@@ -22,6 +22,7 @@ pub mod catalogue;
 pub mod copy;
 pub mod divided;
 pub mod driven;
+mod envelope;
 pub mod equation;
 pub mod excitation;
 pub mod independent;
@@ -32,6 +33,7 @@ pub mod outcome;
 pub mod page;
 pub mod physics;
 pub mod plan;
+pub mod planned;
 pub mod plant;
 mod processor;
 pub mod proof_mass;

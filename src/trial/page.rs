@@ -5,6 +5,7 @@ pub mod book;
 pub mod figures;
 pub mod independent;
 pub mod like;
+pub mod planned;
 
 use crate::blind::Verdicts;
 use crate::campaign::Campaign;

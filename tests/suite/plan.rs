@@ -1,25 +1,21 @@
 //! `plan` against a generator with equations of its own: laws that a first recording does not tell apart
 //! are recorded as proposed and diagnosed, and the answer is right as often as was promised.
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::control::Control;
+use proofmass::diagnosis::plan::asked;
 use proofmass::diagnosis::plan::limits::{Limit, Limits};
-use proofmass::diagnosis::plan::search::{Planned, search};
-use proofmass::diagnosis::plan::{Wish, asked, plan};
-use proofmass::diagnosis::verdict::Outcome;
-use proofmass::diagnosis::{self, answer::Answer, model};
-use proofmass::recording::{Column, Recording};
-use proofmass::rng::{Philox, Stream};
-use proofmass::trial::independent::columns::Columns;
-use proofmass::trial::independent::driven::Driven;
-use proofmass::trial::independent::law::Law;
-use proofmass::trial::independent::oscillator::Oscillator;
-use proofmass::trial::independent::readout::{Noise, Readout};
-use proofmass::trial::independent::wave::Shape;
-use rand::RngExt;
+use proofmass::diagnosis::plan::search::{Planned as Found, search};
+use proofmass::diagnosis::verdict::Verdict;
+use proofmass::diagnosis::{self, model};
+use proofmass::error::Error;
+use proofmass::report::diagnosis::worded;
+use proofmass::trial::ask::Files;
+use proofmass::trial::planned::ask;
+use proofmass::trial::planned::line::{Line, Planned, Stage, Worth};
+use proofmass::trial::planned::pair::Pair;
 use rayon::prelude::*;
 
 use super::bench::{Bench, run};
@@ -27,8 +23,8 @@ use super::world::{check, program, test};
 
 /// Parts that the pairs are divided into, so that each test is short.
 const PARTS: u64 = 4;
-/// Sensors drawn for one part; of about a half the first recording leaves two laws.
-const DRAWN: u64 = 14;
+/// Sensors drawn for one part; of about a half the first recording leaves laws tied.
+const DRAWN: u64 = 8;
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
@@ -89,7 +85,7 @@ fn shown() -> Result<(), Failed> {
 fn noise() -> Result<(), Failed> {
     let bench = Bench::new()?;
     let model = bench.file("model.toml", MODEL)?;
-    let planned = |noise: f64| -> Result<Planned, Failed> {
+    let planned = |noise: f64| -> Result<Found, Failed> {
         let limits = Limits::parse("limits.toml", &limits(noise))?;
         let question = asked::read(&model, Some("cubic-stiffness=0.3%"), &limits)?;
         Ok(search(&question, &limits, 0.95, &Control::silent())?)
@@ -135,133 +131,38 @@ fn refused() -> Result<(), Failed> {
     Ok(())
 }
 
-/// A sensor with one law, its first recording a band of noise at a third of the largest input.
-fn sensor(seed: u64) -> (Driven, &'static str) {
-    let mut rng = Philox::new(seed, 77, Stream::Host);
-    let mut about = |low: f64, high: f64| low * (high / low).powf(rng.random::<f64>());
-    let (f0, zeta) = (about(3.0, 12.0), about(0.01, 0.08));
-    let omega = std::f64::consts::TAU * f0;
-    let (id, laws, readout) = match seed % 6 {
-        0 => ("cubic-stiffness", vec![Law::OddSpring { size: 0.003 * omega * omega, p: 3.0 }], vec![]),
-        1 => ("quadratic-damping", vec![Law::Drag { size: 0.02 * zeta, p: 2.0 }], vec![]),
-        2 => ("squeeze-film-damping", vec![Law::Squeeze { size: 0.02 * zeta * omega }], vec![]),
-        3 => ("coulomb-friction", vec![Law::Friction { size: 0.02 * zeta * omega * omega, lean: 0.0 }], vec![]),
-        4 => ("quadratic-stiffness", vec![Law::EvenSpring { size: 0.003 * omega * omega }], vec![]),
-        _ => ("readout-nonlinearity", vec![], vec![Readout::Bend { k2: 0.0, k3: 0.001 }]),
-    };
-    let input =
-        Shape::Lines { count: 40, from_hz: 0.2 * f0, to_hz: 2.5 * f0, of_hz: 0.0, odd_only: false, seed: seed ^ 5 };
-    let oscillator = Oscillator {
-        seed,
-        rate_hz: 25.0 * f0,
-        rows: 2000,
-        omega,
-        zeta,
-        gain: omega * omega,
-        start: [0.0; 2],
-        before: 0,
-        input,
-        held: false,
-        constant: 0.0,
-        hidden: 0.0,
-        laws,
-        readout,
-        environment: None,
-        input_lag_s: 0.0,
-        input_noise: 0.0,
-        jitter: 0.0,
-        slip: None,
-    };
-    let columns = Columns {
-        output_scale: 1.0,
-        input_scale: 1.0,
-        offset: 0.0,
-        step: 0.0,
-        headings: ["u", "y", "t"].map(String::from),
-        swapped: false,
-        every: 1,
-    };
-    let mut driven = Driven { oscillator, noise: Noise::Gauss, sigma: 1.0, columns, hint: false };
-    // So much noise that the law shows in the first recording, and just so: a tenth to a third of it.
-    driven.sigma = driven.visible(2000).unwrap_or(0.0) / about(0.1, 0.3);
-    (driven, id)
-}
-
-/// The verdict on a recording of it.
-fn diagnosed(driven: &Driven) -> Option<(Answer, f64)> {
-    let rows = driven.oscillator.rows;
-    let readings = driven.readings(rows, true)?;
-    let peak = readings.input.iter().fold(0.0f64, |a, u| a.max(u.abs()));
-    let columns = [("u", readings.input), ("y", readings.reading)];
-    let columns: Vec<Column> = columns.map(|(name, values)| Column { name: name.into(), values }).to_vec();
-    let recording = Recording { rows, rate_hz: driven.oscillator.rate_hz, columns, ..Recording::default() };
-    let text = "kind = \"driven\"\nrate_hz = 1.0\n[columns]\ninput = \"u\"\noutput = \"y\"\n";
-    let model = model::parse("model.toml", text).ok()?;
-    Some((diagnosis::diagnose(&recording, &model, &Control::silent()).ok()?, peak))
-}
-
-/// A pair that the first recording left open, recorded as proposed.
-#[derive(Debug, Clone)]
-struct Pair {
-    said: String,
-    promised: f64,
-    right: bool,
-    wrong: bool,
-    /// Samples of the experiment, and of the broadband multisine that is to do as well.
-    samples: [Option<usize>; 2],
-}
-
-fn pair(bench: &Bench, seed: u64) -> Option<Pair> {
-    let (mut driven, id) = sensor(seed);
-    let (first, peak) = diagnosed(&driven)?;
-    if first.outcome != Outcome::Undecidable || first.effects.len() < 2 {
-        return None;
-    }
-    let verdict = proofmass::report::diagnosis::worded(first).verdict;
-    let path = bench.file(&format!("{seed}.json"), &serde_json::to_string(&verdict).ok()?).ok()?;
-    let rate = driven.oscillator.rate_hz;
-    let text = format!(
-        "largest_input_m_s2 = {}\nrate_hz = {rate}\nlongest_s = {}\nlargest_reading = 100.0\n",
-        1.5 * peak,
-        12_000.0 / rate
-    );
-    let limits = Limits::parse("limits.toml", &text).ok()?;
-    let question = asked::read(&path, None, &limits).ok()?;
-    let wish = Wish { probability: 0.95, confirm: 0 };
-    let (planned, _) = plan(&question, &limits, wish, &Control::silent()).ok()?;
-    let best = planned.best.first()?;
-    driven.oscillator.input = Shape::Played { rate_hz: best.experiment.rate_hz, values: best.experiment.input() };
-    driven.oscillator.rows = best.experiment.samples();
-    driven.oscillator.seed += 1_000_000;
-    let (second, _) = diagnosed(&driven)?;
-    let names: Vec<&str> = second.effects.iter().map(|e| e.id.as_str()).collect();
-    let is_said = second.outcome == Outcome::Explained;
-    let mut said = format!("{seed} {id}: ");
-    let rivals: Vec<&str> = planned.question.rivals.iter().map(|k| k.term.id()).collect();
-    let _ =
-        write!(said, "{rivals:?} {:?} {:.3} → {:?} {names:?}", best.experiment.shape, best.probability, second.outcome);
-    Some(Pair {
-        said,
-        promised: best.probability,
-        right: is_said && names == [id],
-        wrong: is_said && !names.contains(&id),
-        samples: [Some(best.experiment.samples()), planned.broadband.map(|p| p.experiment.samples())],
-    })
+/// The tool, as the trial asks it.
+fn tool(files: &Files) -> Result<Verdict, Error> {
+    let control = Control::silent();
+    let model = model::read(&files.model)?;
+    let recording = model::read_recording(&files.recording, &model, &control)?;
+    Ok(worded(diagnosis::diagnose(&recording, &model, &control)?).verdict)
 }
 
 fn pairs(part: u64) -> Result<(), Failed> {
     let bench = Bench::new()?;
-    let seeds = part * DRAWN..(part + 1) * DRAWN;
-    let pairs: Vec<Pair> = seeds.into_par_iter().filter_map(|seed| pair(&bench, seed)).collect();
-    let promised: Vec<&Pair> = pairs.iter().filter(|p| p.promised >= 0.9).collect();
-    let right = promised.iter().filter(|p| p.right).count();
-    let wrong: Vec<&Pair> = pairs.iter().filter(|p| p.wrong).collect();
-    let brier = pairs.iter().map(|p| (p.promised - f64::from(u8::from(p.right))).powi(2)).sum::<f64>();
-    for pair in &pairs {
-        println!("{} {} {:?}", if pair.right { "right" } else { "open or wrong" }, pair.said, pair.samples);
+    let numbers: Vec<usize> = (part * DRAWN..(part + 1) * DRAWN).map(|n| n as usize).collect();
+    let way = |number: &usize| -> Option<Result<Line, Error>> {
+        let pair = Pair::make(1, *number)?;
+        let folder = bench.path(&number.to_string());
+        std::fs::create_dir(&folder).ok()?;
+        Some(ask::line(&pair, &folder, &tool, &Control::silent()))
+    };
+    let lines: Vec<Line> = numbers.par_iter().filter_map(way).collect::<Result<_, _>>()?;
+    let plans: Vec<(&Line, &Planned)> = lines
+        .iter()
+        .filter_map(|line| if let Stage::Planned(planned) = &line.stage { Some((line, &**planned)) } else { None })
+        .collect();
+    let is = |planned: &Planned, worth| planned.decided.worth == worth;
+    for (line, planned) in &plans {
+        println!("{} {} {:?} {planned:?}", line.number, line.law, line.rivals);
     }
+    // Where a rival is the law, nothing else may be said for sure.
+    let wrong: Vec<usize> =
+        plans.iter().filter(|(l, p)| p.rivals.contains(&l.law) && is(p, Worth::Wrong)).map(|(l, _)| l.number).collect();
     check(wrong.is_empty(), format!("confidently wrong: {wrong:?}"))?;
-    // At 95 % three wrong of ten have a chance of 1 %.
-    let misses = promised.len() - right;
-    check(misses <= 3, format!("{right} of {} right where 90 % were promised; Brier sum {brier}", promised.len()))
+    let reached = plans.iter().filter(|(l, p)| p.reached && p.rivals.contains(&l.law));
+    let misses: Vec<usize> = reached.filter(|(_, p)| !is(p, Worth::Right)).map(|(l, _)| l.number).collect();
+    // At 95 % three misses of eight have a chance of 0.6 %.
+    check(misses.len() <= 2, format!("not decided where 95 % were promised: {misses:?}"))
 }

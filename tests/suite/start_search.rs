@@ -123,6 +123,7 @@ fn profile_is_refits() -> Result<(), Failed> {
         form: None,
         evidence: Evidence { held_out_gain: 1.0, p_value: 0.0 },
         share: None,
+        base: Vec::new(),
         confusable_with: Vec::new(),
     };
     let budget = data.work.budget(Stage::Conclusion, data.hull.len());

@@ -79,7 +79,8 @@ pub(super) fn run(request: &Request, subject: &Subject<'_>, json: bool, control:
     if let (Some(number), Some(path)) = (request.case, &request.out) {
         return one(plan, number, path, request.force, json, subject);
     }
-    let mut kept = request.out.as_deref().map(|path| keep(path, request)).transpose()?;
+    let open = |path| keep(path, "trial --independent", &FILES, [request.resume, request.force]);
+    let mut kept = request.out.as_deref().map(open).transpose()?;
     if let Some(kept) = &mut kept {
         STATES.iter().try_for_each(|name| kept.state(name, request.resume))?;
     }
@@ -114,21 +115,17 @@ pub(super) fn run(request: &Request, subject: &Subject<'_>, json: bool, control:
     written
 }
 
-fn keep(path: &Path, request: &Request) -> Result<Folder> {
-    if request.resume && !path.join(STATES[0]).is_file() {
+/// The folder of a trial, to be resumed or forced; to resume one, there must be one.
+pub(super) fn keep(path: &Path, command: &'static str, files: &[&str], [resume, force]: [bool; 2]) -> Result<Folder> {
+    if resume && !path.join(STATES[0]).is_file() {
         return Err(Error::new(
             "could not resume",
             format!("no trial in {}", path.display()),
             "leave --resume out to start over, or give the --out of the interrupted trial",
         ));
     }
-    let files = output::Request {
-        command: "trial --independent",
-        writes: FILES.map(str::to_owned).into(),
-        force: request.force,
-        ..output::Request::default()
-    };
-    Folder::open(path, files)
+    let writes = files.iter().map(|name| (*name).to_owned()).collect();
+    Folder::open(path, output::Request { command, writes, force, ..output::Request::default() })
 }
 
 /// Makes one case again and asks for its verdict.

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use crate::candidate::Kind;
-use crate::document::read_json;
+use crate::document::{parse_json, read_text};
 use crate::driven::base::{BASE, GAIN, OFFSET, OMEGA, ZETA};
 use crate::error::{Error, Result, nearest};
 use crate::model::{self, Model, Output};
@@ -50,6 +50,8 @@ struct Effect {
     id: String,
     parameters: Vec<Number>,
     confusable_with: Vec<String>,
+    #[serde(default)]
+    base: Vec<Number>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -72,11 +74,11 @@ struct Detectable {
 }
 
 /// Words for refusals of one file.
-struct Refusal<'a>(&'a Path);
+struct Refusal<'a>(&'a str);
 
 impl Refusal<'_> {
     fn because(&self, cause: impl Into<String>, hint: impl Into<String>) -> Error {
-        Error::new(format!("could not plan from {}", self.0.display()), cause, hint)
+        Error::new(format!("could not plan from {}", self.0), cause, hint)
     }
 
     fn of_kind(&self, kind: Kind) -> Error {
@@ -95,18 +97,37 @@ impl Refusal<'_> {
 /// # Errors
 /// A file that cannot be read; one of another kind; one that leaves nothing to plan for.
 pub fn read(path: &Path, show: Option<&str>, limits: &Limits) -> Result<Question> {
-    let refusal = Refusal(path);
-    let show = show.map(shown).transpose()?;
+    let name = path.display().to_string();
     if path.extension().is_some_and(|e| e == "toml") {
-        let sensor = modelled(path, limits, &refusal)?;
-        let Some((known, strength)) = show else {
-            return Err(
-                refusal.because("a model leaves no question open", "say what to show: --show cubic-stiffness=1%")
-            );
-        };
-        return Ok(Question { sensor, common: Vec::new(), rivals: vec![known], purpose: Purpose::Show(strength) });
+        // What shall be shown first: a model is long.
+        show.map(shown).transpose()?;
+        return of_model(&name, model::read(path)?, show, limits);
     }
-    let verdict: Verdict = read_json(path)?;
+    of_verdict(&name, &read_text(path)?, show)
+}
+
+/// The question of a model, which must say what shall be shown; `name` stands in messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn of_model(name: &str, model: Model, show: Option<&str>, limits: &Limits) -> Result<Question> {
+    let refusal = Refusal(name);
+    let show = show.map(shown).transpose()?;
+    let sensor = modelled(model, limits, &refusal)?;
+    let Some((known, strength)) = show else {
+        return Err(refusal.because("a model leaves no question open", "say what to show: --show cubic-stiffness=1%"));
+    };
+    Ok(Question { sensor, common: Vec::new(), rivals: vec![known], purpose: Purpose::Show(strength) })
+}
+
+/// The question of a verdict.json; `name` stands in messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn of_verdict(name: &str, text: &str, show: Option<&str>) -> Result<Question> {
+    let refusal = Refusal(name);
+    let show = show.map(shown).transpose()?;
+    let verdict: Verdict = parse_json(name, text)?;
     if !verdict.schema.starts_with("proofmass.verdict/") {
         let cause = format!("its schema is \"{}\"", verdict.schema);
         return Err(refusal.because(cause, "give the verdict.json that `proofmass diagnose --out DIR` writes"));
@@ -123,8 +144,8 @@ pub fn read(path: &Path, show: Option<&str>, limits: &Limits) -> Result<Question
     }
 }
 
-fn modelled(path: &Path, limits: &Limits, refusal: &Refusal<'_>) -> Result<Sensor> {
-    let model = match model::read(path)? {
+fn modelled(model: Model, limits: &Limits, refusal: &Refusal<'_>) -> Result<Sensor> {
+    let model = match model {
         Model::Driven(model) => model,
         Model::Static(_) => return Err(refusal.of_kind(Kind::Static)),
         Model::Tumble(_) => return Err(refusal.of_kind(Kind::Tumble)),
@@ -155,23 +176,31 @@ fn modelled(path: &Path, limits: &Limits, refusal: &Refusal<'_>) -> Result<Senso
 }
 
 fn diagnosed(verdict: &Verdict, refusal: &Refusal<'_>) -> Result<Sensor> {
-    let number = |name: &str| verdict.base.iter().find(|n| n.name == name).map(|n| n.value);
-    let (Some(omega), Some(zeta), Some(gain)) = (number("omega0"), number("zeta"), number("gain")) else {
+    sensor(verdict, &verdict.base).ok_or_else(|| {
         let hint = "diagnose a recording with an input and a resonance first";
-        return Err(refusal.because("its recording had no input that moves a resonance", hint));
-    };
+        refusal.because("its recording had no input that moves a resonance", hint)
+    })
+}
+
+/// The sensor of these numbers; `None` where they are not of a driven resonance.
+fn sensor(verdict: &Verdict, numbers: &[Number]) -> Option<Sensor> {
+    let number = |name: &str| numbers.iter().find(|n| n.name == name).map(|n| n.value);
     let mut base = vec![0.0; BASE];
-    (base[GAIN], base[OMEGA], base[ZETA], base[OFFSET]) = (gain, omega, zeta, number("offset").unwrap_or(0.0));
-    Ok(Sensor { base, noise: verdict.fit.noise.as_ref().map_or(verdict.fit.noise_floor, |n| n.value) })
+    (base[GAIN], base[OMEGA], base[ZETA]) = (number("gain")?, number("omega0")?, number("zeta")?);
+    base[OFFSET] = number("offset").unwrap_or(0.0);
+    Some(Sensor { base, noise: verdict.fit.noise.as_ref().map_or(verdict.fit.noise_floor, |n| n.value) })
 }
 
 /// The question that a verdict leaves open.
-fn asked(verdict: &Verdict, sensor: Sensor, refusal: &Refusal<'_>) -> Result<Question> {
+fn asked(verdict: &Verdict, of_first: Sensor, refusal: &Refusal<'_>) -> Result<Question> {
     let mut known: Vec<(Known, &Effect)> = Vec::new();
     for effect in &verdict.effects {
         let law = Term::all().into_iter().find(|t| t.id() == effect.id);
         if let Some(term) = law.filter(|t| t.noise().is_none() && t.role() != Role::Lattice) {
-            known.push((with_values(term, &effect.parameters), effect));
+            known.push((
+                Known { sensor: sensor(verdict, &effect.base), ..with_values(term, &effect.parameters) },
+                effect,
+            ));
         }
     }
     let is_tied = |(_, effect): &(Known, &Effect)| !effect.confusable_with.is_empty();
@@ -190,7 +219,7 @@ fn asked(verdict: &Verdict, sensor: Sensor, refusal: &Refusal<'_>) -> Result<Que
             });
             let common = common.into_iter().chain(own).map(|(k, _)| k).collect();
             let rivals = rivals.into_iter().map(|(k, _)| k).collect();
-            Ok(Question { sensor, common, rivals, purpose: Purpose::Decide })
+            Ok(Question { sensor: of_first, common, rivals, purpose: Purpose::Decide })
         }
         "explained" if !known.is_empty() => {
             let (rival, effect) = known.remove(0);
@@ -201,7 +230,12 @@ fn asked(verdict: &Verdict, sensor: Sensor, refusal: &Refusal<'_>) -> Result<Que
                 half_width: 0.5 * (number.ci95[1] - number.ci95[0]),
                 seconds: verdict.recording.samples as f64 / verdict.recording.rate_hz,
             });
-            Ok(Question { sensor, common: known.into_iter().map(|(k, _)| k).collect(), rivals: vec![rival], purpose })
+            Ok(Question {
+                sensor: of_first,
+                common: known.into_iter().map(|(k, _)| k).collect(),
+                rivals: vec![rival],
+                purpose,
+            })
         }
         other => {
             let could =
@@ -221,7 +255,7 @@ fn with_values(term: Term, numbers: &[Number]) -> Known {
     let value = |name: &str| numbers.iter().find(|n| n.name == name).map_or(0.0, |n| n.value);
     let mut values: Vec<f64> = term.candidate().parameters.iter().map(|p| value(p.name)).collect();
     values.resize(term.values(), 0.0);
-    Known { term, values }
+    Known { term, values, sensor: None }
 }
 
 /// "cubic-stiffness=1%" as a law and its strength; the values follow once the motion is known.
@@ -248,5 +282,5 @@ fn shown(text: &str) -> Result<(Known, Strength)> {
         return Err(refuse(format!("{id} is no force that is a part of the spring's"), hint));
     }
     let strength = if is_share { Strength::Share(0.01 * number) } else { Strength::Value(number) };
-    Ok((Known { term, values: vec![0.0; term.values()] }, strength))
+    Ok((Known { term, values: vec![0.0; term.values()], sensor: None }, strength))
 }

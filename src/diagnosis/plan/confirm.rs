@@ -38,7 +38,7 @@ pub fn confirm(
         .iter()
         .map(Some)
         .chain([None])
-        .map(|own| Truth { sensor: &question.sensor, common: &question.common, own })
+        .map(|own| Truth { sensor: question.sensor_with(own), common: &question.common, own })
         .collect();
     let progress = control.stage("recordings diagnosed", (times * truths.len()) as u64);
     let quiet = control.without_stages();

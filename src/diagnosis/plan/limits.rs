@@ -6,7 +6,7 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::document::{parse_toml, read_text};
+use crate::document::{from_table, parse_toml, read_text};
 use crate::error::{Error, Result};
 
 /// limits.toml.
@@ -103,7 +103,19 @@ impl Limits {
     /// # Errors
     /// As [`Limits::read`].
     pub fn parse(name: &str, text: &str) -> Result<Self> {
-        let limits: Self = parse_toml(name, text)?;
+        parse_toml::<Self>(name, text)?.checked(name)
+    }
+
+    /// Checks a table with the keys of one.
+    ///
+    /// # Errors
+    /// As [`Limits::read`].
+    pub fn of_table(name: &str, table: toml::Table) -> Result<Self> {
+        from_table::<Self>(name, table)?.checked(name)
+    }
+
+    fn checked(self, name: &str) -> Result<Self> {
+        let limits = self;
         let refuse = |cause: String, hint: &str| Err(Error::new(format!("could not use {name}"), cause, hint));
         let given = limits.sensor.map(|s| [("sensor.noise", s.noise), ("sensor.static_gain", s.static_gain.abs())]);
         let numbers = [

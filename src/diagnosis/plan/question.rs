@@ -29,6 +29,8 @@ pub struct Known {
     pub term: Term,
     /// Its parameters, then where its states begin.
     pub values: Vec<f64>,
+    /// The sensor where it follows this law, if another one than where it follows the first.
+    pub sensor: Option<Sensor>,
 }
 
 /// Strength of a law that is to be shown.
@@ -75,4 +77,11 @@ pub struct Question {
     pub rivals: Vec<Known>,
     /// Purpose of the experiment.
     pub purpose: Purpose,
+}
+
+impl Question {
+    /// The sensor where a law is true; where none is, that of the first.
+    pub(super) fn sensor_with<'a>(&'a self, own: Option<&'a Known>) -> &'a Sensor {
+        own.and_then(|known| known.sensor.as_ref()).unwrap_or(&self.sensor)
+    }
 }

@@ -131,7 +131,7 @@ impl Look<'_> {
     fn truths(&self) -> impl Iterator<Item = Truth<'_>> {
         let q = self.question;
         let own = q.rivals.iter().map(Some).chain([None]);
-        own.map(|own| Truth { sensor: &q.sensor, common: &q.common, own })
+        own.map(|own| Truth { sensor: q.sensor_with(own), common: &q.common, own })
     }
 
     /// An experiment as a diagnosis would see it; `closely`: by its own search among all laws. `None` where

@@ -5,7 +5,7 @@ use crate::control::{Control, Stopped};
 use crate::driven::base::{BASE, GAIN, OFFSET, OMEGA, ZETA};
 use crate::driven::identification::fit::{Fit, Search, fit};
 use crate::driven::identification::refined_scales::refined;
-use crate::driven::identification::start::first_scales;
+use crate::driven::identification::start::{first_scales, unaligned};
 use crate::driven::intake::data::Data;
 use crate::driven::intake::input::{Input, Interpolation, REACH};
 use crate::driven::intake::observed::Observed;
@@ -109,8 +109,7 @@ fn unread(experiment: &Experiment) -> Data {
 }
 
 /// Sizes of a motion about which nothing but its sensor is known.
-fn sizes(data: &Data, sensor: &Sensor) -> Scales {
-    let mut scales = first_scales(data);
+fn sizes(mut scales: Scales, sensor: &Sensor) -> Scales {
     scales.begun(&[sensor.base[GAIN], sensor.base[OMEGA], sensor.base[ZETA]]);
     scales.fineness = 1.0;
     scales
@@ -128,8 +127,8 @@ fn read(truth: &Truth<'_>, mut data: Data) -> Option<Data> {
         let (errors, _) = trace(data, &structure, &point, &run);
         errors.iter().all(|e| e.is_finite() && e.abs() < 1e100).then(|| errors.iter().map(|e| -e).collect())
     };
-    let without = passed(&data, &[], &Scales { output: 1.0, ..sizes(&data, truth.sensor) })?;
-    let scales = sizes(&Data { reading: without, ..data.clone() }, truth.sensor);
+    let without = passed(&data, &[], &Scales { output: 1.0, ..sizes(unaligned(&data), truth.sensor) })?;
+    let scales = sizes(unaligned(&Data { reading: without, ..data.clone() }), truth.sensor);
     let laws: Vec<&Known> = truth.common.iter().chain(truth.own).collect();
     data.reading = passed(&data, &laws, &scales)?;
     Some(data)
@@ -147,7 +146,7 @@ impl Motion {
         }
         // A long recording is searched on a stretch of it.
         let data = loudest(&data).unwrap_or(data);
-        let scales = Scales { fineness: 0.5, ..sizes(&data, sensor) };
+        let scales = Scales { fineness: 0.5, ..sizes(first_scales(&data), sensor) };
         let (structure, mut point) = model(sensor, &truth.common.iter().collect::<Vec<_>>());
         point[BASE - 2] = data.reading[data.hull.start] - sensor.base[OFFSET];
         let common = fit(&data, &structure, &point, &scales, NEARLY)?;

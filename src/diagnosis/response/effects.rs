@@ -85,6 +85,7 @@ impl Public<'_> {
             form: None,
             evidence: Evidence { held_out_gain: named.gain.share, p_value: self.p_value(named.gain) },
             share: Some(share(named.gain)),
+            base: Vec::new(),
             confusable_with: Vec::new(),
         }
     }

@@ -59,6 +59,7 @@ impl Found {
             form: None,
             evidence: self.evidence,
             share: None,
+            base: Vec::new(),
             confusable_with: self.rivals.iter().filter_map(|c| Some(row(*c).entry?.id.to_owned())).collect(),
         })
     }

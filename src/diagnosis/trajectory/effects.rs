@@ -47,6 +47,7 @@ fn effect(candidate: &Candidate, parameters: Vec<Estimate>, channels: Vec<String
         form: None,
         evidence,
         share: None,
+        base: Vec::new(),
         confusable_with: Vec::new(),
     }
 }

@@ -160,6 +160,7 @@ impl Case<'_> {
             form: None,
             evidence: Evidence { held_out_gain: named.standing.gain, p_value: named.standing.p_value },
             share: None,
+            base: Vec::new(),
             confusable_with: named.rivals.iter().map(|t| t.id().to_owned()).collect(),
         }
     }

@@ -10,7 +10,9 @@ use std::f64::consts::PI;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use realfft::num_complex::Complex64;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use realfft::{ComplexToReal, RealToComplex};
+
+use super::fourier;
 
 /// Lengths whose plans are kept: a search transforms many sequences of one length.
 const KEPT: usize = 4;
@@ -34,14 +36,9 @@ fn plan(count: usize) -> Arc<Plan> {
         return plans[0].clone();
     }
     drop(plans);
-    let mut planner = RealFftPlanner::new();
+    let fourier::Plan { forward, inverse, .. } = fourier::plan(count);
     let turn = |k: usize| Complex64::from_polar(1.0, -PI * k as f64 / (2.0 * count as f64));
-    let made = Arc::new(Plan {
-        count,
-        forward: planner.plan_fft_forward(count),
-        inverse: planner.plan_fft_inverse(count),
-        turns: (0..count).map(turn).collect(),
-    });
+    let made = Arc::new(Plan { count, forward, inverse, turns: (0..count).map(turn).collect() });
     let mut plans = PLANS.lock().unwrap_or_else(PoisonError::into_inner);
     if known(&plans).is_none() {
         plans.insert(0, made.clone());

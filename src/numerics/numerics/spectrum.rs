@@ -5,8 +5,10 @@
 //! deviations, see `allan`.
 
 use crate::numerics::moments::mean;
+use realfft::RealToComplex;
 use realfft::num_complex::Complex64;
-use realfft::{RealFftPlanner, RealToComplex};
+
+use super::fourier;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -98,7 +100,7 @@ pub fn periodogram(values: &[f64], rate_hz: f64) -> Density {
     }
     let mean = mean(values);
     let mut input: Vec<f64> = values.iter().map(|v| v - mean).collect();
-    let fft = RealFftPlanner::new().plan_fft_forward(count);
+    let fft = fourier::plan(count).forward;
     let mut bins = fft.make_output_vec();
     transform(&fft, &mut input, &mut bins);
     let scale = 2.0 / (rate_hz * count as f64);
@@ -193,7 +195,7 @@ impl Windowed {
         }
         let window: Vec<f64> = (0..length).map(|i| (PI * (i as f64 + 0.5) / length as f64).sin().powi(2)).collect();
         let power = window.iter().map(|w| w * w).sum();
-        let fft = RealFftPlanner::new().plan_fft_forward(length);
+        let fft = fourier::plan(length).forward;
         Some(Self { window, power, input: fft.make_input_vec(), output: fft.make_output_vec(), fft })
     }
 

@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any
 from ._error import Error
 
 if TYPE_CHECKING:
-    from ._results import Allan, Check, Diagnosis, Simulation, Study
+    from ._results import Allan, Check, Diagnosis, Plan, Simulation, Study
 
-__all__ = ["Error", "allan", "check", "diagnose", "main", "simulate", "study"]
+__all__ = ["Error", "allan", "check", "diagnose", "main", "plan", "simulate", "study"]
 
 
 def study(
@@ -143,6 +143,30 @@ def check(
     return Check(_proofmass.check(all_recorded(recording), model, part))
 
 
+def plan(
+    question: Any,
+    limits: Any,
+    *,
+    show: str | None = None,
+    probability: float = 0.95,
+    confirm: int = 0,
+) -> Plan:
+    """The next experiment: ``proofmass plan``.
+
+    ``question`` is what :func:`diagnose` gave, a model that ``show`` names a law for (``"cubic-stiffness=1%"``), or the path
+    of verdict.json or model.toml. ``limits`` is a dictionary with the keys of limits.toml or the path of such a file.
+    """
+    from . import _proofmass
+    from ._results import Diagnosis, Plan
+
+    wanted = {
+        "verdict": question._answer.json if isinstance(question, Diagnosis) else None,
+        "given": None if isinstance(question, Diagnosis) else question,
+        "show": show, "probability": probability, "confirm": confirm,
+    }
+    return Plan(*_proofmass.plan(wanted, limits))
+
+
 def main() -> None:
     """The command ``proofmass``; ends the process with the command's exit code."""
     import os
@@ -163,7 +187,7 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version
 
         return version("proofmass")
-    if name in ("Allan", "Check", "Diagnosis", "Simulation", "Study"):
+    if name in ("Allan", "Check", "Diagnosis", "Plan", "Simulation", "Study"):
         from . import _results
 
         return getattr(_results, name)

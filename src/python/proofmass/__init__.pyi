@@ -98,6 +98,15 @@ class Check(_Result):
     def sensor(self) -> Union[str, None]: ...
     def agreement_to_dataframe(self) -> Any: ...
 
+class Plan(_Result):
+    answer: str
+    purpose: str
+    rivals: list[_Fields]
+    reached: bool
+    experiments: list[_Fields]
+    @property
+    def inputs(self) -> list[tuple[_Array, _Array]]: ...
+
 class Simulation(Mapping[str, _Array]):
     accelerometer_m_s2: _Array
     gyro_rad_s: _Array
@@ -160,4 +169,12 @@ def check(
     to_s: Union[float, None] = None,
     topic: Union[str, None] = None,
 ) -> Check: ...
+def plan(
+    question: Union[Diagnosis, dict[str, Any], _Path],
+    limits: Union[dict[str, Any], _Path],
+    *,
+    show: Union[str, None] = None,
+    probability: float = 0.95,
+    confirm: int = 0,
+) -> Plan: ...
 def main() -> None: ...

@@ -153,6 +153,30 @@ class Check(Result):
         return _pandas().DataFrame(rows, columns=names)
 
 
+class Plan(Result):
+    """The next experiment and the next best: what each decides, ``plan.json`` of the command."""
+
+    def __init__(self, answer: Any, inputs: list):
+        for array in (array for pair in inputs for array in pair):
+            array.setflags(write=False)
+        self._inputs = inputs
+        super().__init__(answer)
+
+    @property
+    def inputs(self) -> list:
+        """What to play, for each of ``experiments``: time in s, and the input, an array each."""
+        return self._inputs
+
+    def to_dataframe(self) -> Any:
+        """One row per experiment and truth: how probably that truth is decided."""
+        rows = [
+            (experiment["kind"], experiment["seconds"], experiment["samples"], experiment["level_m_s2"], truth["id"], truth["decides"])
+            for experiment in self._values["experiments"]
+            for truth in experiment["between"]
+        ]
+        return _pandas().DataFrame(rows, columns=["kind", "seconds", "samples", "level_m_s2", "truth", "decides"])
+
+
 class Simulation(Mapping):
     """Simulated readings: an array per column of the recording, by its name.
 

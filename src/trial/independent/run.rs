@@ -9,18 +9,17 @@ use std::sync::Mutex;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::case::Case;
 use super::judge::{Mark, judge};
 use super::oscillator_base::Size;
 use super::truth::Kind;
 use crate::ask::{self, Files, Subject};
+use crate::envelope::{self, unsealed};
 use crate::said::Said;
 use crate::scratch::Scratch;
 use crate::workers::side_by_side;
 use proofmass_base::control::Control;
-use proofmass_base::document::{hexadecimal, write_whole};
 use proofmass_base::error::{Error, Result};
 use proofmass_diagnosis::verdict::Verdict;
 
@@ -102,13 +101,12 @@ impl Plan {
 /// When the file cannot be written or read, when it belongs to another plan, or when stopped.
 pub fn prepare(plan: Plan, path: &Path, resume: bool, control: &Control) -> Result<(String, Vec<Case>)> {
     if resume {
-        let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, &e))?;
-        let truths = parse(&bytes)?;
+        let (sealed, truths) = envelope::sealed::<Truths>(path)?;
         if truths.plan != plan {
             let cause = format!("it was started with {:?}; requested is {plan:?}", truths.plan);
             return Err(Error::new("could not resume", cause, "give the options of the interrupted trial"));
         }
-        return Ok((hexadecimal(&Sha256::digest(&bytes)), truths.cases));
+        return Ok((sealed, truths.cases));
     }
     seal(plan, &plan.orders(), path, control)
 }
@@ -127,21 +125,8 @@ pub(crate) fn seal(plan: Plan, orders: &[Order], path: &Path, control: &Control)
     })?;
     let cases: Vec<Case> = made.into_iter().flatten().collect();
     let truths = Truths { schema: "proofmass.independent-truth/1".into(), plan, cases };
-    let bytes = serde_json::to_vec(&truths).map_err(|e| unsealed(&e.to_string()))?;
-    write_whole(path, &bytes)?;
-    // What is asked and judged is what was sealed, bit for bit.
-    Ok((hexadecimal(&Sha256::digest(&bytes)), parse(&bytes)?.cases))
-}
-
-fn unsealed(cause: &str) -> Error {
-    Error::new("could not seal the truth", cause, "this is a defect of the program; please report it")
-}
-
-fn parse(bytes: &[u8]) -> Result<Truths> {
-    serde_json::from_slice(bytes).map_err(|e| {
-        let hint = "it was written by another version; run the trial again";
-        Error::new("could not read the sealed truth", e.to_string(), hint)
-    })
+    let (sealed, truths) = envelope::seal(&truths, path)?;
+    Ok((sealed, truths.cases))
 }
 
 /// Opens the envelope after the last verdict.
@@ -149,13 +134,7 @@ fn parse(bytes: &[u8]) -> Result<Truths> {
 /// # Errors
 /// When it has changed since it was sealed.
 pub fn open(path: &Path, sealed: &str) -> Result<Truths> {
-    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, &e))?;
-    let found = hexadecimal(&Sha256::digest(&bytes));
-    if found != sealed {
-        let cause = format!("its SHA-256 is {found}, sealed was {sealed}");
-        return Err(Error::new("could not open the sealed truth", cause, "the trial is void; run it again"));
-    }
-    parse(&bytes)
+    envelope::open(path, sealed)
 }
 
 /// Lines of an interrupted run; one that was cut is left out, and its case asked again.

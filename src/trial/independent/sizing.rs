@@ -76,7 +76,7 @@ fn order(stage: &Readout) -> usize {
 
 /// Scales a piece until what the base model leaves of the first rows is near `target` of the
 /// output. False when no size does: the motion runs away, or the base model takes it all.
-pub(super) fn strengthen(base: &Driven, piece: &mut Piece, target: f64) -> bool {
+pub(crate) fn strengthen(base: &Driven, piece: &mut Piece, target: f64) -> bool {
     if piece.size_mut().is_none() {
         return true;
     }

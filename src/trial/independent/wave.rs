@@ -36,7 +36,11 @@ pub enum Shape {
 }
 
 /// Samples of silence around a file that is played.
-const SILENCE: usize = 16;
+const SILENCE: usize = 40;
+/// Points of its table for each of its samples.
+const FINER: usize = 4;
+/// Samples to each side from which a point between them is made.
+const TAPS: usize = 32;
 
 /// An input that can be asked at any time.
 #[derive(Debug, Clone)]
@@ -58,7 +62,7 @@ impl Shape {
             Self::Sweep { from_hz, to_hz, .. } => from_hz.max(*to_hz),
             Self::Steps { rise_s, .. } => 0.5 / rise_s,
             Self::Shocks { length_s, .. } => 2.8 / length_s,
-            Self::Played { rate_hz, .. } => 0.25 * rate_hz,
+            Self::Played { rate_hz, .. } => 0.4 * rate_hz,
         }
     }
 
@@ -135,9 +139,8 @@ impl Shape {
     /// Ready to be asked between two times.
     pub fn wave(&self, from_s: f64, to_s: f64) -> Wave {
         if let Self::Played { rate_hz, values } = self {
-            let silence = [0.0; SILENCE];
-            let values = [&silence, values.as_slice(), &silence].concat();
-            return Wave::Table { from_s: -(SILENCE as f64) / rate_hz, step_s: 1.0 / rate_hz, values };
+            let step_s = 1.0 / (FINER as f64 * rate_hz);
+            return Wave::Table { from_s: -(SILENCE as f64) / rate_hz, step_s, values: finer(values) };
         }
         let lines = self.lines();
         if lines.is_empty() {
@@ -159,6 +162,35 @@ impl Shape {
         }
         Wave::Table { from_s, step_s, values }
     }
+}
+
+/// A file that is played, with silence about it, by a sinc in a window of Kaiser's with β = 12 (Kaiser &
+/// Schafer, IEEE Trans. ASSP 28, 1980): below 0.4 of the rate it errs by less than 1e-5.
+fn finer(values: &[f64]) -> Vec<f64> {
+    let bessel = |x: f64| -> f64 {
+        let terms = (1..40).scan(1.0, |term, k| {
+            *term *= (0.5 * x / f64::from(k)).powi(2);
+            Some(*term)
+        });
+        1.0 + terms.sum::<f64>()
+    };
+    let tap = |t: f64| {
+        let edge = (1.0 - (t / TAPS as f64).powi(2)).max(0.0).sqrt();
+        let sinc = if t == 0.0 { 1.0 } else { (std::f64::consts::PI * t).sin() / (std::f64::consts::PI * t) };
+        sinc * bessel(12.0 * edge) / bessel(12.0)
+    };
+    let taps: Vec<f64> = (0..=FINER * TAPS).map(|k| tap(k as f64 / FINER as f64)).collect();
+    let point = |n: usize| -> f64 {
+        let at = n as isize - (FINER * SILENCE) as isize;
+        let nearest = at.div_euclid(FINER as isize);
+        let around = nearest - TAPS as isize..=nearest + TAPS as isize + 1;
+        let part = |k: isize| -> f64 {
+            let value = usize::try_from(k).ok().and_then(|k| values.get(k)).unwrap_or(&0.0);
+            taps.get((at - k * FINER as isize).unsigned_abs()).map_or(0.0, |tap| tap * value)
+        };
+        around.map(part).sum()
+    };
+    (0..FINER * (values.len() + 2 * SILENCE)).map(point).collect()
 }
 
 impl Wave {
@@ -209,6 +241,20 @@ mod tests {
         let Wave::Table { from_s, step_s, values } = &wave else { panic!("many lines make a table") };
         assert!(worst(&|t| values[((t - from_s) / step_s) as usize]) > 1e-2);
         assert!(lines.iter().all(|l| (l[1] / 0.1).round() as usize % 2 == 1), "odd multiples");
+    }
+
+    // A sine below 0.4 of the rate is known between its samples; one just below half of it is not: control.
+    #[test]
+    fn a_file_that_is_played_is_smooth_between_its_samples() {
+        let rate_hz = 100.0;
+        let worst = |hz: f64| {
+            let at = |t: f64| (TAU * hz * t).sin();
+            let shape = Shape::Played { rate_hz, values: (0..400).map(|n| at(f64::from(n) / rate_hz)).collect() };
+            let wave = shape.wave(0.0, 4.0);
+            (0..2000).map(|n| 1.0 + 0.001 * f64::from(n)).map(|t| (wave.at(t) - at(t)).abs()).fold(0.0, f64::max)
+        };
+        assert!(worst(3.0) < 1e-5 && worst(40.0) < 1e-4, "{} {}", worst(3.0), worst(40.0));
+        assert!(worst(49.0) > 1e-2, "{}", worst(49.0));
     }
 
     // Up and down: the phase has no jump and its rate is the frequency, at the turn as well.

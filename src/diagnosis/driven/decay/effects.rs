@@ -65,6 +65,7 @@ fn effect(decay: &Decay, named: &Named, model: &Fitted, place: usize, read: &Rea
         form: effect_form(decay, named),
         evidence: Evidence { held_out_gain: named.gain.share, p_value: p_value(decay, named.gain) },
         share: Some(share(named.gain)),
+        base: Vec::new(),
         confusable_with: Vec::new(),
     }
 }

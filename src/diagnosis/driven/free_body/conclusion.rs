@@ -205,6 +205,7 @@ impl Models<'_> {
             evidence: Evidence { held_out_gain: comparison.gain, p_value: comparison.p_value },
             form: None,
             share: None,
+            base: Vec::new(),
             confusable_with: Vec::new(),
         }
     }

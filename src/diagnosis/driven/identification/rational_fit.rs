@@ -11,9 +11,9 @@
 
 use std::f64::consts::TAU;
 
-use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
+use crate::numerics::fourier;
 use crate::numerics::least_squares::Linear;
 use crate::numerics::moments::mean;
 
@@ -36,7 +36,7 @@ pub(super) struct Rational {
 /// where they begin.
 pub(super) fn rational_fit(u: &[f64], y: &[f64], rate_hz: f64, from: Rational) -> Option<Rational> {
     let n = u.len().min(y.len());
-    let plan = RealFftPlanner::<f64>::new().plan_fft_forward(n);
+    let plan = fourier::plan(n).forward;
     let transform = |values: &[f64]| {
         let middle = mean(&values[..n]);
         let mut values: Vec<f64> = values[..n].iter().map(|v| v - middle).collect();

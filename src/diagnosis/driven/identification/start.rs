@@ -45,13 +45,18 @@ const SPECTRUM_ZETAS: [f64; 4] = [0.003, 0.02, 0.1, 0.4];
 /// Fraction by which two frequencies differ that lead to one place.
 const SAME_LINE: f64 = 0.01;
 
-/// Sizes before anything is fitted.
+/// Sizes before anything is fitted, and the lag between input and reading.
 pub fn first_scales(data: &Data) -> Scales {
+    let lag = data.input.as_ref().and_then(|i| align(i.samples(), &data.reading, &data.hull));
+    Scales { lag_samples: lag.filter(Alignment::is_clear).map_or(0.0, |a| a.lag as f64), ..unaligned(data) }
+}
+
+/// The same where input and reading are of one clock: to look for a lag takes longer than all the rest.
+pub fn unaligned(data: &Data) -> Scales {
     let reading = &data.reading[data.hull.clone()];
     let (centre, output) = mean_sd(reading);
     let range = reading.iter().fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
     let input = data.input.as_ref().map_or(0.0, |i| mean_sd(&i.samples()[data.hull.clone()]).1);
-    let lag = data.input.as_ref().and_then(|i| align(i.samples(), &data.reading, &data.hull));
     let environment = (0..data.environments)
         .map(|e| mean_sd(&data.environment.iter().skip(e).step_by(data.environments).copied().collect::<Vec<_>>()).1)
         .collect();
@@ -70,7 +75,7 @@ pub fn first_scales(data: &Data) -> Scales {
         environment,
         centre,
         fineness: SEARCHING,
-        lag_samples: lag.filter(Alignment::is_clear).map_or(0.0, |a| a.lag as f64),
+        lag_samples: 0.0,
     }
 }
 

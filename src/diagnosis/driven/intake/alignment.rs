@@ -8,11 +8,10 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
 use crate::numerics::moments::mean_sd;
-use crate::numerics::{order, spectrum};
+use crate::numerics::{fourier, order, spectrum};
 use crate::parallel;
 
 /// Longest stretch that is looked at.
@@ -160,7 +159,7 @@ type Place = [f64; 2];
 impl Pair {
     fn new(cause: &[f64], effect: &[f64]) -> Option<Self> {
         let samples = cause.len();
-        let plan = RealFftPlanner::<f64>::new().plan_fft_forward(samples);
+        let plan = fourier::plan(samples).forward;
         let transform = |values: &[f64]| -> Option<Vec<Complex64>> {
             let (mean, deviation) = mean_sd(values);
             let mut scaled: Vec<f64> = values.iter().map(|v| (v - mean) / deviation.max(1e-300)).collect();
@@ -186,7 +185,7 @@ impl Pair {
     /// Fraction of the effect explained at every lag up to `most`, from −most on.
     fn all_r_squared(&self, place: Place, most: isize) -> Option<Vec<f64>> {
         let n = self.samples;
-        let plan = RealFftPlanner::<f64>::new().plan_fft_inverse(n);
+        let plan = fourier::plan(n).inverse;
         let mut own = 0.0;
         let mut bins: Vec<Complex64> = self
             .answers(place)

@@ -5,8 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use realfft::RealFftPlanner;
-
+use crate::numerics::fourier;
 use crate::numerics::moments::mean_sd;
 
 /// Half the width of a line in bins, by the window.
@@ -35,7 +34,7 @@ pub(crate) fn power(u: &[f64]) -> Vec<f64> {
     let (mean, sum) = if transient { (0.0, n as f64) } else { (centre, 0.35875 * n as f64) };
     let weigh = |k: usize| if transient { 1.0 } else { window(k) };
     let mut values: Vec<f64> = u.iter().enumerate().map(|(k, v)| (v - mean) * weigh(k)).collect();
-    let plan = RealFftPlanner::<f64>::new().plan_fft_forward(n);
+    let plan = fourier::plan(n).forward;
     let mut bins = plan.make_output_vec();
     if size == 0.0 || plan.process(&mut values, &mut bins).is_err() {
         return Vec::new();

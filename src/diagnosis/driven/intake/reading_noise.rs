@@ -9,11 +9,10 @@
 
 use std::ops::Range;
 
-use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
 use crate::numerics::moments::{mean, mean_sd};
-use crate::numerics::{order, spectrum};
+use crate::numerics::{fourier, order, spectrum};
 
 use super::data::Data;
 use super::input::Input;
@@ -183,8 +182,7 @@ fn period(u: &[f64]) -> Option<usize> {
         return None;
     }
     let length = (2 * n).next_power_of_two();
-    let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, inverse) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
+    let fourier::Plan { forward, inverse, .. } = fourier::plan(length);
     let mut padded: Vec<f64> = u.iter().map(|v| (v - centre) / size).collect();
     padded.resize(length, 0.0);
     let mut bins = forward.make_output_vec();

@@ -4,9 +4,7 @@
 
 use std::f64::consts::TAU;
 
-use realfft::RealFftPlanner;
-
-use crate::numerics::order;
+use crate::numerics::{fourier, order};
 
 /// Frequencies that stand out most, each of which is tested.
 const LOUDEST: usize = 4;
@@ -34,7 +32,7 @@ impl Pumped {
         }
         let mut product: Vec<f64> = disturbance.iter().zip(motion).map(|(d, m)| d * m).collect();
         product.resize(2 * rows, 0.0);
-        let plan = RealFftPlanner::<f64>::new().plan_fft_forward(product.len());
+        let plan = fourier::plan(product.len()).forward;
         let mut bins = plan.make_output_vec();
         plan.process(&mut product, &mut bins).ok()?;
         let mut power = Vec::with_capacity(bins.len());

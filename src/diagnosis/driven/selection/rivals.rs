@@ -3,6 +3,8 @@
 //! cannot distinguish two.
 
 use crate::control::{Control, Stopped};
+use crate::driven::base::BASE;
+use crate::driven::identification::fit::{Fit, fit};
 use crate::driven::identification::refined_scales::refined;
 use crate::driven::intake::data::Data;
 use crate::driven::intake::work::Budget;
@@ -12,8 +14,8 @@ use crate::physics::scales::Scales;
 use crate::trace::Step;
 
 use super::candidates_round::round;
-use super::earned::{pruned, without};
-use super::judged::{Judged, Rival, Selection, Trial};
+use super::earned::{ITERATIONS, pruned, without};
+use super::judged::{Judged, Rival, Selection, Trial, judge};
 
 /// Times that a better stand-in may take a term's place.
 const SWAPS: usize = 1;
@@ -92,10 +94,30 @@ impl Look<'_> {
             }
             let others = self.in_place_of(selection, index, &here)?;
             let others = others.into_iter().filter(|t| t.term.id() != term.id());
-            let fitted = others.filter_map(|t| Some(Rival { id: t.term.id(), judged: t.judged? }));
+            let any = selection.reach.tells_nothing_linear_apart();
+            let fitted = others.filter_map(|t| {
+                let judged = t.judged?;
+                let is_near = any || alike(&t.term, term);
+                let ended = is_near.then(|| self.to_its_end(&judged, &selection.chosen, &here)).flatten();
+                Some(Rival { id: t.term.id(), judged: ended.unwrap_or(judged) })
+            });
             Ok(fitted.filter(|r| !r.judged.fit.at_bound(&here)).collect())
         };
         selection.chosen.fit.structure.terms.iter().enumerate().map(of_term).collect()
+    }
+
+    /// A stand-in that stopped on its way, fitted further from there and from where the chosen model stands: it
+    /// is not beaten before its end. `None` where it has ended, or gets no further.
+    fn to_its_end(&self, stand_in: &Judged, chosen: &Judged, scales: &Scales) -> Option<Judged> {
+        let Fit { structure, point, converged, variance, .. } = &stand_in.fit;
+        let from = |start: &[f64]| fit(self.data, structure, start, scales, ITERATIONS);
+        if *converged {
+            return None;
+        }
+        let there: Vec<f64> = chosen.fit.point.iter().take(BASE).chain(point.iter().skip(BASE)).copied().collect();
+        let ends = [from(point), from(&there)].into_iter().flatten().filter(|end| end.variance < *variance);
+        let best = ends.min_by(|a, b| a.variance.total_cmp(&b.variance))?;
+        Some(judge(self.data, best, self.scales))
     }
 
     /// Candidates instead of one chosen term: all that it can be mistaken for, and where it is

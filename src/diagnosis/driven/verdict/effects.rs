@@ -253,6 +253,7 @@ pub fn effects(
             form: forms.iter().find(|(index, _)| *index == named.index).map(|(_, form)| form.clone()),
             evidence: Evidence { held_out_gain: gain(c, named, floor).value(), p_value: named.comparison.p_value },
             share: None,
+            base: Vec::new(),
             confusable_with: alike(named),
         });
     }
@@ -278,6 +279,7 @@ pub fn effects(
                 form: None,
                 evidence: Evidence { held_out_gain: gain(c, named, floor).value(), p_value: named.comparison.p_value },
                 share: None,
+                base: base(&there, scales, channels),
                 confusable_with: vec![id.to_owned()],
             });
         }
@@ -303,6 +305,7 @@ pub fn effects(
                     * selection.tried as f64,
             },
             share: None,
+            base: Vec::new(),
             confusable_with: Vec::new(),
         });
     }

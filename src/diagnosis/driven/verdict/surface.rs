@@ -9,10 +9,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
-use crate::numerics::{order, special};
+use crate::numerics::{fourier, order, special};
 use crate::verdict::StateCell;
 
 /// Cells along either axis: as many as leave this many samples to one, between the fewest and the
@@ -205,8 +204,7 @@ fn judged(visits: &[(f64, usize)]) -> Cell {
 
 /// The force over ω₀² that an error of the displacement stands for, within the band.
 fn force(m: &FreeRun<'_>, n: usize) -> Option<Vec<f64>> {
-    let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, inverse) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(n));
+    let fourier::Plan { forward, inverse, .. } = fourier::plan(n);
     let mut values = m.error[..n].to_vec();
     let mut bins = forward.make_output_vec();
     forward.process(&mut values, &mut bins).ok()?;

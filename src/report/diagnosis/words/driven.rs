@@ -356,6 +356,7 @@ mod tests {
             form: None,
             evidence: Evidence { held_out_gain: 1.0, p_value: 0.0 },
             share: None,
+            base: Vec::new(),
             confusable_with: confusable_with.iter().map(|id| (*id).to_owned()).collect(),
         };
         let effects = [effect("a", &[]), effect("b", &["c"]), effect("c", &["b"])];
@@ -386,6 +387,7 @@ mod tests {
             form: Some(form),
             evidence: Evidence { held_out_gain: 1.0, p_value: 0.0 },
             share: None,
+            base: Vec::new(),
             confusable_with: Vec::new(),
         };
         assert_eq!(

@@ -1,0 +1,56 @@
+//! A sealed truth: a document whose SHA-256 is said before the first verdict, and which is opened only
+//! if it is still the same after the last.
+
+use std::path::Path;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use sha2::{Digest, Sha256};
+
+use proofmass_base::document::{hexadecimal, write_whole};
+use proofmass_base::error::{Error, Result};
+
+/// Writes the document. Returns its seal and the document as it was sealed: what is asked and judged is
+/// that, bit for bit.
+///
+/// # Errors
+/// The file cannot be written.
+pub(crate) fn seal<T: Serialize + DeserializeOwned>(truths: &T, path: &Path) -> Result<(String, T)> {
+    let bytes = serde_json::to_vec(truths).map_err(|e| unsealed(&e.to_string()))?;
+    write_whole(path, &bytes)?;
+    Ok((hexadecimal(&Sha256::digest(&bytes)), parse(&bytes)?))
+}
+
+/// Returns the seal of a document that lies there already, and the document.
+///
+/// # Errors
+/// The file cannot be read, or is of another version.
+pub(crate) fn sealed<T: DeserializeOwned>(path: &Path) -> Result<(String, T)> {
+    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, &e))?;
+    Ok((hexadecimal(&Sha256::digest(&bytes)), parse(&bytes)?))
+}
+
+/// Opens the envelope after the last verdict.
+///
+/// # Errors
+/// It has changed since it was sealed.
+pub(crate) fn open<T: DeserializeOwned>(path: &Path, seal: &str) -> Result<T> {
+    let (found, truths) = sealed(path)?;
+    if found != seal {
+        let cause = format!("its SHA-256 is {found}, sealed was {seal}");
+        return Err(Error::new("could not open the sealed truth", cause, "the trial is void; run it again"));
+    }
+    Ok(truths)
+}
+
+/// Refuses a truth that cannot be written.
+pub(crate) fn unsealed(cause: &str) -> Error {
+    Error::new("could not seal the truth", cause, "this is a defect of the program; please report it")
+}
+
+fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T> {
+    serde_json::from_slice(bytes).map_err(|e| {
+        let hint = "it was written by another version; run the trial again";
+        Error::new("could not read the sealed truth", e.to_string(), hint)
+    })
+}

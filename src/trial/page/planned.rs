@@ -1,0 +1,123 @@
+//! States what the trial of `plan` found: on the terminal, as a page, as a short summary.
+
+use crate::interval::Proportion;
+use crate::planned::line::{Decided, Stage};
+use crate::planned::run::Lines;
+use crate::planned::score::Score;
+use proofmass_base::number::significant;
+use proofmass_report::html::Page;
+use proofmass_report::table::Table;
+
+fn words(proportion: &Proportion) -> String {
+    if proportion.cases == 0 {
+        return "–".into();
+    }
+    let [low, high] = proportion.ci95.map(|p| format!("{:.1}", 100.0 * p));
+    format!("{:.1} % ({low}–{high} %, {} of {})", 100.0 * proportion.value, proportion.hits, proportion.cases)
+}
+
+fn headline(score: &Score) -> Table {
+    let mut table = Table::new(&["figure", "found (exact 95 % interval)", "to reach"]);
+    let rows = [
+        ("plans recorded: decided rightly", words(&score.right), "≥ 90 %"),
+        ("… of those that promise 95 %", words(&score.right_of_reached), "≥ 90 %"),
+        ("… where neither rival is true", words(&score.neither), ""),
+        ("sure of a law that is not there", words(&score.wrong), "0 %"),
+        ("Brier score of the promises", significant(score.brier, 2), "≤ 0.1"),
+        ("… if each promise held", significant(score.brier_expected, 2), ""),
+        (
+            "samples, over those of a broadband multisine as good (median; 0: none is)",
+            significant(score.samples_ratio, 2),
+            "≤ 0.5",
+        ),
+        ("decided by a broadband multisine of twice the length too", words(&score.by_twice_broadband), ""),
+    ];
+    rows.into_iter().for_each(|(a, b, c)| table.row([a.to_owned(), b, c.to_owned()]));
+    table
+}
+
+fn promises(score: &Score) -> Table {
+    let mut table = Table::new(&["promised", "mean promise", "decided rightly"]);
+    for bin in score.promises.iter().filter(|b| b.right.cases > 0) {
+        let [low, high] = bin.promised;
+        table.row([format!("{low} to {high}"), format!("{:.3}", bin.mean), words(&bin.right)]);
+    }
+    table
+}
+
+fn left(score: &Score) -> Table {
+    let mut table = Table::new(&["first recording", "plans", "decided rightly", "left open", "wrong"]);
+    for row in &score.left {
+        let counts = [row.open, row.wrong].map(|n| n.to_string());
+        table.row([row.left.word().to_owned(), row.plans.to_string(), words(&row.right)].into_iter().chain(counts));
+    }
+    table
+}
+
+fn how(score: &Score) -> String {
+    format!(
+        "{} sensors from seed {}, each with one law, made by the second generator; {} first recordings were undecidable \
+         between laws, and {} of these could not be planned for. Each of the others was planned with the largest \
+         input of the first recording and four times its length, recorded as proposed with noise of its own, and diagnosed.",
+        score.sensors, score.seed, score.open, score.not_planned
+    )
+}
+
+/// The result on a terminal.
+pub fn terminal(score: &Score) -> String {
+    format!("{}\n\n{}\n{}\n{}", how(score), headline(score), promises(score), left(score))
+}
+
+/// The whole report as a page.
+pub fn page(score: &Score, lines: &Lines) -> String {
+    let lede = format!("Decided rightly by the experiment that was proposed: {}.", words(&score.right));
+    let mut page = Page::new("Proof of the plans", &lede);
+    page.paragraph(&how(score));
+    page.callout(&format!(
+        "SHA-256 of the sealed truth, printed before the first verdict: {}. truth.json next to this page has it.",
+        score.truth_sha256
+    ));
+    page.table(&headline(score));
+    page.section("Promises");
+    page.table(&promises(score));
+    page.section("By first recording");
+    page.table(&left(score));
+    page.section("Every plan");
+    let headings = ["sensor", "law", "tied at first", "experiment", "samples", "promised", "said", "worth"];
+    let mut table = Table::new(&headings);
+    for line in lines.values() {
+        let (experiment, said) = match &line.stage {
+            Stage::NotOpen { .. } => continue,
+            Stage::NotPlanned { words } => {
+                ([words.clone(), String::new(), String::new()], [String::new(), String::new()])
+            }
+            Stage::Planned(p) => {
+                let numbers = [p.experiment.samples.to_string(), significant(p.promised, 3)];
+                let [samples, promised] = numbers;
+                ([p.experiment.kind.clone(), samples, promised], said(&p.decided))
+            }
+        };
+        let first = [line.number.to_string(), line.law.clone(), line.rivals.join(" | ")];
+        table.row(first.into_iter().chain(experiment).chain(said));
+    }
+    page.table(&table);
+    page.finish()
+}
+
+fn said(decided: &Decided) -> [String; 2] {
+    let names = decided.names.join(" + ");
+    [format!("{} {names}", decided.said.name()), format!("{:?}", decided.worth).to_lowercase()]
+}
+
+/// The short summary that is committed.
+pub fn summary(score: &Score, command: &str) -> String {
+    format!(
+        "# Proof of the plans\n\nGenerated by `{command}`.\n\n{}\n\nSHA-256 of the sealed truth: `{}`\n\n{}\n## Promises\n\n\
+         {}\n## By first recording\n\n{}",
+        how(score),
+        score.truth_sha256,
+        headline(score).to_markdown(),
+        promises(score).to_markdown(),
+        left(score).to_markdown(),
+    )
+}
