@@ -18,3 +18,4 @@ pub mod strapdown;
 pub mod study;
 pub mod sweep;
 pub mod table;
+pub mod variance;
