@@ -98,6 +98,7 @@ mod suite {
     pub mod tutorials;
     pub mod units;
     pub mod unlike_members;
+    pub mod variance;
     pub mod warm_spring;
     pub mod warm_start;
     pub mod windows;
@@ -208,6 +209,8 @@ fn main() {
         suite::trial::tests(),
         // closed_form: every error source alone drifts as its law says.
         suite::closed_form::tests(),
+        // variance: whose variance a position error has, next to closed forms.
+        suite::variance::tests(),
         // unlike_members: what only some members of a study have.
         suite::unlike_members::tests(),
         // warm_spring: a spring that follows the temperature, in a study.

@@ -69,9 +69,9 @@ fn of_study(found: &[Found], arguments: &Arguments, json: bool) -> Result<()> {
     }
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, request())).transpose()?;
     let drift = study::merged(&study, found, &control)?;
-    answer::print(&study, &drift, None, Some(found.len()), json)?;
+    answer::print(&study, &drift, answer::Beside::default(), Some(found.len()), json)?;
     if let Some(mut folder) = folder {
-        answer::write(&mut folder, &study, &drift, None)?;
+        answer::write(&mut folder, &study, &drift, answer::Beside::default())?;
         if !json {
             answer::point_to(folder.path())?;
         }

@@ -7,6 +7,7 @@ pub mod fold;
 pub mod histogram;
 pub mod jcgm101;
 pub mod moments;
+pub mod sensitivity;
 
 pub use fold::Fold;
 pub use histogram::{Bins, Histogram};

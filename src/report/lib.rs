@@ -19,3 +19,4 @@ pub mod strapdown;
 pub mod study;
 pub mod sweep;
 pub mod table;
+pub mod variance;

@@ -16,4 +16,5 @@ pub mod summarised;
 pub mod sweep;
 pub mod sweep_document;
 pub mod values;
+pub mod variance;
 pub mod watched;

@@ -1,5 +1,6 @@
 //! Members of the ensemble: tolerances drawn, mechanics derived.
 
+use super::second::Seeds;
 use super::tolerances::Tolerances;
 use crate::excitation::plan::Variation;
 use crate::excitation::{self, MemberSine};
@@ -11,11 +12,11 @@ use crate::units::key::Key;
 use crate::units::number::Number;
 
 /// Draws members: which numbers are given is found out once.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub(super) struct Drawer {
     all: Tolerances,
     variation: Variation,
-    seed: u64,
+    seeds: Seeds,
     /// The terms that are given, with their keys, and phases that go with them.
     terms: Vec<Given>,
 }
@@ -29,24 +30,25 @@ struct Given {
 }
 
 impl Drawer {
-    pub(super) fn new(all: &Tolerances, variation: Variation, seed: u64) -> Self {
+    pub(super) fn new(all: &Tolerances, variation: Variation, seeds: Seeds) -> Self {
         let phases = |term: SensorTerm| term.shapes().filter(|s| s.law() == ErrorLaw::Shape(Shape::Phase)).collect();
         let given = |term: SensorTerm| Some(Given { term, key: all.given(term)?, phases: phases(term) });
         let terms = SensorTerm::ALL.into_iter().filter_map(given).collect();
-        Self { all: all.clone(), variation, seed, terms }
+        Self { all: all.clone(), variation, seeds, terms }
     }
 
     /// A member; a pure function of its index.
     pub(super) fn member(&self, member: u64) -> Member {
-        let (all, seed) = (&self.all, self.seed);
-        let draw = |key: &Key| all.draw(key, seed, member);
+        let (all, seeds) = (&self.all, self.seeds.member(member));
+        let draw = |key: &Key| all.draw(key, seeds.of(key), member);
         let excitation_gain = if self.variation == Variation::Gain { draw(&excitation::SIZE) } else { 1.0 };
         let mut sensor = Sensor { proof_mass: proof_mass(all, &draw), excitation_gain, ..Sensor::default() };
         for Given { term, key, phases } in &self.terms {
             term.set(&mut sensor.accelerometer, &mut sensor.gyro, draw(key));
             for phase in phases {
                 let anywhere = Number::Uniform { min: 0.0, max: 360.0 };
-                let drawn = all.draw_or(&phase.row().keys[0], anywhere, seed, member);
+                let key = &phase.row().keys[0];
+                let drawn = all.draw_or(key, anywhere, seeds.of(key), member);
                 phase.set(&mut sensor.accelerometer, &mut sensor.gyro, drawn);
             }
         }

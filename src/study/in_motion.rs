@@ -12,6 +12,7 @@ use super::file::{AlignmentKind, File, VerticalKind};
 use super::flown::{self, Flown};
 use super::mass_check::{self, Lasting};
 use super::refusal::refuse;
+use super::second::{MemberSeeds, Seeds};
 use super::temperature;
 use super::tolerances::Tolerances;
 use crate::error::Result;
@@ -32,10 +33,10 @@ use crate::units::number::Number;
 const ASKED: u64 = 1000;
 
 /// Members and duration of a run.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct Run<'a> {
-    /// Seed of every random number.
-    pub seed: u64,
+    /// Seeds of every random number.
+    pub seeds: &'a Seeds,
     /// Members to simulate.
     pub members: u64,
     /// Discrete time from the end of the still start.
@@ -259,10 +260,10 @@ impl InMotion {
     }
 
     /// Returns what one member's readings take from other axes and instruments.
-    fn coupling(all: &[Tolerances; 3], seed: u64, member: u64) -> Coupling {
+    fn coupling(all: &[Tolerances; 3], seeds: MemberSeeds, member: u64) -> Coupling {
         // Each element is drawn apart: under a seed of its own, which no axis has.
         let draw = |key, axis: usize, element: usize| {
-            all[axis].draw(key, axis_seed(seed, (3 + 3 * element + axis) as u64), member)
+            all[axis].draw(key, axis_seed(seeds.of(key), (3 + 3 * element + axis) as u64), member)
         };
         let below = |axis: usize, from: usize| {
             if from < axis { draw(&coupling::ACCELEROMETER_MISALIGNMENT, axis, from) } else { 0.0 }
@@ -280,14 +281,14 @@ impl InMotion {
 
     /// Returns what one member's readings take from the temperature and from late stamps, and where
     /// its gyros end.
-    fn follow(all: &[Tolerances; 3], seed: u64, member: u64) -> Follow {
-        let draw = |key, axis: usize| all[axis].draw(key, axis_seed(seed, axis as u64), member);
+    fn follow(all: &[Tolerances; 3], seeds: MemberSeeds, member: u64) -> Follow {
+        let seed = |key, axis: usize| axis_seed(seeds.of(key), axis as u64);
+        let draw = |key, axis: usize| all[axis].draw(key, seed(key, axis), member);
         let bias_then_scale = coupling::OVER_TEMPERATURE.map(|key| std::array::from_fn(|axis| draw(key, axis)));
         let [late_s, jitter_s, drift] = coupling::OF_THE_CLOCK.map(|key| draw(key, 0));
         let endless = Number::Fixed(f64::INFINITY);
-        let gyro_range_rad_s = std::array::from_fn(|axis| {
-            all[axis].draw_or(&coupling::GYRO_RANGE, endless, axis_seed(seed, axis as u64), member)
-        });
+        let range = &coupling::GYRO_RANGE;
+        let gyro_range_rad_s = std::array::from_fn(|axis| all[axis].draw_or(range, endless, seed(range, axis), member));
         Follow { per_kelvin: bias_then_scale, late_s, jitter_s, drift, gyro_range_rad_s }
     }
 
@@ -301,9 +302,10 @@ impl InMotion {
         let clock =
             Clock { samples: run.clock.samples + still_samples, report_samples, still_samples, ..run.clock.clone() };
         let axis = |axis: usize| -> Result<Job> {
-            let seed = axis_seed(run.seed, axis as u64);
+            let seeds = run.seeds.along(axis);
+            let seed = seeds.in_run();
             let tolerances = &self.tolerances[axis];
-            let drawer = Drawer::new(tolerances, Variation::None, seed);
+            let drawer = Drawer::new(tolerances, Variation::None, seeds);
             let stiffest = self.stiffest(&drawer, run.members, clock.duration_s());
             let integrator = tolerances.integrator(stiffest.as_ref(), clock.step_s)?.integrator;
             let waveform = Arc::new(Along {
@@ -334,14 +336,14 @@ impl InMotion {
                 gravity_m_s2: 0.0,
             })
         };
-        let (seed, all) = (run.seed, self.between.clone());
+        let (seeds, all) = (run.seeds.clone(), self.between.clone());
         let has = |keys: &[&Key]| all.iter().any(|t| keys.iter().any(|key| t[*key].is_some_and(|n| !n.is_zero())));
         let couples = has(&coupling::COUPLINGS);
         let jitters = has(&[&coupling::TIME_JITTER]);
         let follows = has(&coupling::OVER_TEMPERATURE) || has(&coupling::OF_THE_CLOCK) || has(&[&coupling::GYRO_RANGE]);
-        let again = all.clone();
-        let followed = move |member: u64| Self::follow(&again, seed, member);
-        let draws = move |member: u64| Self::coupling(&all, seed, member);
+        let (again, same) = (all.clone(), seeds.clone());
+        let followed = move |member: u64| Self::follow(&again, same.member(member), member);
+        let draws = move |member: u64| Self::coupling(&all, seeds.member(member), member);
         Ok(Flight {
             axes: [axis(0)?, axis(1)?, axis(2)?],
             coupling: couples.then(|| Arc::new(draws) as Arc<dyn Fn(u64) -> Coupling + Send + Sync>),

@@ -11,12 +11,14 @@ mod compare;
 mod draw;
 pub mod file;
 pub mod flown;
+pub mod groups;
 pub mod in_motion;
 mod mass_check;
 pub mod overrides;
 mod per_axis;
 mod preset;
 mod refusal;
+pub mod second;
 pub mod section;
 pub mod source;
 pub mod surroundings;
@@ -54,6 +56,7 @@ use in_motion::InMotion;
 use mass_check::Lasting;
 pub use overrides::{Assignment, Overrides};
 pub use preset::Preset;
+use second::Second;
 pub use source::{StudyText, read_default};
 pub use surroundings::Surroundings;
 pub use sweep::Axis;
@@ -97,6 +100,8 @@ pub struct Study {
     pub sweep: Option<sweep::Sweep>,
     /// The document that it was read from, changes included but members and seed.
     pub text: String,
+    /// Random numbers that come from a second sample.
+    second: Option<Second>,
 }
 
 /// Reads and checks study.toml.
@@ -232,6 +237,7 @@ impl Study {
             reads,
             sweep,
             text,
+            second: None,
         })
     }
 
@@ -277,7 +283,7 @@ impl Study {
     }
 
     fn drawer(&self) -> Drawer {
-        Drawer::new(&self.tolerances, self.excitation.variation, self.seed)
+        Drawer::new(&self.tolerances, self.excitation.variation, self.seeds())
     }
 
     /// A proof mass as hard to step as any of the members': highest resonance, strongest further
@@ -339,7 +345,8 @@ impl Study {
     /// A proof mass that no integrator can step.
     pub fn flight(&self, motion: &InMotion, report_samples: Vec<u64>) -> Result<Flight> {
         let still_samples = self.alignment.still_samples();
-        let run = in_motion::Run { seed: self.seed, members: self.members, clock: &self.clock, still_samples };
+        let seeds = &self.seeds();
+        let run = in_motion::Run { seeds, members: self.members, clock: &self.clock, still_samples };
         motion.flight(run, report_samples)
     }
 
@@ -356,7 +363,7 @@ impl Study {
         let samples = self.clock.samples + still_samples;
         let drawer = self.drawer();
         Job {
-            seed: self.seed,
+            seed: self.seeds().in_run(),
             members: self.members,
             clock: Clock { samples, report_samples, still_samples, ..self.clock.clone() },
             draw: Arc::new(move |index| drawer.member(index)),

@@ -11,6 +11,8 @@ use proofmass_base::error::Result;
 use proofmass_base::output::Folder;
 use proofmass_numerics::statistics::jcgm101::{Linear, Stated};
 use proofmass_report::study as page;
+use proofmass_report::variance as shares;
+use proofmass_simulate::decision::variance::Variance;
 use proofmass_simulate::drift::Drift;
 use proofmass_simulate::drift::document::Document;
 use proofmass_study::Study;
@@ -21,53 +23,63 @@ const WINDOWS: &str = "windows.svg";
 /// Every file that an answer is written as.
 pub const FILES: [&str; 3] = [REPORT, ENVELOPE, WINDOWS];
 
-/// The document of a study that was put together.
+/// The document of a study with what its own crate does not know of.
 #[derive(Serialize)]
-struct Merged {
+pub(super) struct Extended<'a, D: Serialize> {
     #[serde(flatten)]
-    document: Document,
-    /// From how many files.
-    shards: usize,
+    pub document: D,
+    /// Number of files that it was put together from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shards: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub variance: Option<&'a Variance>,
 }
 
-/// Prints the answer, with what is `stated` of its last position error where digits were asked for;
-/// `shards` is the number of files that it was put together from.
+/// Answers next to the drift, where they were asked for.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Beside<'a> {
+    /// The last position error to a number of digits.
+    pub stated: Option<&'a (Stated, Linear)>,
+    /// Its variance, shared among the sources.
+    pub variance: Option<&'a Variance>,
+}
+
+/// Prints the answer; `shards` is the number of files that it was put together from.
 ///
 /// # Errors
 /// When stdout cannot be written.
-pub fn print(
-    study: &Study,
-    drift: &Drift,
-    stated: Option<&(Stated, Linear)>,
-    shards: Option<usize>,
-    json: bool,
-) -> Result<()> {
-    let document = || Document::of(study, drift).with_digits(stated.cloned());
-    match (json, shards) {
-        (true, None) => sayln!("{}", to_json(&document())?),
-        (true, Some(shards)) => sayln!("{}", to_json(&Merged { document: document(), shards })?),
-        (false, _) => {
-            screen(format_args!("{}", page::terminal(study, drift)))?;
-            stated.map_or(Ok(()), |(stated, linear)| {
-                sayln!("{}", page::jcgm101::sentence("Position", stated))?;
-                sayln!("{}", page::jcgm101::validation(linear, &drift.expected.left_out))
-            })
-        }
+pub fn print(study: &Study, drift: &Drift, beside: Beside<'_>, shards: Option<usize>, json: bool) -> Result<()> {
+    let Beside { stated, variance } = beside;
+    if json {
+        let document = Document::of(study, drift).with_digits(stated.cloned());
+        return match (shards, variance) {
+            (None, None) => sayln!("{}", to_json(&document)?),
+            _ => sayln!("{}", to_json(&Extended { document, shards, variance })?),
+        };
     }
+    screen(format_args!("{}", page::terminal(study, drift)))?;
+    if let Some((stated, linear)) = stated {
+        sayln!("{}", page::jcgm101::sentence("Position", stated))?;
+        sayln!("{}", page::jcgm101::validation(linear, &drift.expected.left_out))?;
+    }
+    variance.map_or(Ok(()), |variance| screen(format_args!("\n{}", shares::terminal(variance))))
 }
 
 /// Writes the page and its figures.
 ///
 /// # Errors
 /// When the folder cannot be written.
-pub fn write(folder: &mut Folder, study: &Study, drift: &Drift, stated: Option<&(Stated, Linear)>) -> Result<()> {
+pub fn write(folder: &mut Folder, study: &Study, drift: &Drift, beside: Beside<'_>) -> Result<()> {
     folder.write(ENVELOPE, page::envelope_figure(drift).draw().file_svg().as_bytes())?;
     if let Some(figure) = page::windows_figure(&drift.compared) {
         folder.write(WINDOWS, figure.file_svg().as_bytes())?;
     }
     let mut page = page::page(study, drift);
-    if let Some((stated, linear)) = stated {
+    if let Some((stated, linear)) = beside.stated {
         page::jcgm101::section(&mut page, stated, linear, drift);
+    }
+    if let Some(variance) = beside.variance {
+        shares::section(&mut page, variance);
     }
     numbers::write(folder, REPORT, page)?;
     folder.finish()

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::answer::Extended;
 use super::shard;
 use crate::output::{say, sayln};
 use crate::sharded::tell;
@@ -14,7 +15,9 @@ use proofmass_base::shard::gather::Found;
 use proofmass_numerics::statistics::jcgm101::Stated;
 use proofmass_report::strapdown as page;
 use proofmass_report::study::jcgm101::sentence;
+use proofmass_report::variance as shares;
 use proofmass_simulate::decision::digits;
+use proofmass_simulate::decision::variance::{self, Variance};
 use proofmass_simulate::ensemble::{Choice, Keeper};
 use proofmass_simulate::strapdown::answer::{Answer, answer_kept, flight};
 use proofmass_simulate::strapdown::backends::run_share;
@@ -38,6 +41,8 @@ pub(super) struct Asked<'a> {
     pub backend: Choice,
     /// Digits to which its last horizontal error is to be stated.
     pub digits: Option<u32>,
+    /// Says whether the variance of that error is to be shared among the sources.
+    pub variance: bool,
     /// Folder of the results.
     pub path: &'a Path,
 }
@@ -47,17 +52,20 @@ pub(super) struct Asked<'a> {
 /// # Errors
 /// As `study`; there is no stopped run to resume.
 pub(super) fn run(asked: Asked<'_>, study: &Study, motion: &InMotion, json: bool) -> Result<()> {
-    let Asked { request, resume, backend, digits, path } = asked;
+    let Asked { request, resume, backend, digits, variance, path } = asked;
     let mut kept = match resume {
         true => Kept::resume(path, &study.identity)?,
         false => Kept::new(path, &study.identity),
     };
     let mut folder = Folder::open(path, output::Request { writes: files(motion), ..request })?;
     folder.state(Keeper::FILES, resume)?;
-    let answer = answer_kept(study, motion, backend, &mut kept, &progress::terminal())?;
+    let control = progress::terminal();
+    let answer = answer_kept(study, motion, backend, &mut kept, &control)?;
     let stated = digits.and_then(|digits| digits::stated_in_motion(&answer, digits));
-    print(study, &answer, stated.as_ref(), None, json)?;
-    write(&mut folder, study, &answer, stated.as_ref())?;
+    let variance = variance.then(|| variance::variance(study, &control)).transpose()?;
+    let beside = Beside { stated: stated.as_ref(), variance: variance.as_ref() };
+    print(study, &answer, beside, None, json)?;
+    write(&mut folder, study, &answer, beside)?;
     if !json {
         sayln!("report:     {}", path.join(REPORT).display())?;
     }
@@ -70,17 +78,36 @@ fn files(motion: &InMotion) -> Vec<String> {
     [REPORT].into_iter().chain(inflated).map(str::to_owned).collect()
 }
 
-fn print(study: &Study, answer: &Answer, stated: Option<&Stated>, shards: Option<usize>, json: bool) -> Result<()> {
-    if json {
-        let document = Document::of(study, answer, page::findings(answer));
-        return sayln!("{}", to_json(&document.with_digits(stated.cloned()).with_shards(shards))?);
-    }
-    say(format_args!("{}", page::terminal(answer)))?;
-    stated.map_or(Ok(()), |stated| sayln!("{}", sentence("Horizontal", stated)))
+/// Answers next to the drift, where they were asked for.
+#[derive(Clone, Copy, Default)]
+struct Beside<'a> {
+    /// The last horizontal error to a number of digits.
+    stated: Option<&'a Stated>,
+    /// The variance of the position error in the plane, shared among the sources.
+    variance: Option<&'a Variance>,
 }
 
-fn write(folder: &mut Folder, study: &Study, answer: &Answer, stated: Option<&Stated>) -> Result<()> {
-    folder.write(REPORT, page::page(study, answer, stated).finish().as_bytes())?;
+fn print(study: &Study, answer: &Answer, beside: Beside<'_>, shards: Option<usize>, json: bool) -> Result<()> {
+    let Beside { stated, variance } = beside;
+    if json {
+        let document = Document::of(study, answer, page::findings(answer));
+        let document = document.with_digits(stated.cloned()).with_shards(shards);
+        return match variance {
+            None => sayln!("{}", to_json(&document)?),
+            Some(_) => sayln!("{}", to_json(&Extended { document, shards: None, variance })?),
+        };
+    }
+    say(format_args!("{}", page::terminal(answer)))?;
+    stated.map_or(Ok(()), |stated| sayln!("{}", sentence("Horizontal", stated)))?;
+    variance.map_or(Ok(()), |variance| say(format_args!("\n{}", shares::terminal(variance))))
+}
+
+fn write(folder: &mut Folder, study: &Study, answer: &Answer, beside: Beside<'_>) -> Result<()> {
+    let mut page = page::page(study, answer, beside.stated);
+    if let Some(variance) = beside.variance {
+        shares::section(&mut page, variance);
+    }
+    folder.write(REPORT, page.finish().as_bytes())?;
     if let Some(inflated) = page::inflated_toml(study, answer) {
         folder.write(INFLATED, inflated.as_bytes())?;
     }
@@ -117,9 +144,9 @@ pub(crate) fn merge(
     let open = |(path, request)| Folder::open(path, output::Request { writes: files(motion), ..request });
     let folder = out.map(open).transpose()?;
     let answer = divided::merged(study, motion, found, &progress::terminal())?;
-    print(study, &answer, None, Some(found.len()), json)?;
+    print(study, &answer, Beside::default(), Some(found.len()), json)?;
     if let Some(mut folder) = folder {
-        write(&mut folder, study, &answer, None)?;
+        write(&mut folder, study, &answer, Beside::default())?;
         if !json {
             sayln!("report:     {}", folder.path().join(REPORT).display())?;
         }

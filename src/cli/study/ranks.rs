@@ -232,7 +232,7 @@ fn answer(asked: Asked, found: &[Found], control: &Control, json: bool) -> Resul
     let mut folder = Folder::open(&asked.out, asked.outputs)?;
     let study = carried::study(found, control)?;
     let drift = merged(&study, found, control)?;
-    answer::print(&study, &drift, None, Some(found.len()), json)?;
-    answer::write(&mut folder, &study, &drift, None)?;
+    answer::print(&study, &drift, answer::Beside::default(), Some(found.len()), json)?;
+    answer::write(&mut folder, &study, &drift, answer::Beside::default())?;
     if json { Ok(()) } else { answer::point_to(&asked.out) }
 }

@@ -96,33 +96,49 @@ impl<'a> Work<'a> {
     /// # Errors
     /// A member that cannot be stepped; stopped.
     pub fn values(&mut self, study: &Study, place: Place, members: Range<u64>) -> Result<Vec<f64>> {
-        match place.quantity {
-            Watched::InMotion(named) => {
-                let flight = aiding::flight(study, place.quantity.motion(study)?, vec![place.samples])?;
-                let at = IN_MOTION[named].1.place();
+        let rows = self.several(study, place.samples, [place.quantity], members)?;
+        Ok(rows.into_iter().map(|[value]| value).collect())
+    }
+
+    /// Several errors of each of these members at once, as [`Work::values`] has one, after so many
+    /// samples from the end of the still start.
+    ///
+    /// # Errors
+    /// As [`Work::values`]; an error that the study does not have.
+    pub fn several<const N: usize>(
+        &mut self,
+        study: &Study,
+        samples: u64,
+        quantities: [Watched; N],
+        members: Range<u64>,
+    ) -> Result<Vec<[f64; N]>> {
+        quantities.iter().try_for_each(|quantity| quantity.check(study))?;
+        match &study.in_motion {
+            Some(motion) => {
+                let flight = aiding::flight(study, motion, vec![samples])?;
+                let places = quantities.map(|quantity| IN_MOTION[quantity.place()].1.place());
                 self.batches(members, |batch, control| {
                     let rows = flight::outcomes_at(&flight, batch, control)?;
-                    Ok(rows.into_iter().map(|row| row[at]).collect())
+                    Ok(rows.into_iter().map(|row| places.map(|at| row[at])).collect())
                 })
             }
-            Watched::OneAxis(at) => {
-                study.along_one_axis()?;
-                let job = study.job(study.integrator()?.integrator, vec![place.samples]);
-                let samples = place.samples + job.clock.still_samples;
+            None => {
+                let job = study.job(study.integrator()?.integrator, vec![samples]);
+                let samples = samples + job.clock.still_samples;
                 self.batches(members, |batch, control| {
                     let rows = cpu::outcomes_at::<f32>(&job, batch, samples, control)?;
-                    Ok(rows.into_iter().map(|row| row[at]).collect())
+                    Ok(rows.into_iter().map(|row| quantities.map(|quantity| row[quantity.place()])).collect())
                 })
             }
         }
     }
 
     /// Returns what `integrate` gives for one batch after the other.
-    fn batches(
+    fn batches<T>(
         &mut self,
         members: Range<u64>,
-        mut integrate: impl FnMut(Range<u64>, &Control) -> Result<Vec<f64>>,
-    ) -> Result<Vec<f64>> {
+        mut integrate: impl FnMut(Range<u64>, &Control) -> Result<Vec<T>>,
+    ) -> Result<Vec<T>> {
         let mut values = Vec::with_capacity((members.end - members.start) as usize);
         let mut from = members.start;
         while from < members.end {

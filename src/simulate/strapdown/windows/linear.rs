@@ -16,6 +16,7 @@ use crate::strapdown::covariance::{self, Carried, Cause, given};
 use crate::strapdown::family::{Column, Family, Gain};
 use crate::strapdown::linear::Square;
 use crate::study::in_motion::{InMotion, Run};
+use crate::study::second::Seeds;
 
 /// Effect of biases on the end.
 pub type ToEnd = SMatrix<f64, 9, 6>;
@@ -217,6 +218,6 @@ fn flight(motion: &InMotion, window: &Window) -> Result<Flight> {
         report_samples: vec![samples],
         still_samples: 0,
     };
-    let run = Run { seed: 1, members: 1, clock: &clock, still_samples: 0 };
+    let run = Run { seeds: &Seeds::one(1), members: 1, clock: &clock, still_samples: 0 };
     motion.along(window.course.clone()).flight(run, vec![samples])
 }
