@@ -153,7 +153,7 @@ pub struct Effect {
     pub share: Option<Share>,
     /// Ids that fit equally or nearly so.
     pub confusable_with: Vec<String>,
-    /// The base model's numbers beside this law, where it stands in another one's place and they are its own.
+    /// The base model's numbers next to this law, where it stands in another one's place.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub base: Vec<Estimate>,
 }

@@ -33,7 +33,7 @@ pub struct Log<'a> {
     pub proposed: Option<&'a str>,
     /// Diagnosis, cost of what is left out, figures, and the repaired sensor as TOML.
     pub diagnosis: (&'a Diagnosis, &'a [Cost], &'a [Exhibit], Option<&'a str>),
-    /// Whether its halves agree.
+    /// Agreement of its halves.
     pub checked: &'a Part<Checked>,
     /// Noise at rest.
     pub noise: &'a Part<Noise>,

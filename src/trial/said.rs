@@ -182,6 +182,7 @@ mod tests {
             form: None,
             evidence: Evidence { held_out_gain: 1.0, p_value: 0.0 },
             share: None,
+            base: Vec::new(),
             confusable_with: rival.into_iter().map(str::to_owned).collect(),
         };
         let tied = effect("gauss-markov", "x", Some("random-walk"));

@@ -24,7 +24,7 @@ use super::world::{check, program, test};
 /// Parts that the pairs are divided into, so that each test is short.
 const PARTS: u64 = 4;
 /// Sensors drawn for one part; of about a half the first recording leaves laws tied.
-const DRAWN: u64 = 8;
+const DRAWN: u64 = 4;
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
@@ -163,6 +163,6 @@ fn pairs(part: u64) -> Result<(), Failed> {
     check(wrong.is_empty(), format!("confidently wrong: {wrong:?}"))?;
     let reached = plans.iter().filter(|(l, p)| p.reached && p.rivals.contains(&l.law));
     let misses: Vec<usize> = reached.filter(|(_, p)| !is(p, Worth::Right)).map(|(l, _)| l.number).collect();
-    // At 95 % three misses of eight have a chance of 0.6 %.
-    check(misses.len() <= 2, format!("not decided where 95 % were promised: {misses:?}"))
+    // At 95 % two misses of four have a chance of 1.4 %.
+    check(misses.len() <= 1, format!("not decided where 95 % were promised: {misses:?}"))
 }
