@@ -275,7 +275,8 @@ pub(super) fn plan<'py>(py: Python<'py>, wanted: Wanted<'_>, limits: Document<'_
         let (planned, confirmed) = diagnosis::plan::plan(&question, &limits, wish, control)?;
         let json = to_json(&report::plan::document(&planned, wish.probability, &confirmed, &[]))?;
         let experiments: Vec<_> = planned.proposals().map(|p| p.experiment).collect();
-        let draw = move || report::plan::page(&planned, wish.probability, &confirmed, &[]).finish();
+        let played = ["inputs[0]", "inputs[1]"];
+        let draw = move || report::plan::page(&planned, wish.probability, &confirmed, &played).finish();
         Ok((Answer { json, toml: None, draw: Box::new(draw) }, experiments))
     })?;
     let arrays = |e: &Experiment| {
