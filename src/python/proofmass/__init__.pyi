@@ -104,6 +104,7 @@ class Plan(_Result):
     rivals: list[_Fields]
     reached: bool
     experiments: list[_Fields]
+    def __init__(self, answer: Any, inputs: list[tuple[_Array, _Array]]) -> None: ...
     @property
     def inputs(self) -> list[tuple[_Array, _Array]]: ...
 
