@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::diagnose::{Asked, model_for};
+use super::chosen::{Asked, Part, model_for};
 use super::numbers;
 use super::output::{remark, sayln, screen};
 use proofmass_base::document::to_json;
@@ -10,7 +10,7 @@ use proofmass_base::error::Result;
 use proofmass_base::output::{self, Folder};
 use proofmass_base::progress;
 use proofmass_diagnosis::check;
-use proofmass_diagnosis::model::{self, Seconds};
+use proofmass_diagnosis::model;
 use proofmass_recording::Recording;
 use proofmass_report::check as report;
 
@@ -27,15 +27,9 @@ pub struct Arguments {
     /// Sampling rate of a recording without a clock, where no model is given, Hz
     #[arg(long, value_name = "F", conflicts_with = "model", allow_negative_numbers = true)]
     rate_hz: Option<f64>,
-    /// Topic, message or array to read, if a recording has several
-    #[arg(long, value_name = "TOPIC")]
-    topic: Option<String>,
-    /// Use each recording from this many seconds after its first row
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
-    from_s: Option<f64>,
-    /// Use each recording up to this many seconds after its first row
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
-    to_s: Option<f64>,
+    /// Part of each recording that is used
+    #[command(flatten)]
+    part: Part,
     /// Folder for report.html, check.json and sensor.toml, the sensor with its spread from run to run
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -68,8 +62,8 @@ const SENSOR: &str = "sensor.toml";
 /// Recordings or a model that cannot be read or checked; a folder that cannot be written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let control = progress::terminal();
-    let seconds = Seconds { from_s: arguments.from_s, to_s: arguments.to_s };
-    let asked = Asked { topic: arguments.topic.clone(), rate_hz: arguments.rate_hz, seconds, ..Asked::default() };
+    let seconds = arguments.part.seconds();
+    let asked = Asked { part: arguments.part.clone(), rate_hz: arguments.rate_hz, ..Asked::default() };
     let (model, _) = model_for(&arguments.recordings[0], arguments.model.as_deref(), &asked, &control)?;
     let read = |path: &PathBuf| model::read_part(path, &model, seconds, &control);
     let recordings: Vec<Recording> = arguments.recordings.iter().map(read).collect::<Result<_>>()?;

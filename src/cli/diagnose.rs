@@ -1,10 +1,10 @@
 //! `proofmass diagnose`: a recording and the model that should explain it in, a verdict out.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use super::chosen::{Asked, Headings, Part, model_for};
 use super::numbers;
 use super::output::{remark, sayln, screen};
-use proofmass_base::control::Control;
 use proofmass_base::document::to_json;
 use proofmass_base::error::Result;
 use proofmass_base::output::{self, Folder};
@@ -12,8 +12,8 @@ use proofmass_base::progress;
 use proofmass_diagnosis::gate::Gate;
 use proofmass_diagnosis::model::{self, Model};
 use proofmass_diagnosis::recordings::Recordings;
-use proofmass_diagnosis::{self as diagnosis, proposal, repair, repaired};
-use proofmass_recording::{Recording, Request, inspection};
+use proofmass_diagnosis::{self as diagnosis, repair, repaired};
+use proofmass_recording::Recording;
 use proofmass_report::diagnosis::{self as page, Diagnosis};
 use proofmass_report::inspection::in_a_line;
 
@@ -31,24 +31,15 @@ pub struct Arguments {
     /// the recording's headings and said first
     #[arg(long)]
     pub model: Option<PathBuf>,
-    /// Heading of the force on a proof mass, where no model is given
-    #[arg(long, value_name = "COLUMN", conflicts_with = "model")]
-    pub input: Option<String>,
-    /// Heading of its reading, where no model is given
-    #[arg(long, value_name = "COLUMN", conflicts_with = "model")]
-    pub output: Option<String>,
+    /// Columns of a driven recording, where no model is given
+    #[command(flatten)]
+    pub headings: Headings,
     /// Sampling rate of a recording without a clock, where no model is given, Hz
     #[arg(long, value_name = "F", conflicts_with = "model", allow_negative_numbers = true)]
     pub rate_hz: Option<f64>,
-    /// Topic, message or array to read, if a recording has several; also `topic` in the model
-    #[arg(long, value_name = "TOPIC")]
-    pub topic: Option<String>,
-    /// Use each recording from this many seconds after its first row
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
-    pub from_s: Option<f64>,
-    /// Use each recording up to this many seconds after its first row
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
-    pub to_s: Option<f64>,
+    /// Part of each recording that is used
+    #[command(flatten)]
+    pub part: Part,
     /// Use the model's rate_hz even against a recording's own clock; also `force_rate` in the model
     #[arg(long)]
     pub force_rate: bool,
@@ -86,14 +77,9 @@ pub(super) fn gate(id: &str) -> std::result::Result<Gate, String> {
 /// A recording or model that cannot be read or judged; a folder that cannot be written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let control = progress::terminal();
-    let seconds = model::Seconds { from_s: arguments.from_s, to_s: arguments.to_s };
-    let asked = Asked {
-        topic: arguments.topic.clone(),
-        seconds,
-        rate_hz: arguments.rate_hz,
-        input: arguments.input.clone(),
-        output: arguments.output.clone(),
-    };
+    let seconds = arguments.part.seconds();
+    let Arguments { part, headings, rate_hz, .. } = arguments;
+    let asked = Asked { part: part.clone(), headings: headings.clone(), rate_hz: *rate_hz };
     let (mut model, proposal) = model_for(&arguments.recordings[0], arguments.model.as_deref(), &asked, &control)?;
     if arguments.force_rate {
         model = model.with_forced_rate();
@@ -139,57 +125,6 @@ const REPAIRED: &str = "repaired.toml";
 const UNCORRECTED: &str = "uncorrected.toml";
 /// The model that was chosen where none was given: to be edited and given with --model.
 const PROPOSED: &str = "proposed.toml";
-
-/// Requests of a command line on recordings, next to their model.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Asked {
-    pub topic: Option<String>,
-    pub seconds: model::Seconds,
-    pub rate_hz: Option<f64>,
-    pub input: Option<String>,
-    pub output: Option<String>,
-}
-
-/// The model of a file, or the one that the first recording suits, with its text.
-///
-/// # Errors
-/// A model that cannot be read, a recording that suits none.
-pub(super) fn model_for(
-    first: &Path,
-    file: Option<&Path>,
-    asked: &Asked,
-    control: &Control,
-) -> Result<(Model, Option<String>)> {
-    let (model, text) = match file {
-        Some(path) => (model::read(path)?, None),
-        None => {
-            let text = proposed(first, asked, control)?;
-            remark!("no model was given; this one was chosen:\n{}", text.trim_end());
-            (proposal::parsed(&text)?, Some(text))
-        }
-    };
-    Ok((asked.topic.as_ref().map_or_else(|| model.clone(), |topic| model.clone().of_topic(topic)), text))
-}
-
-/// The model that a recording suits.
-fn proposed(path: &Path, asked: &Asked, control: &Control) -> Result<String> {
-    let request = Request {
-        topic: asked.topic.clone(),
-        from_s: asked.seconds.from_s,
-        to_s: asked.seconds.to_s,
-        rate_hz: asked.rate_hz,
-        control: control.clone(),
-        ..Request::default()
-    };
-    let seen = inspection::inspect(path, &request)?;
-    let named = proposal::Named {
-        input: asked.input.clone(),
-        output: asked.output.clone(),
-        rate_hz: asked.rate_hz,
-        is_cut: asked.seconds != model::Seconds::default(),
-    };
-    proposal::proposed(&path.display().to_string(), &seen, &named)
-}
 
 fn outputs(arguments: &Arguments, model: &Model) -> output::Request {
     output::Request {

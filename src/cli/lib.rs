@@ -17,6 +17,7 @@ pub mod allan;
 pub mod bench;
 pub mod candidates;
 pub mod check;
+pub mod chosen;
 mod device;
 pub mod diagnose;
 pub mod export;

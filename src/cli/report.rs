@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::allan::{self, Scales};
-use super::diagnose::{Asked, model_for};
+use super::chosen::{Asked, Headings, Part, model_for};
 use super::numbers;
 use super::output::{remark, sayln, screen};
 use proofmass_base::control::Control;
@@ -17,10 +17,10 @@ use proofmass_diagnosis::proposal::{self, Suited, WORTHWHILE_S};
 use proofmass_diagnosis::recordings::Recordings;
 use proofmass_diagnosis::{self as diagnosis, check, repaired};
 use proofmass_recording::Request;
-use proofmass_recording::inspection::{self, Inspection};
+use proofmass_recording::inspection::{self, Inspection, Stretch};
 use proofmass_recording::noise::Noise;
 use proofmass_report::diagnosis as page;
-use proofmass_report::log::{self as report, Log, Part};
+use proofmass_report::log::{self as report, Log, Made};
 use proofmass_study::name_for;
 
 /// Arguments of `report`.
@@ -34,24 +34,15 @@ pub struct Arguments {
     /// recording's headings and said first
     #[arg(long)]
     model: Option<PathBuf>,
-    /// Heading of the force on a proof mass, where no model is given
-    #[arg(long, value_name = "COLUMN", conflicts_with = "model")]
-    input: Option<String>,
-    /// Heading of its reading, where no model is given
-    #[arg(long, value_name = "COLUMN", conflicts_with = "model")]
-    output: Option<String>,
+    /// Columns of a driven recording, where no model is given
+    #[command(flatten)]
+    headings: Headings,
     /// Sampling rate of a recording without a clock, where no model is given, Hz
     #[arg(long, value_name = "F", conflicts_with = "model", allow_negative_numbers = true)]
     rate_hz: Option<f64>,
-    /// Topic, message or array to read, if the recording has several
-    #[arg(long, value_name = "TOPIC")]
-    topic: Option<String>,
-    /// Use the recording from this many seconds after its first row
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
-    from_s: Option<f64>,
-    /// Use the recording up to this many seconds after its first row
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
-    to_s: Option<f64>,
+    /// Part of the recording that is used
+    #[command(flatten)]
+    part: Part,
     /// Folder for report.html, report.json and repaired.toml [default: reports/NAME]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -81,23 +72,14 @@ const REPAIRED: &str = "repaired.toml";
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let control = progress::terminal();
     let file = arguments.recording.display().to_string();
-    let request = Request {
-        topic: arguments.topic.clone(),
-        from_s: arguments.from_s,
-        to_s: arguments.to_s,
-        rate_hz: arguments.rate_hz,
-        control: control.clone(),
-        ..Request::default()
-    };
-    let seen = inspection::inspect(&arguments.recording, &request)?;
-    let seconds = arguments.seconds(&seen);
-    let asked = Asked {
-        topic: arguments.topic.clone(),
-        seconds,
-        rate_hz: arguments.rate_hz,
-        input: arguments.input.clone(),
-        output: arguments.output.clone(),
-    };
+    let mut asked = arguments.asked();
+    let mut look = arguments.look(&asked, &control)?;
+    let seen = inspection::inspect(&arguments.recording, &look)?;
+    if let Some(rest) = arguments.rest(&seen) {
+        (asked.part.from_s, asked.part.to_s) = (Some(rest.from_s), Some(rest.to_s));
+        (look.from_s, look.to_s) = (Some(rest.from_s), Some(rest.to_s));
+    }
+    let seconds = asked.part.seconds();
     let (model, proposed) = model_for(&arguments.recording, arguments.model.as_deref(), &asked, &control)?;
     let recording = model::read_part(&arguments.recording, &model, seconds, &control)?;
     let path = arguments.folder();
@@ -111,13 +93,16 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         Model::Driven(_) | Model::Response(_) => Ok(Err("halves of it do not move alike".to_owned())),
         _ => check::check(train, &model, &control).map(Ok),
     })?;
-    let noise = part(at_rest(arguments, &seen, &model, seconds, &control))?;
+    let noise = part(at_rest(&arguments.recording, look, &seen, &model))?;
     let log = Log {
         file: &file,
         seen: &seen,
         recording: &recording,
         proposed: proposed.as_deref(),
-        diagnosis: (&diagnosis, &costs, &exhibits, study.as_deref()),
+        diagnosis: &diagnosis,
+        costs: &costs,
+        exhibits: &exhibits,
+        repaired: study.as_deref(),
         checked: &checked,
         noise: &noise,
     };
@@ -135,7 +120,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
 }
 
 /// A part, or in words why there is none; a stop is no reason.
-fn part<T>(made: Result<Part<T>>) -> Result<Part<T>> {
+fn part<T>(made: Result<Made<T>>) -> Result<Made<T>> {
     match made {
         Err(error) if error.kind == Kind::Interrupted => Err(error),
         Err(error) => Ok(Err(format!("{} ({})", error.cause, error.hint))),
@@ -144,18 +129,14 @@ fn part<T>(made: Result<Part<T>>) -> Result<Part<T>> {
 }
 
 /// Noise of the whole log, where it is at rest, or of the longest rest in it.
-fn at_rest(
-    arguments: &Arguments,
-    seen: &Inspection,
-    model: &Model,
-    seconds: Seconds,
-    control: &Control,
-) -> Result<Part<Noise>> {
+fn at_rest(recording: &Path, mut look: Request, seen: &Inspection, model: &Model) -> Result<Made<Noise>> {
     let longest = seen.rows.as_ref().and_then(|rows| proposal::longest(&rows.still));
-    let [from_s, to_s] = match (model, longest) {
+    match (model, longest) {
         (Model::Driven(_) | Model::Response(_), _) => return Ok(Err("it is never at rest".to_owned())),
-        (Model::Static(_), _) => [seconds.from_s, seconds.to_s],
-        (_, Some(rest)) if rest.to_s - rest.from_s >= WORTHWHILE_S => [Some(rest.from_s), Some(rest.to_s)],
+        (Model::Static(_), _) => {}
+        (_, Some(rest)) if rest.to_s - rest.from_s >= WORTHWHILE_S => {
+            (look.from_s, look.to_s) = (Some(rest.from_s), Some(rest.to_s));
+        }
         (_, rest) => {
             let longest = rest.map_or(0.0, |rest| rest.to_s - rest.from_s);
             let words = format!(
@@ -164,34 +145,40 @@ fn at_rest(
             );
             return Ok(Err(words));
         }
-    };
-    let request = Request {
-        topic: arguments.topic.clone(),
-        rate_hz: arguments.rate_hz,
-        from_s,
-        to_s,
-        control: control.clone(),
-        ..Request::default()
-    };
-    allan::Asked::new(request, &Scales::default())?.analyse(&arguments.recording).map(Ok)
+    }
+    allan::Asked::new(look, &Scales::default())?.analyse(recording).map(Ok)
 }
 
 impl Arguments {
-    /// The seconds that were asked for; where none were, those of its rest, where it moves in the other time.
-    fn seconds(&self, seen: &Inspection) -> Seconds {
-        let asked = Seconds { from_s: self.from_s, to_s: self.to_s };
-        let is_free = self.model.is_none() && asked == Seconds::default();
-        match seen.rows.as_ref().and_then(proposal::suited) {
-            Some(Suited::RestFor(rest)) if is_free => {
-                remark!(
-                    "the sensor lies still from {} to {} s and moves in the other time: this rest is judged",
-                    rounded(rest.from_s, 4),
-                    rounded(rest.to_s, 4)
-                );
-                Seconds { from_s: Some(rest.from_s), to_s: Some(rest.to_s) }
-            }
-            _ => asked,
-        }
+    fn asked(&self) -> Asked {
+        Asked { part: self.part.clone(), headings: self.headings.clone(), rate_hz: self.rate_hz }
+    }
+
+    /// Returns how the file is looked at: by the clock and in the part that the model states, or as was asked.
+    fn look(&self, asked: &Asked, control: &Control) -> Result<Request> {
+        let stated = self.model.as_deref().map(model::read).transpose()?;
+        // Steps of a sweep have no rate.
+        let Some(model) = stated.filter(|model| !matches!(model, Model::Response(_))) else {
+            return Ok(asked.request(control));
+        };
+        let read = model::requested(&self.recording, &model, asked.part.seconds())?;
+        let topic = asked.part.topic.clone().or_else(|| read.topic.clone());
+        let control = control.clone();
+        Ok(Request { topic, control, columns: Vec::new(), samples: None, at_most: None, ..read })
+    }
+
+    /// The rest that is judged of a sensor that moves in the other time, where nothing else was asked for.
+    fn rest(&self, seen: &Inspection) -> Option<Stretch> {
+        let is_free = self.model.is_none() && self.part.seconds() == Seconds::default();
+        let Some(Suited::RestFor(rest)) = seen.rows.as_ref().and_then(proposal::suited).filter(|_| is_free) else {
+            return None;
+        };
+        remark!(
+            "the sensor lies still from {} to {} s and moves in the other time: this rest is judged",
+            rounded(rest.from_s, 4),
+            rounded(rest.to_s, 4)
+        );
+        Some(rest)
     }
 
     fn folder(&self) -> PathBuf {
@@ -212,8 +199,7 @@ impl Arguments {
 }
 
 fn write(mut folder: Folder, log: &Log<'_>, document: &str) -> Result<()> {
-    let (.., study) = log.diagnosis;
-    if let Some(study) = study {
+    if let Some(study) = log.repaired {
         folder.write(REPAIRED, study.as_bytes())?;
     }
     numbers::write(&mut folder, REPORT, report::page(log))?;

@@ -4,6 +4,7 @@
 mod answer;
 mod book;
 mod independent;
+mod kept;
 mod planned;
 pub(super) mod shard;
 
@@ -183,12 +184,14 @@ fn trial(arguments: &Arguments, json: bool, control: &Control) -> Result<()> {
     }
     if arguments.independent {
         let Arguments { out, force, quick, resume, cases, seed, samples: rows, case, kind, .. } = arguments.clone();
-        let request = independent::Request { out, force, quick, resume, cases, seed, rows, case, kind };
+        let place = kept::Place { out, force, resume };
+        let request = independent::Request { place, quick, cases, seed, rows, case, kind };
         return independent::run(&request, &tool(control), json, control);
     }
     if arguments.plan {
         let Arguments { out, force, quick, resume, cases, seed, case, .. } = arguments.clone();
-        let request = planned::Request { out, force, quick, resume, cases, seed, case };
+        let place = kept::Place { out, force, resume };
+        let request = planned::Request { place, quick, cases, seed, case };
         return planned::run(&request, &tool(control), json, control);
     }
     let plan = arguments.campaign();

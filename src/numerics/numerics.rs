@@ -14,5 +14,6 @@ pub mod log_time;
 pub mod moments;
 pub mod non_negative;
 pub mod order;
+mod recent;
 pub mod special;
 pub mod spectrum;

@@ -125,7 +125,7 @@ pub(super) fn study(
             let answer = strapdown::answer::answer(&study, motion, backend, control)?;
             let findings = report::strapdown::findings(&answer);
             let json = to_json(&strapdown::document::Document::of(&study, &answer, findings))?;
-            let draw = move || report::strapdown::page(&study, &answer, None).finish();
+            let draw = move || report::strapdown::page(&study, &answer, None, None).finish();
             return Ok(Answer { json, toml: None, draw: Box::new(draw) });
         }
         let options = Options { backend, control: control.clone(), ..Options::default() };
@@ -133,7 +133,7 @@ pub(super) fn study(
         let run = |job: &_, _: &str| backends.run(job, &options, &mut Keeper::none());
         let drift = drift::answer(&study, control, run)?;
         let json = to_json(&document::Document::of(&study, &drift))?;
-        Ok(Answer { json, toml: None, draw: Box::new(move || report::study::page(&study, &drift).finish()) })
+        Ok(Answer { json, toml: None, draw: Box::new(move || report::study::page(&study, &drift, None).finish()) })
     })
 }
 

@@ -19,4 +19,3 @@ pub mod strapdown;
 pub mod study;
 pub mod sweep;
 pub mod table;
-pub mod variance;

@@ -18,7 +18,7 @@ use proofmass_recording::inspection::Inspection;
 use proofmass_recording::noise::Noise;
 
 /// A part of a report, or why there is none.
-pub type Part<T> = Result<T, String>;
+pub type Made<T> = Result<T, String>;
 
 /// Everything that is known of a recording.
 #[derive(Debug)]
@@ -31,12 +31,18 @@ pub struct Log<'a> {
     pub recording: &'a Recording,
     /// The model that was chosen, where none was given.
     pub proposed: Option<&'a str>,
-    /// Diagnosis, cost of what is left out, figures, and the repaired sensor as TOML.
-    pub diagnosis: (&'a Diagnosis, &'a [Cost], &'a [Exhibit], Option<&'a str>),
+    /// The diagnosis.
+    pub diagnosis: &'a Diagnosis,
+    /// Errors of a navigator that keeps the old model.
+    pub costs: &'a [Cost],
+    /// Figures of the diagnosis.
+    pub exhibits: &'a [Exhibit],
+    /// The repaired sensor as TOML, where there is one.
+    pub repaired: Option<&'a str>,
     /// Agreement of its halves.
-    pub checked: &'a Part<Checked>,
+    pub checked: &'a Made<Checked>,
     /// Noise at rest.
-    pub noise: &'a Part<Noise>,
+    pub noise: &'a Made<Noise>,
 }
 
 impl Log<'_> {
@@ -47,8 +53,7 @@ impl Log<'_> {
 
     /// Questions and their answers in a sentence or two.
     fn answers(&self) -> [(&'static str, String); 3] {
-        let (diagnosis, ..) = self.diagnosis;
-        let verdict = &diagnosis.verdict;
+        let verdict = &self.diagnosis.verdict;
         let checked = match self.checked {
             Ok(checked) => check::answer(&[self.name()], checked),
             Err(why) => format!("not checked: {why}"),
@@ -79,7 +84,6 @@ pub fn terminal(log: &Log<'_>) -> String {
 
 /// The public document `proofmass.report/1`; parts that were not made are null, and `not_made` says why.
 pub fn document(log: &Log<'_>) -> Value {
-    let (diagnosis, ..) = log.diagnosis;
     let because = [("check", log.checked.as_ref().err()), ("noise", log.noise.as_ref().err())];
     let not_made = because.into_iter().filter_map(|(part, why)| Some(json!({ "part": part, "because": why? })));
     json!({
@@ -87,7 +91,7 @@ pub fn document(log: &Log<'_>) -> Value {
         "file": log.file,
         "answers": log.answers().map(|(question, answer)| json!({ "question": question, "answer": answer })),
         "model": log.proposed,
-        "verdict": &diagnosis.verdict,
+        "verdict": &log.diagnosis.verdict,
         "check": log.checked.as_ref().ok().map(|checked| check::document(&[log.file.to_owned()], checked)),
         "noise": log.noise.as_ref().ok().map(|noise| allan::document(&log.name(), noise)),
         "inspect": inspection::document(log.file, log.seen),
@@ -97,14 +101,14 @@ pub fn document(log: &Log<'_>) -> Value {
 
 /// The page: answers first, then each part as its own command shows it.
 pub fn page(log: &Log<'_>) -> Page {
-    let (diagnosis, costs, exhibits, study) = log.diagnosis;
+    let left_out = diagnosis::page(log.diagnosis, log.costs, log.exhibits, log.repaired);
     let notes = inspection::notes(log.seen);
     let lede = notes.first().map_or("", String::as_str);
     let mut page = Page::new(&format!("Report on {}", log.name()), lede);
     let mut first = super::table::Table::new(&["", ""]);
     log.answers().into_iter().for_each(|(question, answer)| first.row([question.to_owned(), answer]));
     page.table(&first);
-    page.chapter("What the model leaves out", "left-out-", diagnosis::page(diagnosis, costs, exhibits, study));
+    page.chapter("What the model leaves out", "left-out-", left_out);
     match log.checked {
         Ok(checked) => {
             let recordings = std::slice::from_ref(log.recording);

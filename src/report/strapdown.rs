@@ -8,18 +8,20 @@ mod windows;
 use self::doubt::doubt;
 use super::html::Page;
 use super::study::moment::{moment, plain};
-use super::study::{jcgm101, percent};
+use super::study::{jcgm101, percent, variance};
 use super::table::Table;
 use proofmass_base::number::{duration, significant, worth};
 use proofmass_base::units::DEGREE;
 use proofmass_numerics::statistics::jcgm101::Stated;
 use proofmass_simulate::backend::flight::Quantity;
+use proofmass_simulate::decision::variance::Variance;
 use proofmass_simulate::strapdown::answer::Answer;
 use proofmass_simulate::strapdown::covariance::{Cause, Part};
 use proofmass_study::Study;
 
-/// The page; `stated` is the last horizontal error where digits were asked for.
-pub fn page(study: &Study, answer: &Answer, stated: Option<&Stated>) -> Page {
+/// The page; `stated` is the last horizontal error where digits were asked for, `shared` the variance of it
+/// among the sources.
+pub fn page(study: &Study, answer: &Answer, stated: Option<&Stated>, shared: Option<&Variance>) -> Page {
     let mut page = Page::new(&format!("{}: how far it drifts", study.name), &lede(answer));
     page.section("How far it drifts");
     let distance = figures::distance(answer).draw();
@@ -60,6 +62,7 @@ pub fn page(study: &Study, answer: &Answer, stated: Option<&Stated>) -> Page {
          integration error is that of the same navigator on perfect readings.",
     );
     page.table(&budget_table(answer));
+    shared.iter().for_each(|shared| variance::append(&mut page, shared));
     page.section("How this was made");
     super::study::note(&mut page, study);
     page.table(&provenance(study, answer));

@@ -8,6 +8,7 @@ mod envelope;
 pub mod jcgm101;
 pub(crate) mod moment;
 mod sensor;
+pub mod variance;
 mod windows;
 
 use super::html::Page;
@@ -15,6 +16,7 @@ use super::table::Table;
 use proofmass_base::number::{duration, significant, with_uncertainty, worth};
 use proofmass_numerics::statistics::{Origin, Statistics, Summary, quantity};
 use proofmass_scenario::navigation::power_law::EXPONENTS;
+use proofmass_simulate::decision::variance::Variance;
 use proofmass_simulate::drift::Drift;
 use proofmass_simulate::drift::budget::Contribution;
 use proofmass_simulate::drift::scope::SMALL_TILT_RAD;
@@ -42,8 +44,8 @@ fn beyond_scope(drift: &Drift) -> Option<String> {
     ))
 }
 
-/// The report page of `study`.
-pub fn page(study: &Study, drift: &Drift) -> Page {
+/// The report page of `study`, with the variance shared among the sources where that was asked for.
+pub fn page(study: &Study, drift: &Drift, shared: Option<&Variance>) -> Page {
     let mut page = Page::new(&format!("{}: how far it drifts", study.name), &lede(study, drift));
     if let Some(sentence) = beyond_scope(drift) {
         page.callout(&sentence);
@@ -87,6 +89,7 @@ pub fn page(study: &Study, drift: &Drift) -> Page {
                     source alone at the last one:",
     );
     page.table(&budget_table(drift));
+    shared.iter().for_each(|shared| variance::append(&mut page, shared));
     page.section("How the envelope grows");
     page.paragraph(
         "Position variance fitted as a sum of squares of four powers of time, next to the closed forms of the \

@@ -16,9 +16,19 @@ use proofmass_base::error::{Error, Result};
 /// # Errors
 /// The file cannot be written.
 pub(crate) fn seal<T: Serialize + DeserializeOwned>(truths: &T, path: &Path) -> Result<(String, T)> {
-    let bytes = serde_json::to_vec(truths).map_err(|e| unsealed(&e.to_string()))?;
+    let (bytes, seal) = closed(truths)?;
     write_whole(path, &bytes)?;
-    Ok((hexadecimal(&Sha256::digest(&bytes)), parse(&bytes)?))
+    Ok((seal, parse(&bytes, path)?))
+}
+
+/// Returns the document as it is sealed, with its seal.
+///
+/// # Errors
+/// None for the types of this crate, whose keys are strings.
+pub(crate) fn closed<T: Serialize>(truths: &T) -> Result<(Vec<u8>, String)> {
+    let bytes = serde_json::to_vec(truths).map_err(|e| unsealed(&e.to_string()))?;
+    let seal = hexadecimal(&Sha256::digest(&bytes));
+    Ok((bytes, seal))
 }
 
 /// Returns the seal of a document that lies there already, and the document.
@@ -27,7 +37,7 @@ pub(crate) fn seal<T: Serialize + DeserializeOwned>(truths: &T, path: &Path) -> 
 /// The file cannot be read, or is of another version.
 pub(crate) fn sealed<T: DeserializeOwned>(path: &Path) -> Result<(String, T)> {
     let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, &e))?;
-    Ok((hexadecimal(&Sha256::digest(&bytes)), parse(&bytes)?))
+    Ok((hexadecimal(&Sha256::digest(&bytes)), parse(&bytes, path)?))
 }
 
 /// Opens the envelope after the last verdict.
@@ -35,12 +45,13 @@ pub(crate) fn sealed<T: DeserializeOwned>(path: &Path) -> Result<(String, T)> {
 /// # Errors
 /// It has changed since it was sealed.
 pub(crate) fn open<T: DeserializeOwned>(path: &Path, seal: &str) -> Result<T> {
-    let (found, truths) = sealed(path)?;
+    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, &e))?;
+    let found = hexadecimal(&Sha256::digest(&bytes));
     if found != seal {
         let cause = format!("its SHA-256 is {found}, sealed was {seal}");
-        return Err(Error::new("could not open the sealed truth", cause, "the trial is void; run it again"));
+        return Err(not_opened(path, cause, "the trial is void; run it again in an empty folder"));
     }
-    Ok(truths)
+    parse(&bytes, path)
 }
 
 /// Refuses a truth that cannot be written.
@@ -48,9 +59,11 @@ pub(crate) fn unsealed(cause: &str) -> Error {
     Error::new("could not seal the truth", cause, "this is a defect of the program; please report it")
 }
 
-fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T> {
-    serde_json::from_slice(bytes).map_err(|e| {
-        let hint = "it was written by another version; run the trial again";
-        Error::new("could not read the sealed truth", e.to_string(), hint)
-    })
+fn not_opened(path: &Path, cause: String, hint: &str) -> Error {
+    Error::new(format!("could not open the sealed truth {}", path.display()), cause, hint)
+}
+
+fn parse<T: DeserializeOwned>(bytes: &[u8], path: &Path) -> Result<T> {
+    serde_json::from_slice(bytes)
+        .map_err(|e| not_opened(path, e.to_string(), "it was written by another version; run the trial again"))
 }

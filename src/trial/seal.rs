@@ -4,12 +4,11 @@
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::case::Case;
+use super::envelope;
 use super::plan::Plan;
-use proofmass_base::document::{hexadecimal, write_whole};
-use proofmass_base::error::{Error, Result};
+use proofmass_base::error::Result;
 
 /// Contents of the sealed file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -31,10 +30,6 @@ pub struct Sealed {
     pub sha256: String,
 }
 
-fn hash(bytes: &[u8]) -> String {
-    hexadecimal(&Sha256::digest(bytes))
-}
-
 impl Truth {
     /// Wraps the cases of a plan.
     pub fn new(plan: Plan, cases: Vec<Case>) -> Self {
@@ -46,9 +41,8 @@ impl Truth {
     /// # Errors
     /// When it cannot be written.
     pub fn seal(&self, path: &Path) -> Result<Sealed> {
-        let bytes = self.bytes()?;
-        write_whole(path, &bytes)?;
-        Ok(Sealed { path: path.into(), sha256: hash(&bytes) })
+        let (sha256, _) = envelope::seal(self, path)?;
+        Ok(Sealed { path: path.into(), sha256 })
     }
 
     /// The document as it is sealed, with its seal.
@@ -56,15 +50,7 @@ impl Truth {
     /// # Errors
     /// None for the types of this crate, whose keys are strings.
     pub fn sealed(&self) -> Result<(Vec<u8>, String)> {
-        let bytes = self.bytes()?;
-        let sha256 = hash(&bytes);
-        Ok((bytes, sha256))
-    }
-
-    fn bytes(&self) -> Result<Vec<u8>> {
-        serde_json::to_vec(self).map_err(|e| {
-            Error::new("could not seal the truth", e.to_string(), "this is a defect of the program; please report it")
-        })
+        envelope::closed(self)
     }
 }
 
@@ -74,8 +60,8 @@ impl Sealed {
     /// # Errors
     /// When it cannot be read.
     pub fn of(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, &e))?;
-        Ok(Self { path: path.into(), sha256: hash(&bytes) })
+        let (sha256, _) = envelope::sealed::<Truth>(path)?;
+        Ok(Self { path: path.into(), sha256 })
     }
 
     /// Opens the envelope.
@@ -83,15 +69,7 @@ impl Sealed {
     /// # Errors
     /// When the document has changed since it was sealed, or cannot be read.
     pub fn open(&self) -> Result<Truth> {
-        let attempt = format!("could not open the sealed truth {}", self.path.display());
-        let bytes = std::fs::read(&self.path).map_err(|e| Error::io("read", &self.path, &e))?;
-        let found = hash(&bytes);
-        if found != self.sha256 {
-            let cause = format!("its SHA-256 is {found}, sealed was {}", self.sha256);
-            return Err(Error::new(attempt, cause, "the trial is void; run it again in an empty folder"));
-        }
-        serde_json::from_slice(&bytes)
-            .map_err(|e| Error::new(attempt, e.to_string(), "it was written by another version; run the trial again"))
+        envelope::open(&self.path, &self.sha256)
     }
 }
 

@@ -15,7 +15,7 @@ use super::world::{check, program, test};
 pub fn tests() -> Vec<Trial> {
     vec![
         test("report: a log at rest gets what diagnose, check and allan say of it, on one page", at_rest),
-        test("report: a decay has neither halves nor a rest, and the page says why", decay),
+        test("report: a decay has no halves to compare and no rest, and the page says so", decay),
         test("report: of a log that moves most of the time the rest is judged, and said", mostly_moving),
         test("report: two headings that may each be the input are refused with both commands", either),
     ]

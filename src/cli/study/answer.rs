@@ -11,7 +11,7 @@ use proofmass_base::error::Result;
 use proofmass_base::output::Folder;
 use proofmass_numerics::statistics::jcgm101::{Linear, Stated};
 use proofmass_report::study as page;
-use proofmass_report::variance as shares;
+use proofmass_report::study::variance as shares;
 use proofmass_simulate::decision::variance::Variance;
 use proofmass_simulate::drift::Drift;
 use proofmass_simulate::drift::document::Document;
@@ -74,12 +74,9 @@ pub fn write(folder: &mut Folder, study: &Study, drift: &Drift, beside: Beside<'
     if let Some(figure) = page::windows_figure(&drift.compared) {
         folder.write(WINDOWS, figure.file_svg().as_bytes())?;
     }
-    let mut page = page::page(study, drift);
+    let mut page = page::page(study, drift, beside.variance);
     if let Some((stated, linear)) = beside.stated {
         page::jcgm101::section(&mut page, stated, linear, drift);
-    }
-    if let Some(variance) = beside.variance {
-        shares::section(&mut page, variance);
     }
     numbers::write(folder, REPORT, page)?;
     folder.finish()

@@ -15,7 +15,7 @@ use proofmass_base::shard::gather::Found;
 use proofmass_numerics::statistics::jcgm101::Stated;
 use proofmass_report::strapdown as page;
 use proofmass_report::study::jcgm101::sentence;
-use proofmass_report::variance as shares;
+use proofmass_report::study::variance as shares;
 use proofmass_simulate::decision::digits;
 use proofmass_simulate::decision::variance::{self, Variance};
 use proofmass_simulate::ensemble::{Choice, Keeper};
@@ -103,10 +103,7 @@ fn print(study: &Study, answer: &Answer, beside: Beside<'_>, shards: Option<usiz
 }
 
 fn write(folder: &mut Folder, study: &Study, answer: &Answer, beside: Beside<'_>) -> Result<()> {
-    let mut page = page::page(study, answer, beside.stated);
-    if let Some(variance) = beside.variance {
-        shares::section(&mut page, variance);
-    }
+    let page = page::page(study, answer, beside.stated, beside.variance);
     folder.write(REPORT, page.finish().as_bytes())?;
     if let Some(inflated) = page::inflated_toml(study, answer) {
         folder.write(INFLATED, inflated.as_bytes())?;

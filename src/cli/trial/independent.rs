@@ -1,8 +1,9 @@
 //! `proofmass trial --independent`: the diagnosis on cases of the second generator.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use crate::output::{remark, say, sayln};
+use super::kept::{Found, Kept, Place};
+use crate::output::{remark, sayln};
 use proofmass_base::control::Control;
 use proofmass_base::document::to_json;
 use proofmass_base::error::{Error, Result};
@@ -17,20 +18,13 @@ use proofmass_trial::independent::truth::Kind;
 use proofmass_trial::page::independent as report;
 use proofmass_trial::scratch::Scratch;
 
-const STATES: [&str; 2] = ["truth.json", "verdicts.jsonl"];
-const FILES: [&str; 3] = ["report.html", "summary.md", "trial.json"];
-
 /// Request to `trial`, as far as it concerns the second generator.
 #[derive(Debug, Clone)]
 pub(super) struct Request {
     /// Folder of the results.
-    pub out: Option<PathBuf>,
-    /// Replace what is not ours.
-    pub force: bool,
+    pub place: Place,
     /// Fewer and shorter recordings.
     pub quick: bool,
-    /// Says whether to continue an interrupted trial.
-    pub resume: bool,
     /// Cases, without those written otherwise.
     pub cases: Option<usize>,
     /// Seed of all random draws.
@@ -76,56 +70,24 @@ fn command(request: &Request) -> String {
 /// When the folder cannot be written, on Ctrl-C, or when the sealed truth was changed.
 pub(super) fn run(request: &Request, subject: &Subject<'_>, json: bool, control: &Control) -> Result<()> {
     let plan = plan(request)?;
-    if let (Some(number), Some(path)) = (request.case, &request.out) {
-        return one(plan, number, path, request.force, json, subject);
+    if let (Some(number), Some(path)) = (request.case, &request.place.out) {
+        return one(plan, number, path, request.place.force, json, subject);
     }
-    let open = |path| keep(path, "trial --independent", &FILES, [request.resume, request.force]);
-    let mut kept = request.out.as_deref().map(open).transpose()?;
-    if let Some(kept) = &mut kept {
-        STATES.iter().try_for_each(|name| kept.state(name, request.resume))?;
-    }
-    let scratch = Scratch::new(request.out.as_deref())?;
-    let folder = request.out.as_deref().unwrap_or(scratch.path());
-    let [truth, state] = STATES.map(|name| folder.join(name));
-    let (sealed, cases) = run::prepare(plan, &truth, request.resume, control)?;
+    let kept = Kept::open("trial --independent", &request.place)?;
+    let (sealed, cases) = run::prepare(plan, &kept.truth(), request.place.resume, control)?;
     remark!("sealed truth of {} cases, SHA-256 {sealed}", cases.len());
-    let done = if request.resume { run::earlier(&state)? } else { run::Lines::new() };
-    if !request.resume && state.exists() {
-        std::fs::remove_file(&state).map_err(|e| Error::io("replace", &state, &e))?;
-    }
-    let lines = run::run(&cases, &state, done, subject, control)?;
-    let truths = run::open(&truth, &sealed)?;
+    let state = kept.verdicts()?;
+    let lines = run::run(&cases, &state, run::earlier(&state)?, subject, control)?;
+    let truths = run::open(&kept.truth(), &sealed)?;
     let score = Score::of(plan.seed, &truths.cases, &lines, &sealed);
-    let document = to_json(&score)?;
-    let written = kept.map_or(Ok(()), |mut folder| {
-        let texts = [report::page(&score, &lines), report::summary(&score, &command(request)), document.clone()];
-        FILES.iter().zip(texts).try_for_each(|(name, text)| folder.write(name, text.as_bytes()))?;
-        STATES.iter().for_each(|name| folder.record(name));
-        folder.finish()
-    });
-    if json {
-        sayln!("{document}")?;
-    } else {
-        sayln!("sealed truth, SHA-256 {sealed} (opened after the last verdict)\n")?;
-        say(format_args!("{}", report::terminal(&score)))?;
-        if let (Some(folder), Ok(())) = (&request.out, &written) {
-            sayln!("\nreport: {}", folder.join(FILES[0]).display())?;
-        }
-    }
-    written
-}
-
-/// The folder of a trial, to be resumed or forced; to resume one, there must be one.
-pub(super) fn keep(path: &Path, command: &'static str, files: &[&str], [resume, force]: [bool; 2]) -> Result<Folder> {
-    if resume && !path.join(STATES[0]).is_file() {
-        return Err(Error::new(
-            "could not resume",
-            format!("no trial in {}", path.display()),
-            "leave --resume out to start over, or give the --out of the interrupted trial",
-        ));
-    }
-    let writes = files.iter().map(|name| (*name).to_owned()).collect();
-    Folder::open(path, output::Request { command, writes, force, ..output::Request::default() })
+    let found = Found {
+        document: to_json(&score)?,
+        page: report::page(&score, &lines),
+        summary: report::summary(&score, &command(request)),
+        words: report::terminal(&score),
+        sealed,
+    };
+    kept.finish(&found, json)
 }
 
 /// Makes one case again and asks for its verdict.

@@ -7,44 +7,32 @@
 //! Fourier periodogram of a walk does.
 
 use std::f64::consts::PI;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use realfft::num_complex::Complex64;
 use realfft::{ComplexToReal, RealToComplex};
 
 use super::fourier;
+use super::recent::Recent;
 
-/// Lengths whose plans are kept: a search transforms many sequences of one length.
-const KEPT: usize = 4;
+/// Samples over all plans that are kept: 16 bytes each of factors.
+const KEPT: usize = 1 << 22;
 
-/// Plan and twiddles that transforms of one length share.
+/// Plan and factors that transforms of one length share.
 struct Plan {
-    count: usize,
     forward: Arc<dyn RealToComplex<f64>>,
     inverse: Arc<dyn ComplexToReal<f64>>,
     /// e^(−iπk/(2N)).
     turns: Vec<Complex64>,
 }
 
-/// Returns the plan of this length, made where it is not among those used last.
 fn plan(count: usize) -> Arc<Plan> {
-    static PLANS: Mutex<Vec<Arc<Plan>>> = Mutex::new(Vec::new());
-    let known = |plans: &[Arc<Plan>]| plans.iter().position(|p| p.count == count);
-    let mut plans = PLANS.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(place) = known(&plans) {
-        plans[..=place].rotate_right(1);
-        return plans[0].clone();
-    }
-    drop(plans);
-    let fourier::Plan { forward, inverse, .. } = fourier::plan(count);
+    static PLANS: Recent<Arc<Plan>> = Recent::new(KEPT);
     let turn = |k: usize| Complex64::from_polar(1.0, -PI * k as f64 / (2.0 * count as f64));
-    let made = Arc::new(Plan { count, forward, inverse, turns: (0..count).map(turn).collect() });
-    let mut plans = PLANS.lock().unwrap_or_else(PoisonError::into_inner);
-    if known(&plans).is_none() {
-        plans.insert(0, made.clone());
-        plans.truncate(KEPT);
-    }
-    made
+    PLANS.of(count, || {
+        let turns = (0..count).map(turn).collect();
+        Arc::new(Plan { forward: fourier::forward(count), inverse: fourier::inverse(count), turns })
+    })
 }
 
 /// Coefficients c₀ … c_{N−1}; c_k belongs to the frequency k·rate/(2N), Σ c_k² = Σ x². Empty in,

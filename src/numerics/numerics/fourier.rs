@@ -1,58 +1,23 @@
-//! Plans of Fourier transforms by their length: to make one costs as much as several transforms, and a search
-//! transforms many sequences of few lengths.
+//! Plans of real Fourier transforms by their length: to make one costs as much as several transforms.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
-/// Samples over all plans that are kept: about 100 MB of twiddles.
+use super::recent::Recent;
+
+/// Samples over all plans of one direction that are kept. A plan holds about 12 bytes of factors a sample,
+/// eight of its complex transform of half the length and four that part real from imaginary: 50 MB.
 const KEPT: usize = 1 << 22;
 
-/// The transforms of one length.
-#[derive(Clone)]
-pub struct Plan {
-    /// Number of real samples.
-    pub count: usize,
-    /// From samples to bins.
-    pub forward: Arc<dyn RealToComplex<f64>>,
-    /// From bins to samples, times their number.
-    pub inverse: Arc<dyn ComplexToReal<f64>>,
+/// Returns the transform of so many samples to bins.
+pub fn forward(count: usize) -> Arc<dyn RealToComplex<f64>> {
+    static PLANS: Recent<Arc<dyn RealToComplex<f64>>> = Recent::new(KEPT);
+    PLANS.of(count, || RealFftPlanner::new().plan_fft_forward(count))
 }
 
-/// Returns the plan of a length, made where it is not among those used last.
-pub fn plan(count: usize) -> Plan {
-    static PLANS: Mutex<Vec<Plan>> = Mutex::new(Vec::new());
-    let known = |plans: &[Plan]| plans.iter().position(|p| p.count == count);
-    let mut plans = PLANS.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(place) = known(&plans) {
-        plans[..=place].rotate_right(1);
-        return plans[0].clone();
-    }
-    drop(plans);
-    let mut planner = RealFftPlanner::new();
-    let made = Plan { count, forward: planner.plan_fft_forward(count), inverse: planner.plan_fft_inverse(count) };
-    let mut plans = PLANS.lock().unwrap_or_else(PoisonError::into_inner);
-    if known(&plans).is_none() {
-        plans.insert(0, made.clone());
-        let mut samples = 0;
-        plans.retain(|p| {
-            samples += p.count;
-            samples <= KEPT
-        });
-    }
-    made
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_plan_of_a_length_is_made_once_and_long_ones_go() {
-        let (first, second) = (plan(1001), plan(1001));
-        assert!(Arc::ptr_eq(&first.forward, &second.forward));
-        plan(KEPT + 1);
-        plan(KEPT - 1);
-        assert!(!Arc::ptr_eq(&first.forward, &plan(1001).forward), "too many samples were kept");
-    }
+/// Returns the transform of bins to so many samples, times their number.
+pub fn inverse(count: usize) -> Arc<dyn ComplexToReal<f64>> {
+    static PLANS: Recent<Arc<dyn ComplexToReal<f64>>> = Recent::new(KEPT);
+    PLANS.of(count, || RealFftPlanner::new().plan_fft_inverse(count))
 }

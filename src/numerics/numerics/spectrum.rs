@@ -4,11 +4,10 @@
 //! Densities are one-sided: their integral from 0 to half the rate is the variance. Not for Allan
 //! deviations, see `allan`.
 
+use super::fourier;
 use crate::numerics::moments::mean;
 use realfft::RealToComplex;
 use realfft::num_complex::Complex64;
-
-use super::fourier;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -100,7 +99,7 @@ pub fn periodogram(values: &[f64], rate_hz: f64) -> Density {
     }
     let mean = mean(values);
     let mut input: Vec<f64> = values.iter().map(|v| v - mean).collect();
-    let fft = fourier::plan(count).forward;
+    let fft = fourier::forward(count);
     let mut bins = fft.make_output_vec();
     transform(&fft, &mut input, &mut bins);
     let scale = 2.0 / (rate_hz * count as f64);
@@ -195,7 +194,7 @@ impl Windowed {
         }
         let window: Vec<f64> = (0..length).map(|i| (PI * (i as f64 + 0.5) / length as f64).sin().powi(2)).collect();
         let power = window.iter().map(|w| w * w).sum();
-        let fft = fourier::plan(length).forward;
+        let fft = fourier::forward(length);
         Some(Self { window, power, input: fft.make_input_vec(), output: fft.make_output_vec(), fft })
     }
 

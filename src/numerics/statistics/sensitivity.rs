@@ -7,8 +7,8 @@
 //! makes is the variance with that set's interactions. Sources: Jansen, *Analysis of variance
 //! designs for model output*, 1999 (total and, in Saltelli et al. 2010, table 2, first order);
 //! Song, Nelson & Staum, *Shapley effects for global sensitivity analysis*, 2016 (Shapley);
-//! Goda, *A simple algorithm for global sensitivity analysis with Shapley effects*, 2021 (an order
-//! of its own for every member).
+//! Goda, *A simple algorithm for global sensitivity analysis with Shapley effects*, 2021 (a random
+//! order for each member).
 //!
 //! Not for inputs that depend on each other across groups: such inputs belong in one group.
 
@@ -30,7 +30,7 @@ const PER_GROUP: usize = 3;
 /// Groups of inputs, one bit each, least significant first.
 pub type Groups = u128;
 
-/// The ensembles that the shares of so many groups need: in each, which groups of a member come
+/// Plan of the ensembles from which the shares are found: for each, the groups that a member takes
 /// from the second sample. A pure function of seed and member.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Design {
@@ -212,8 +212,8 @@ fn below(end: usize, draw: &mut Philox) -> usize {
     ((u64::from(draw.next_u32()) * end as u64) >> 32) as usize
 }
 
-/// Share of the orders of so many groups in which a given set of each size stands just before a
-/// given group: size! (groups − 1 − size)! / groups!.
+/// Weights of the sets that may stand before a group, by their size: the part of all orders of the
+/// groups that begin with this set and go on with the group, size! (groups − 1 − size)! / groups!.
 fn shapley_weights(groups: usize) -> Vec<f64> {
     let factorial = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();
     (0..groups).map(|size| factorial(size) * factorial(groups - 1 - size) / factorial(groups)).collect()

@@ -31,7 +31,7 @@ pub(super) fn answer(files: &[String], checked: &Checked) -> String {
             // Errors that go together differ together.
             let one_by_one = match differ as f64 > expected {
                 true => format!(
-                    ", all together; of them one by one, {differ} differ at 95 % (chance alone: {})",
+                    ", all together; one by one, {differ} of them differ at 95 % (chance alone would make {} differ)",
                     short(expected)
                 ),
                 false => String::new(),

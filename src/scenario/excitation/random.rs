@@ -8,7 +8,6 @@
 use std::f64::consts::TAU;
 
 use rand::RngExt;
-use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
 use super::plan::{self, Plan};
@@ -16,6 +15,7 @@ use super::reader::{Kind, Reader};
 use super::section::Form;
 use super::waveform::Waveform;
 use crate::error::Result;
+use crate::numerics::fourier;
 use crate::rng::{Philox, Stream};
 use crate::units::STANDARD_GRAVITY_M_S2;
 
@@ -124,7 +124,7 @@ impl RandomVibration {
         lines[points / 2] = Complex::ZERO;
         let mut samples_m_s2 = vec![0.0; points];
         // Fails only on wrong lengths or complex ends, both excluded above.
-        let _ = RealFftPlanner::<f64>::new().plan_fft_inverse(points).process(&mut lines, &mut samples_m_s2);
+        let _ = fourier::inverse(points).process(&mut lines, &mut samples_m_s2);
         Self { samples_m_s2, rate_hz }
     }
 }

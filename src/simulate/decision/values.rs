@@ -100,8 +100,8 @@ impl<'a> Work<'a> {
         Ok(rows.into_iter().map(|[value]| value).collect())
     }
 
-    /// Several errors of each of these members at once, as [`Work::values`] has one, after so many
-    /// samples from the end of the still start.
+    /// Returns several errors of each member at once, where [`Work::values`] returns one; `samples`
+    /// counts from the end of the still start.
     ///
     /// # Errors
     /// As [`Work::values`]; an error that the study does not have.

@@ -57,8 +57,9 @@ fn left(score: &Score) -> Table {
 fn how(score: &Score) -> String {
     format!(
         "{} sensors from seed {}, each with one law, made by the second generator; {} first recordings were undecidable \
-         between laws, and {} of these could not be planned for. Each of the others was planned with the largest \
-         input of the first recording and four times its length, recorded as proposed with noise of its own, and diagnosed.",
+         between laws, and {} of these could not be planned for. The others \
+         were planned for: an input no larger than in the first recording, for at most four times its length. What was \
+         proposed was recorded, with fresh noise, and diagnosed.",
         score.sensors, score.seed, score.open, score.not_planned
     )
 }

@@ -93,7 +93,7 @@ fn played(pair: &Pair, verdict: &Path, folder: &Path, subject: &Subject<'_>, con
     })
 }
 
-/// The sensor as it records an experiment, from rest, with noise of its own.
+/// Records an experiment with the sensor: from rest, with fresh noise.
 fn recorded(pair: &Pair, experiment: &Proposed, nth: usize) -> Driven {
     let mut driven = pair.driven.clone();
     let (o, scale) = (&mut driven.oscillator, driven.columns.input_scale);

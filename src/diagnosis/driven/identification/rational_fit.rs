@@ -36,7 +36,7 @@ pub(super) struct Rational {
 /// where they begin.
 pub(super) fn rational_fit(u: &[f64], y: &[f64], rate_hz: f64, from: Rational) -> Option<Rational> {
     let n = u.len().min(y.len());
-    let plan = fourier::plan(n).forward;
+    let plan = fourier::forward(n);
     let transform = |values: &[f64]| {
         let middle = mean(&values[..n]);
         let mut values: Vec<f64> = values[..n].iter().map(|v| v - middle).collect();

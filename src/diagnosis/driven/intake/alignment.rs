@@ -159,7 +159,7 @@ type Place = [f64; 2];
 impl Pair {
     fn new(cause: &[f64], effect: &[f64]) -> Option<Self> {
         let samples = cause.len();
-        let plan = fourier::plan(samples).forward;
+        let plan = fourier::forward(samples);
         let transform = |values: &[f64]| -> Option<Vec<Complex64>> {
             let (mean, deviation) = mean_sd(values);
             let mut scaled: Vec<f64> = values.iter().map(|v| (v - mean) / deviation.max(1e-300)).collect();
@@ -185,7 +185,7 @@ impl Pair {
     /// Fraction of the effect explained at every lag up to `most`, from −most on.
     fn all_r_squared(&self, place: Place, most: isize) -> Option<Vec<f64>> {
         let n = self.samples;
-        let plan = fourier::plan(n).inverse;
+        let plan = fourier::inverse(n);
         let mut own = 0.0;
         let mut bins: Vec<Complex64> = self
             .answers(place)

@@ -34,7 +34,7 @@ pub(crate) fn power(u: &[f64]) -> Vec<f64> {
     let (mean, sum) = if transient { (0.0, n as f64) } else { (centre, 0.35875 * n as f64) };
     let weigh = |k: usize| if transient { 1.0 } else { window(k) };
     let mut values: Vec<f64> = u.iter().enumerate().map(|(k, v)| (v - mean) * weigh(k)).collect();
-    let plan = fourier::plan(n).forward;
+    let plan = fourier::forward(n);
     let mut bins = plan.make_output_vec();
     if size == 0.0 || plan.process(&mut values, &mut bins).is_err() {
         return Vec::new();

@@ -182,7 +182,7 @@ fn period(u: &[f64]) -> Option<usize> {
         return None;
     }
     let length = (2 * n).next_power_of_two();
-    let fourier::Plan { forward, inverse, .. } = fourier::plan(length);
+    let (forward, inverse) = (fourier::forward(length), fourier::inverse(length));
     let mut padded: Vec<f64> = u.iter().map(|v| (v - centre) / size).collect();
     padded.resize(length, 0.0);
     let mut bins = forward.make_output_vec();

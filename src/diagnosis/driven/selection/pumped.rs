@@ -32,7 +32,7 @@ impl Pumped {
         }
         let mut product: Vec<f64> = disturbance.iter().zip(motion).map(|(d, m)| d * m).collect();
         product.resize(2 * rows, 0.0);
-        let plan = fourier::plan(product.len()).forward;
+        let plan = fourier::forward(product.len());
         let mut bins = plan.make_output_vec();
         plan.process(&mut product, &mut bins).ok()?;
         let mut power = Vec::with_capacity(bins.len());

@@ -14,7 +14,7 @@ use crate::physics::scales::Scales;
 use crate::trace::Step;
 
 use super::candidates_round::round;
-use super::earned::{ITERATIONS, pruned, without};
+use super::earned::{ITERATIONS, earned, pruned, without};
 use super::judged::{Judged, Rival, Selection, Trial, judge};
 
 /// Times that a better stand-in may take a term's place.
@@ -56,7 +56,9 @@ impl Look<'_> {
             let ahead = |r: &Rival| r.judged.score() - score;
             let all = stand_ins.iter().enumerate().flat_map(|(i, others)| others.iter().map(move |r| (i, r)));
             let is_better = |r: &Rival| ahead(r) > LEAST_LEAD && self.data.trace.is_on(Gate::Swap);
-            let better = all.filter(|(_, r)| is_better(r)).max_by(|(_, a), (_, b)| ahead(a).total_cmp(&ahead(b)));
+            let mut better: Vec<(usize, &Rival)> = all.filter(|(_, r)| is_better(r)).collect();
+            better.sort_by(|(_, a), (_, b)| ahead(b).total_cmp(&ahead(a)));
+            let better = better.into_iter().find(|(place, r)| self.earns(selection, *place, &r.judged));
             let again = attempt < SWAPS && !self.data.work.is_spent(self.budget);
             match better {
                 Some((place, better)) if again => {
@@ -85,6 +87,15 @@ impl Look<'_> {
         Ok(())
     }
 
+    /// Returns whether a stand-in earns the place that it would take, as the term in it did: one that leads on
+    /// the fitted samples alone is a rival of that term, and no better name.
+    fn earns(&self, selection: &Selection, place: usize, stand_in: &Judged) -> bool {
+        let chosen = &selection.chosen;
+        let alone = chosen.fit.structure.terms.len() == 1;
+        let reduced = if alone { Some(selection.base.clone()) } else { without(self.data, chosen, place, self.scales) };
+        reduced.is_some_and(|r| earned(self.data, &r, stand_in, self.scales, selection.tried).is_some())
+    }
+
     /// For each chosen term, the other candidates that could be fitted in its place.
     fn stand_ins(&mut self, selection: &Selection) -> Result<Vec<Vec<Rival>>, Stopped> {
         let here = refined(self.data, &selection.chosen.fit, self.scales);
@@ -106,8 +117,8 @@ impl Look<'_> {
         selection.chosen.fit.structure.terms.iter().enumerate().map(of_term).collect()
     }
 
-    /// A stand-in that stopped on its way, fitted further from there and from where the chosen model stands: it
-    /// is not beaten before its end. `None` where it has ended, or gets no further.
+    /// Fits a stand-in on that stopped before it converged, from there and from the chosen model's numbers: only
+    /// a finished fit can be beaten. `None` where it had converged, or gets no better.
     fn to_its_end(&self, stand_in: &Judged, chosen: &Judged, scales: &Scales) -> Option<Judged> {
         let Fit { structure, point, converged, variance, .. } = &stand_in.fit;
         let from = |start: &[f64]| fit(self.data, structure, start, scales, ITERATIONS);

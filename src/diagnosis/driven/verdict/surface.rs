@@ -204,7 +204,7 @@ fn judged(visits: &[(f64, usize)]) -> Cell {
 
 /// The force over ω₀² that an error of the displacement stands for, within the band.
 fn force(m: &FreeRun<'_>, n: usize) -> Option<Vec<f64>> {
-    let fourier::Plan { forward, inverse, .. } = fourier::plan(n);
+    let (forward, inverse) = (fourier::forward(n), fourier::inverse(n));
     let mut values = m.error[..n].to_vec();
     let mut bins = forward.make_output_vec();
     forward.process(&mut values, &mut bins).ok()?;

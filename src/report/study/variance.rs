@@ -1,9 +1,9 @@
 //! The variance of a study's last position error, shared among its sources: on a terminal and on a
 //! page.
 
-use super::html::Page;
-use super::study::moment::moment;
-use super::table::Table;
+use super::moment::moment;
+use crate::html::Page;
+use crate::table::Table;
 use proofmass_base::number::significant;
 use proofmass_numerics::statistics::sensitivity::Estimate;
 use proofmass_simulate::decision::variance::Variance;
@@ -20,9 +20,9 @@ pub fn terminal(variance: &Variance) -> String {
     format!("{}\n{}{held}", sentence(variance), table(variance))
 }
 
-/// Appends the section of a page.
-pub fn section(page: &mut Page, variance: &Variance) {
-    page.section("Whose variance it is");
+/// Adds it to the section of a page that says which error is to blame.
+pub(crate) fn append(page: &mut Page, variance: &Variance) {
+    page.subsection("Shared among the sources, with what they do together");
     page.paragraph(&sentence(variance));
     page.table(&table(variance));
     held(variance).iter().for_each(|words| page.paragraph(words));
