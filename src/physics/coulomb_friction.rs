@@ -127,13 +127,10 @@ pub fn resistance(p: &[Lanes]) -> [Lanes; 2] {
 /// The force of friction on a lane that slides this way; 0 where it holds.
 #[inline(always)]
 pub fn against(friction: &[Lanes; 2], side: f64, l: usize) -> f64 {
-    if side > 0.0 {
-        friction[0][l]
-    } else if side < 0.0 {
-        -friction[1][l]
-    } else {
-        0.0
-    }
+    // Two choices of one thing each, and no choice among three: that remains vector code.
+    let forwards = if side > 0.0 { friction[0][l] } else { 0.0 };
+    let backwards = if side < 0.0 { friction[1][l] } else { 0.0 };
+    forwards - backwards
 }
 
 /// The way in which each lane slides: that of its velocity, or from rest that of a pull greater
@@ -145,15 +142,9 @@ pub fn sides(base: &BaseLanes, friction: &[Lanes; 2], at: [&Lanes; 3]) -> Lanes 
     let mut sides = [0.0; LANES];
     for l in 0..LANES {
         let pull = acceleration[l] - base.stiffness[l] * x[l];
-        let from_rest = if pull > friction[0][l] || -pull > friction[1][l] { pull } else { 0.0 };
+        let from_rest = if (pull > friction[0][l]) | (-pull > friction[1][l]) { pull } else { 0.0 };
         let way = if v[l] == 0.0 { from_rest } else { v[l] };
-        sides[l] = if way > 0.0 {
-            1.0
-        } else if way < 0.0 {
-            -1.0
-        } else {
-            0.0
-        };
+        sides[l] = (if way > 0.0 { 1.0 } else { 0.0 }) - (if way < 0.0 { 1.0 } else { 0.0 });
     }
     sides
 }

@@ -101,7 +101,7 @@ pub enum StartGrid {
     /// The first parameter is a strength that acts nearly in proportion; only the others are looked
     /// for.
     Directions {
-        /// A strength at which the effect is clear.
+        /// A strength next to nothing, at which it does.
         strength: f64,
         /// The other parameters.
         directions: Vec<Vec<f64>>,

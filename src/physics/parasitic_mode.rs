@@ -144,7 +144,7 @@ fn parasitic_mode(at: Instant, p0: f32, p1: f32, p2: f32, own: vec2<f32>, sum: f
         let peaks = s.lines_hz.iter().take(3).map(|f| f * TAU);
         let omegas: Vec<f64> = grid.chain(peaks).filter(|w| *w < 0.95 * nyquist).collect();
         let directions = omegas.iter().flat_map(|w| [0.01, 0.05, 0.25].map(|z| vec![*w, z, 0.0, 0.0])).collect();
-        Some(StartGrid::Directions { strength: 0.1 * s.gain.abs(), directions })
+        Some(StartGrid::Directions { strength: 1e-3 * s.gain.abs(), directions })
     }
     /// Velocity and acceleration of the mode.
     #[inline(always)]

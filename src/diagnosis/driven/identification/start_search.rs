@@ -2,27 +2,50 @@
 //!
 //! A grid of start values around the fitted model is simulated freely, eight at a time, and each is
 //! judged by what it would leave after the parameters fitted so far had moved along: its errors
-//! less their projection on the model's own derivatives. The best few are where the fit begins. Not
-//! for noise terms, which no free simulation shows.
+//! less their projection on the model's own derivatives. The best few are where the fit begins, on
+//! the way along which those parameters move: a sharp resonance is detuned by a spring that they do
+//! not follow, and far above what it began with a fit would have nowhere to go. Not for noise terms,
+//! which no free simulation shows.
 
 use crate::driven::intake::data::Data;
 use crate::driven::simulation::filter::Nothing;
 use crate::driven::simulation::run::{Run, innovations};
 use crate::driven::simulation::structure::ModelStructure;
+use crate::numerics::least_squares::{Linear, Residuals};
 use crate::numerics::order;
 use crate::parallel;
 use crate::physics::law::StartGrid;
 use crate::physics::library::Term;
-use crate::physics::scales::Scales;
+use crate::physics::scales::{Coordinate, Scales};
 use crate::physics::state::LANES;
 
-use super::fit::Fit;
+use super::fit::{Fit, Search};
 
 /// A model, and the directions of error that it can still absorb.
 pub struct StartSearch<'a> {
     data: &'a Data,
     fit: &'a Fit,
     basis: Vec<Vec<f64>>,
+}
+
+/// A model with one more term, run freely over a recording.
+struct Way<'s> {
+    structure: &'s ModelStructure,
+    /// Its point where that term is absent.
+    none: &'s [f64],
+    /// Place of the term's first parameter.
+    first: usize,
+    run: Run,
+}
+
+/// A place where a fit may begin.
+#[derive(Debug, Clone)]
+struct Start {
+    /// Sum of squares that it would leave.
+    left: f64,
+    point: Vec<f64>,
+    /// The strength at which it leaves that, over its own, where it is all but absent.
+    times: Option<f64>,
 }
 
 impl<'a> StartSearch<'a> {
@@ -42,43 +65,114 @@ impl<'a> StartSearch<'a> {
         Some(Self { data, fit, basis: basis(columns) })
     }
 
-    /// The most promising starts of a term's start grid, best first; `None` where it has none.
+    /// The most promising starts of a term's start grid, best first, as points of the model with it;
+    /// `None` where it has none.
     pub fn starts(&self, term: Term, scales: &Scales, most: usize) -> Option<Vec<Vec<f64>>> {
-        let grid = term.start_grid(scales)?;
-        let points = match &grid {
-            StartGrid::Points(points) => points.clone(),
+        let with = |values: &[f64]| self.fit.with(term, values).1;
+        let (values, strength) = match term.start_grid(scales)? {
+            StartGrid::Points(values) => (values, None),
             StartGrid::Directions { strength, directions } => {
-                let with = |s: f64, direction: &Vec<f64>| std::iter::once(s).chain(direction.iter().copied()).collect();
-                let pairs =
-                    directions.iter().flat_map(|direction| [with(*strength, direction), with(-strength, direction)]);
-                std::iter::once(with(0.0, directions.first()?)).chain(pairs).collect::<Vec<Vec<f64>>>()
+                let of = |direction: Vec<f64>| std::iter::once(strength).chain(direction).collect();
+                (directions.into_iter().map(of).collect(), Some(strength))
             }
         };
-        let residual = self.residuals(term, &points, scales)?;
-        let mut ranked: Vec<(f64, Vec<f64>)> = match grid {
-            StartGrid::Points(_) => residual.into_iter().zip(points).collect(),
-            StartGrid::Directions { strength, directions } => {
-                let (none, pairs) = residual.split_first()?;
-                let vertex = |(pair, direction): (&[f64], Vec<f64>)| {
-                    let (best, least) = parabola(*none, pair[0], pair[1]);
-                    (least, std::iter::once(best * strength).chain(direction).collect())
+        let mut none = values.first()?.clone();
+        none.iter_mut().take(1).for_each(|strength| *strength = 0.0);
+        let (structure, none) = self.fit.with(term, &none);
+        let points: Vec<Vec<f64>> = values.iter().map(|values| with(values)).collect();
+        let steps = points.iter().map(|p| structure.coarse_steps(p, scales)).max()?.max(self.fit.steps);
+        let way = Way {
+            structure: &structure,
+            none: &none,
+            first: structure.block(structure.terms.len() - 1).start,
+            run: Run { range: self.data.hull.clone(), steps, corrected: false },
+        };
+        let mut ranked: Vec<Start> = match strength {
+            None => {
+                let left = self.unexplained(&structure, &points, &way.run);
+                left.into_iter().zip(points).map(|(left, point)| Start { left, point, times: None }).collect()
+            }
+            Some(_) => {
+                let is_allowed = |times: f64| match term.coordinates(scales).first() {
+                    Some(Coordinate::Bounded(_, low, _)) => times > 0.0 || *low < 0.0,
+                    _ => true,
                 };
-                pairs.chunks_exact(2).zip(directions).map(vertex).collect()
+                let along = self.along(&way, &points).into_iter().zip(points);
+                let found = along.filter(|((_, times), _)| is_allowed(*times));
+                found.map(|((left, times), point)| Start { left, point, times: Some(times) }).collect()
             }
         };
-        ranked.retain(|r| r.0.is_finite());
-        order::sort_by_key(&mut ranked, |r| r.0);
-        Some(apart(ranked.into_iter().map(|r| r.1), most))
+        ranked.retain(|start| start.left.is_finite());
+        order::sort_by_key(&mut ranked, |start| start.left);
+        let chosen = apart(ranked, way.first + 1, most);
+        Some(self.moved_along(&way, &chosen, scales))
     }
 
-    /// Sum of squares that each point leaves on the fitted rows after the model's own parameters
-    /// have moved along.
-    fn residuals(&self, term: Term, points: &[Vec<f64>], scales: &Scales) -> Option<Vec<f64>> {
-        let models: Vec<(ModelStructure, Vec<f64>)> = points.iter().map(|p| self.fit.with(term, p)).collect();
-        let (structure, _) = models.first()?;
-        let steps = models.iter().map(|m| structure.coarse_steps(&m.1, scales)).max()?.max(self.fit.steps);
-        let points: Vec<Vec<f64>> = models.iter().map(|m| m.1.clone()).collect();
-        Some(self.unexplained(structure, &points, &Run { range: self.data.hull.clone(), steps, corrected: false }))
+    /// What each of these points, whose term is all but absent, would leave if its strength were the
+    /// best one times its own, as far as it acts in proportion; and how many times that is.
+    fn along(&self, way: &Way<'_>, points: &[Vec<f64>]) -> Vec<(f64, f64)> {
+        let rows = self.rows();
+        let orthogonal = |errors: &mut Vec<f64>| self.basis.iter().for_each(|b| remove(errors, b));
+        let of_group = |_, group: &[Vec<f64>]| {
+            let mut lanes = vec![way.none.to_vec()];
+            lanes.extend_from_slice(group);
+            let lanes = innovations(self.data, way.structure, &lanes, &way.run, &mut Nothing);
+            let of = |l: usize| rows.iter().map(|k| lanes[*k][l]).collect::<Vec<f64>>();
+            let mut none = of(0);
+            let one = |l: usize| -> (f64, f64) {
+                let mut effect: Vec<f64> = of(l).iter().zip(&none).map(|(with, without)| with - without).collect();
+                orthogonal(&mut effect);
+                (dot(&effect, &none), dot(&effect, &effect))
+            };
+            let effects: Vec<(f64, f64)> = (1..=group.len()).map(one).collect();
+            orthogonal(&mut none);
+            let sum = dot(&none, &none);
+            effects.into_iter().map(|(shared, own)| (sum - shared * shared / own, -shared / own)).collect::<Vec<_>>()
+        };
+        parallel::map_chunks(points, LANES - 1, of_group).concat()
+    }
+
+    /// Each start at the place that leaves least on the way along which the model's own parameters
+    /// move, as far as they act in proportion: a whole way, half of it, a quarter and so on.
+    fn moved_along(&self, way: &Way<'_>, starts: &[Start], scales: &Scales) -> Vec<Vec<f64>> {
+        let rows = self.rows();
+        let at = |points: &[Vec<f64>]| innovations(self.data, way.structure, points, &way.run, &mut Nothing);
+        let search = Search::all(self.data, &self.fit.structure, &self.fit.point, scales);
+        let begin = search.z(&self.fit.point);
+        let moved = |start: &Start| -> Option<Vec<f64>> {
+            let lanes = at(&[way.none.to_vec(), start.point.clone()]);
+            let expected = |k: &usize| match start.times {
+                Some(times) => lanes[*k][0] + times * (lanes[*k][1] - lanes[*k][0]),
+                None => lanes[*k][1],
+            };
+            let residual = rows.iter().map(expected).collect();
+            let step = Linear { residual, columns: self.fit.linear.columns.clone() }.normal().step(1e-9);
+            let place = |part: f64| {
+                let own = search.free.iter().zip(&self.fit.slopes).zip(step.iter());
+                let z = own
+                    .zip(&begin)
+                    .map(|(((i, slope), step), z)| z + part * step * slope / search.slope(*i, &self.fit.point));
+                let mut z: Vec<f64> = z.collect();
+                search.confine(&mut z);
+                let mut point = start.point.clone();
+                let base = search.point(&z);
+                point[..base.len()].copy_from_slice(&base);
+                point[way.first] *= start.times.map_or(1.0, |times| part * times);
+                point
+            };
+            let places: [Vec<f64>; LANES] = std::array::from_fn(|k| place(0.5f64.powi(k as i32)));
+            let lanes = at(&places);
+            let left = |l: usize| rows.iter().map(|k| lanes[*k][l].powi(2)).sum::<f64>();
+            let left: Vec<f64> = (0..LANES).map(left).collect();
+            let best = (0..LANES).filter(|l| left[*l].is_finite()).min_by(|a, b| left[*a].total_cmp(&left[*b]));
+            best.map(|l| places[l].clone())
+        };
+        starts.iter().filter_map(moved).collect()
+    }
+
+    /// The fitted rows, counted from the beginning of a run over the whole recording.
+    fn rows(&self) -> Vec<usize> {
+        self.data.train.iter().flat_map(|r| r.clone()).map(|k| k - self.data.hull.start).collect()
     }
 
     /// The same for points of the fitted model itself.
@@ -89,7 +183,7 @@ impl<'a> StartSearch<'a> {
     /// Returns the residual of the errors at each point after their projection on the model's
     /// derivatives.
     fn unexplained(&self, structure: &ModelStructure, points: &[Vec<f64>], run: &Run) -> Vec<f64> {
-        let rows: Vec<usize> = self.data.train.iter().flat_map(|r| r.clone()).map(|k| k - run.range.start).collect();
+        let rows = self.rows();
         let of_group = |_, group: &[Vec<f64>]| {
             let lanes = innovations(self.data, structure, group, run, &mut Nothing);
             let one = |l: usize| {
@@ -110,10 +204,7 @@ fn basis<'c>(columns: impl Iterator<Item = &'c Vec<f64>>) -> Vec<Vec<f64>> {
         let mut rest = column.clone();
         let size = dot(&rest, &rest);
         for _ in 0..2 {
-            for b in &basis {
-                let along = dot(b, &rest);
-                rest.iter_mut().zip(b).for_each(|(r, b)| *r -= along * b);
-            }
+            basis.iter().for_each(|b| remove(&mut rest, b));
         }
         let residual = dot(&rest, &rest);
         // What is all but a sum of the others adds only rounding.
@@ -130,28 +221,23 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Lowest point of a parabola through values at 0, 1 and −1, and its value there; no further out
-/// than 3.
-fn parabola(none: f64, plus: f64, minus: f64) -> (f64, f64) {
-    let (slope, bend) = (0.5 * (plus - minus), 0.5 * (plus + minus) - none);
-    if bend.is_nan() || bend <= 0.0 {
-        return if plus < minus { (1.0, plus) } else { (-1.0, minus) };
-    }
-    let at = (-0.5 * slope / bend).clamp(-3.0, 3.0);
-    (at, none + at * (slope + at * bend))
+/// Takes its part along a unit vector out of a column.
+fn remove(column: &mut [f64], unit: &[f64]) {
+    let along = dot(unit, column);
+    column.iter_mut().zip(unit).for_each(|(c, u)| *c -= along * u);
 }
 
 /// The first of a ranking and those that lie apart from all taken before: another valley, perhaps.
-fn apart(ranked: impl Iterator<Item = Vec<f64>>, most: usize) -> Vec<Vec<f64>> {
-    let mut taken: Vec<Vec<f64>> = Vec::new();
-    for point in ranked {
-        // By the second parameter, which sets the scale: gap, rail, yield displacement, frequency.
-        let near = |other: &Vec<f64>| {
-            let (here, there) = (point.get(1).unwrap_or(&0.0), other.get(1).unwrap_or(&0.0));
-            (here - there).abs() < 0.06 * here.abs().max(there.abs())
+/// They are apart by this parameter, which sets the scale: gap, rail, yield displacement, frequency.
+fn apart(ranked: Vec<Start>, by: usize, most: usize) -> Vec<Start> {
+    let mut taken: Vec<Start> = Vec::new();
+    for start in ranked {
+        let near = |other: &Start| {
+            let of = |start: &Start| start.point.get(by).copied().unwrap_or(0.0);
+            (of(&start) - of(other)).abs() < 0.06 * of(&start).abs().max(of(other).abs())
         };
         if taken.len() < most && !taken.iter().any(near) {
-            taken.push(point);
+            taken.push(start);
         }
     }
     taken
@@ -162,16 +248,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_parabola_has_its_vertex_where_calculus_says() {
-        // 5 − 3a + 2a²: lowest at 3/4, 5 − 9/8 there.
-        let (at, least) = parabola(5.0, 4.0, 10.0);
-        assert!((at - 0.75).abs() < 1e-12 && (least - 3.875).abs() < 1e-12);
-        assert_eq!(parabola(5.0, 4.0, 6.0), (1.0, 4.0));
-    }
-
-    #[test]
     fn neighbours_of_the_best_are_passed_over() {
         let ranked = [vec![0.0, 10.0, 0.1], vec![1.0, 10.5, 0.1], vec![0.0, 20.0, 0.1]];
-        assert_eq!(apart(ranked.clone().into_iter(), 2), vec![ranked[0].clone(), ranked[2].clone()]);
+        let start = |point: &Vec<f64>| Start { left: 0.0, point: point.clone(), times: None };
+        let chosen = apart(ranked.iter().map(start).collect(), 1, 2);
+        assert_eq!(chosen.into_iter().map(|s| s.point).collect::<Vec<_>>(), [ranked[0].clone(), ranked[2].clone()]);
     }
 }

@@ -36,7 +36,8 @@ const LEAST_PROMISE: f64 = 8.0;
 /// Candidates that are fitted to the end in one round.
 const POLISHED: usize = 3;
 
-/// The start of a term from which one linear step promises most, and what it promises.
+/// The starts of a term, as points of the model with it: first the one from which a linear step
+/// promises most, each with what it promises.
 pub(crate) fn screen(
     data: &Data,
     model: &Fit,
@@ -45,23 +46,18 @@ pub(crate) fn screen(
     scales: &Scales,
 ) -> Vec<(f64, Vec<f64>)> {
     let found = ensemble.and_then(|e| e.starts(term, scales, CORNER_STARTS)).filter(|s| !s.is_empty());
-    let starts = found.unwrap_or_else(|| term.starts(scales));
+    let with = |values: &Vec<f64>| model.with(term, values).1;
+    let starts = found.unwrap_or_else(|| term.starts(scales).iter().map(with).collect());
     // The strength of a noise is only looked at from its starts: it bends every derivative of the
     // base.
     let own = if term.noise().is_some() { 0 } else { term.values() };
     let Some(first) = starts.first() else { return Vec::new() };
-    let (structure, point) = model.with(term, first);
-    let search = Search::all(data, &structure, &point, scales);
-    let steps = starts
-        .iter()
-        .map(|s| structure.coarse_steps(&model.with(term, s).1, scales))
-        .max()
-        .unwrap_or(1)
-        .max(model.steps);
+    let structure = model.with(term, &vec![0.0; term.values()]).0;
+    let search = Search::all(data, &structure, first, scales);
+    let steps = starts.iter().map(|s| structure.coarse_steps(s, scales)).max().unwrap_or(1).max(model.steps);
     let mut points = Vec::new();
     for start in &starts {
-        let (_, point) = model.with(term, start);
-        let z = search.z(&point);
+        let z = search.z(start);
         points.push(search.point(&z));
         for j in 0..own {
             let mut moved = z.clone();
@@ -130,15 +126,12 @@ pub(crate) fn round(
         let nothing = Comparison { gain: 0.0, ci95: [-1.0, 1.0], p_value: 1.0 };
         let mut trial =
             Trial { term: *term, promised: *promised, judged: None, follows_input: false, comparison: nothing };
-        let known = starts.first().and_then(|start| known(data, model.fit.with(*term, start).0));
+        let structure = model.fit.with(*term, &vec![0.0; term.values()]).0;
+        let known = known(data, &structure);
         if !(worth[i] || known.is_some()) || control.cancelled() {
             return trial;
         }
-        let fits = starts
-            .iter()
-            .map(|start| model.fit.with(*term, start))
-            .chain(known)
-            .filter_map(|(structure, point)| fit(data, &structure, &point, scales, HEAT));
+        let fits = starts.iter().chain(&known).filter_map(|point| fit(data, &structure, point, scales, HEAT));
         let (following, others): (Vec<Fit>, Vec<Fit>) =
             fits.partition(|fit| by_input && follows_input(data, fit, fit.structure.terms.len() - 1));
         let best = |fits: Vec<Fit>| fits.into_iter().min_by(|a, b| a.variance.total_cmp(&b.variance));
@@ -165,7 +158,7 @@ pub(crate) fn round(
 
 /// A model of springs alone where a force that describes a chaotic motion puts it: its misfit over
 /// the linear base has other minima.
-fn known(data: &Data, structure: ModelStructure) -> Option<(ModelStructure, Vec<f64>)> {
+fn known(data: &Data, structure: &ModelStructure) -> Option<Vec<f64>> {
     let force = &data.windows.as_ref()?.force;
     let mut point = vec![0.0; structure.parameters];
     point.get_mut(..force.base.len())?.copy_from_slice(&force.base);
@@ -176,7 +169,7 @@ fn known(data: &Data, structure: ModelStructure) -> Option<(ModelStructure, Vec<
             _ => return None,
         };
     }
-    Some((structure, point))
+    Some(point)
 }
 
 /// Returns which candidates, best promise first, are fitted in full. Noise corrects itself and so

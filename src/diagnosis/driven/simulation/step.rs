@@ -47,8 +47,9 @@ pub(super) struct StepState {
     rate: [Lanes; STAGED_ROWS],
     /// By how much these states change over the step, so far.
     sums: [Lanes; MOST_STAGED],
-    /// Way that dry friction pushes in this step.
+    /// Way in which each lane slides in this step, and the dry friction against it.
     side: Lanes,
+    held_back: Lanes,
 }
 
 impl StepState {
@@ -56,7 +57,7 @@ impl StepState {
     pub(super) fn new([x, v]: [Lanes; 2], own: [Lanes; MOST_STATES]) -> Self {
         let none = [0.0; LANES];
         let (here, rate) = ([none; STAGED_ROWS], [none; STAGED_ROWS]);
-        Self { x, v, bias: none, own, here, rate, sums: [none; MOST_STAGED], side: none }
+        Self { x, v, bias: none, own, here, rate, sums: [none; MOST_STAGED], side: none, held_back: none }
     }
 }
 
@@ -228,7 +229,7 @@ impl<'a> Plan<'a> {
     /// Acceleration besides that of the base at one stage of a step, where `at` stands.
     #[inline(always)]
     fn acceleration(&self, at: &Instants<'_, f64, LANES>, motion: &mut StepState, stage: Stage) -> Lanes {
-        let StepState { x, v, own, rate, here, sums, side, .. } = motion;
+        let StepState { x, v, own, rate, here, sums, side, held_back, .. } = motion;
         let base = &self.parts.base;
         let mut sum = [0.0; LANES];
         for l in 0..LANES {
@@ -251,9 +252,12 @@ impl<'a> Plan<'a> {
         if let Some(friction) = &self.friction {
             if stage.begins {
                 *side = coulomb_friction::sides(base, friction, [x, v, &sum]);
+                for l in 0..LANES {
+                    held_back[l] = coulomb_friction::against(friction, side[l], l);
+                }
             }
             for l in 0..LANES {
-                sum[l] -= coulomb_friction::against(friction, side[l], l);
+                sum[l] -= held_back[l];
             }
         }
         if self.staged {
