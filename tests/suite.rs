@@ -92,6 +92,7 @@ mod suite {
     pub mod sweeps;
     pub mod tiers;
     pub mod tilt;
+    pub mod touchstone;
     pub mod trial;
     pub mod tumble_bench;
     pub mod tumble_wander;
@@ -248,6 +249,8 @@ fn main() {
         suite::tutorials::tests(),
         // sweeps: jumps follow the history of each sweep; recorded sweeps give their numbers.
         suite::sweeps::tests(),
+        // touchstone: one resonance in three forms is that of a table of its numbers.
+        suite::touchstone::tests(),
     ];
     // T2: campaigns of verdicts.
     let campaigns = [

@@ -4,6 +4,8 @@
 //! `inspect` suggests the next command by it, and `diagnose` without a model runs on it. A proposal
 //! is withheld where two readings of the file are as likely; the error then names both.
 
+mod sweeps;
+
 use super::model::{self, Model};
 use crate::document::toml_string;
 use crate::error::{Error, Result};
@@ -69,7 +71,7 @@ pub fn is_turned(rows: &Rows) -> bool {
 /// Decides what a recording suits; `None` without a clock, or where a single sensor moves, which
 /// says nothing of itself.
 pub fn suited(rows: &Rows) -> Option<Suited> {
-    if sweeps(rows).is_some() {
+    if sweeps::columns(rows).is_some() {
         return Some(Suited::Sweeps);
     }
     let whole_s = rows.samples as f64 / rows.rate_hz?;
@@ -126,7 +128,7 @@ fn of_kind(file: &str, seen: &Inspection, named: &Named) -> Result<String> {
     );
     match suited(rows) {
         Some(Suited::Driven) => driven(file, rows, named),
-        Some(Suited::Sweeps) => Ok(response(rows, seen.clock.as_deref())),
+        Some(Suited::Sweeps) => Ok(sweeps::model(rows, seen.clock.as_deref())),
         Some(Suited::Rest) => Ok(at_rest(rows)),
         Some(Suited::RestFor(_)) if named.is_cut => Ok(at_rest(rows)),
         Some(Suited::Poses) => poses(file, rows),
@@ -290,40 +292,6 @@ fn driven(file: &str, rows: &Rows, named: &Named) -> Result<String> {
     }
 }
 
-/// Headings of a sweep's frequency, its two components and its drive; the words of a heading that
-/// say each.
-const SWEEP: [(&str, &[&str]); 6] = [
-    ("frequency", &["frequency", "freq", "f"]),
-    ("x", &["x"]),
-    ("y", &["y"]),
-    ("amplitude", &["amplitude", "magnitude", "r"]),
-    ("phase", &["phase", "theta"]),
-    ("drive", &["drive", "excitation"]),
-];
-
-/// The columns of a sweep by role; `None` where the headings do not say all of one pair.
-fn sweeps(rows: &Rows) -> Option<Vec<(&'static str, &Column)>> {
-    let one = |(role, words): &(&'static str, &[&str])| {
-        let mut all = rows.columns.iter().filter(|c| says(c, words));
-        all.next().filter(|_| all.next().is_none()).map(|c| (*role, c))
-    };
-    let found: Vec<(&str, &Column)> = SWEEP.iter().filter_map(one).collect();
-    let has = |role: &str| found.iter().any(|(r, _)| *r == role);
-    let unused = match (has("frequency"), has("x") && has("y"), has("amplitude") && has("phase")) {
-        (true, true, _) => ["amplitude", "phase"],
-        (true, false, true) => ["x", "y"],
-        _ => return None,
-    };
-    Some(found.into_iter().filter(|(role, _)| !unused.contains(role)).collect())
-}
-
-fn response(rows: &Rows, clock: Option<&str>) -> String {
-    let columns = sweeps(rows).unwrap_or_default().into_iter();
-    let columns: String = columns.map(|(role, c)| format!("{role} = {}\n", toml_string(&c.name))).collect();
-    let time = clock.map_or(String::new(), |name| format!("time = {}\n", toml_string(name)));
-    format!("kind = \"response\"\n[columns]\n{columns}{time}")
-}
-
 fn of_driven(input: Option<&Column>, output: &Column, rows: &Rows) -> String {
     let input = input.map_or(String::new(), |c| format!("input = {}\n", toml_string(&c.name)));
     format!("kind = \"driven\"\n[columns]\n{input}output = {}\n{}", toml_string(&output.name), environment(rows))
@@ -366,7 +334,7 @@ mod tests {
         Inspection { format: "text", parts: Vec::new(), part: None, clock: None, rows: Some(rows), obstacle: None }
     }
 
-    fn model(names: &[&str]) -> Result<Model> {
+    pub(super) fn model(names: &[&str]) -> Result<Model> {
         let seen = seen(names, [Vec::new(), Vec::new()], Vec::new(), 0);
         parsed(&proposed("log.csv", &seen, &Named::default())?)
     }
@@ -387,17 +355,6 @@ mod tests {
         assert!(refused.contains("--input V1_V --output V2_V") && refused.contains("--input V2_V --output V1_V"));
         let refused = model(&["a1", "b1", "c1"]).expect_err("nothing says").to_string();
         assert!(refused.contains("--input"), "{refused}");
-    }
-
-    #[test]
-    fn a_frequency_with_two_components_is_a_sweep_and_without_them_is_none() {
-        let Ok(Model::Response(found)) = model(&["frequency_hz", "x_v", "y_v", "drive_v"]) else { panic!("a sweep") };
-        let columns = found.columns;
-        assert_eq!((columns.frequency.as_str(), columns.x.as_deref()), ("frequency_hz", Some("x_v")));
-        assert_eq!((columns.drive.as_deref(), columns.time), (Some("drive_v"), None));
-        let Ok(Model::Response(found)) = model(&["f_kHz", "r_V", "theta_deg"]) else { panic!("a sweep") };
-        assert_eq!(found.columns.phase.as_deref(), Some("theta_deg"));
-        assert!(!matches!(model(&["frequency_hz", "position_m"]), Ok(Model::Response(_))));
     }
 
     #[test]

@@ -28,6 +28,8 @@ pub enum Reason {
     StoppedClock,
     /// A reading is missing.
     MissingReading,
+    /// Noise parameters of an amplifier, behind the response of a two-port.
+    NoiseParameters,
 }
 
 impl Reason {
@@ -45,6 +47,7 @@ impl Reason {
             Reason::HoldsPlace => "repeats the row before in place of a lost sample",
             Reason::StoppedClock => "the clock stands still",
             Reason::MissingReading => "a reading is missing",
+            Reason::NoiseParameters => "noise parameters, no response",
         }
     }
 }

@@ -35,7 +35,7 @@ pub(super) fn sniff(path: &Path, head: &[u8]) -> Result<Format> {
     if head.contains(&0) {
         return fail(
             "this is binary data of an unknown format",
-            "supported are text (CSV), .npy, .npz, .mat, Parquet, Arrow, ROS 1 bags, MCAP, .db3, ULog and DataFlash; \
+            "supported are text (CSV), Touchstone, .npy, .npz, .mat, Parquet, Arrow, ROS 1 bags, MCAP, .db3, ULog and DataFlash; \
             is it one of these, and is the beginning of the file intact?",
         );
     }

@@ -44,6 +44,7 @@ pub mod npz;
 pub mod parquet;
 #[cfg(feature = "rosbag")]
 pub mod rosbag;
+pub mod touchstone;
 #[cfg(feature = "ulog")]
 pub mod ulog;
 
@@ -84,6 +85,9 @@ const ALL: &[Format] = &[
     #[cfg(feature = "dataflash")]
     Format { name: "ArduPilot DataFlash log", magic: (0, b"\xa3\x95"), open: dataflash::open },
 ];
+
+/// Text that is no table: it is known by its first lines, not by bytes.
+static TOUCHSTONE: Format = Format { name: "Touchstone file", magic: (0, b""), open: touchstone::open };
 
 /// Arrays that come from no file.
 static IN_MEMORY: Format = Format {
@@ -219,7 +223,8 @@ fn unpacking(input: &Input, pack: Pack, error: &std::io::Error) -> Error {
 }
 
 fn format_of(head: &[u8]) -> Option<&'static Format> {
-    ALL.iter().find(|f| head.get(f.magic.0..).is_some_and(|h| h.starts_with(f.magic.1)))
+    let known = ALL.iter().find(|f| head.get(f.magic.0..).is_some_and(|h| h.starts_with(f.magic.1)));
+    known.or_else(|| touchstone::begins(head).then_some(&TOUCHSTONE))
 }
 
 fn refuse(input: &Input, head: &[u8]) -> Result<()> {

@@ -212,6 +212,9 @@ fn drop_sentence(f: &mut fmt::Formatter<'_>, dropped: &Dropped) -> fmt::Result {
         Reason::StoppedClock => write!(f, "{counted} {were} dropped because the clock stands still there"),
         Reason::MissingReading => write!(f, "{counted} {were} not used because a reading is missing"),
         Reason::HoldsPlace => write!(f, "{counted} {were} not used: repeated in place of lost samples"),
+        Reason::NoiseParameters => {
+            return write!(f, "{counted} of noise parameters behind the response {were} left out");
+        }
         Reason::OutsideRows | Reason::OutsideSeconds | Reason::OutsideSplit | Reason::BeyondGap => {
             write!(f, "{counted} {were} not used: {}", reason.words())
         }
