@@ -40,6 +40,7 @@ mod suite {
     pub mod formats;
     pub mod fuzz;
     pub mod hostile_names;
+    pub mod instruments;
     pub mod invariance;
     pub mod kept_shapes;
     pub mod kills;
@@ -251,6 +252,8 @@ fn main() {
         suite::sweeps::tests(),
         // touchstone: one resonance in three forms is that of a table of its numbers.
         suite::touchstone::tests(),
+        // instruments: headings of lock-ins and analysers.
+        suite::instruments::tests(),
     ];
     // T2: campaigns of verdicts.
     let campaigns = [

@@ -22,6 +22,7 @@ mod predicted;
 mod space;
 mod steady_state;
 mod system;
+mod units;
 mod unsettled;
 mod values;
 

@@ -3,17 +3,22 @@
 
 use crate::document::toml_string;
 use crate::recording::inspection::{Column, Rows};
+use crate::recording::time_unit::TimeUnit;
 
 /// Roles of a sweep's columns and the words of a heading that say each, the plainest first. A column
 /// has the first role that takes it: `Sine Out Amplitude` is a drive.
-const WORDS: [(&str, &[&str]); 6] = [
+const WORDS: [(&str, &[&str]); 7] = [
     ("frequency", &["frequency", "freq", "f"]),
-    ("phase", &["phase", "theta"]),
-    ("drive", &["drive", "excitation"]),
-    ("x", &["x", "re"]),
-    ("y", &["y", "im"]),
-    ("amplitude", &["amplitude", "magnitude", "r"]),
+    ("phase", &["phase", "theta", "θ"]),
+    ("drive", &["drive", "excitation", "osc", "oscillator", "sine"]),
+    ("x", &["x", "re", "real", "inphase"]),
+    ("y", &["y", "im", "imag", "imaginary", "quadrature"]),
+    (GAIN, &["gain"]),
+    ("amplitude", &["magnitude", "mag", "amplitude", "r"]),
 ];
+/// Amplitude over the drive, as analysers of frequency response write it: an amplitude in another
+/// column is the drive's then, and is in the gain already.
+const GAIN: &str = "gain";
 /// Roles in the order in which a model names them.
 const ROLES: [&str; 6] = ["frequency", "x", "y", "amplitude", "phase", "drive"];
 /// S parameters in the order in which one is taken for the response: what passes through, then what
@@ -21,7 +26,7 @@ const ROLES: [&str; 6] = ["frequency", "x", "y", "amplitude", "phase", "drive"];
 const PARAMETERS: [&str; 2] = ["s21", "s11"];
 
 fn words(column: &Column) -> Vec<String> {
-    let lower = column.name.to_lowercase();
+    let lower = column.name.to_lowercase().replace("in-phase", "inphase");
     lower.split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).map(str::to_owned).collect()
 }
 
@@ -56,6 +61,10 @@ pub(super) fn columns(rows: &Rows) -> Option<Vec<(&'static str, &Column)>> {
             free.retain(|c| c != only);
         }
     }
+    if found.iter().any(|(role, _)| *role == GAIN) {
+        found.retain(|(role, _)| !matches!(*role, "amplitude" | "drive"));
+        found.iter_mut().filter(|(role, _)| *role == GAIN).for_each(|(role, _)| *role = "amplitude");
+    }
     let has = |role: &str| found.iter().any(|(r, _)| *r == role);
     let unused = match (has("frequency"), has("x") && has("y"), has("amplitude") && has("phase")) {
         (true, true, _) => ["amplitude", "phase"],
@@ -78,7 +87,9 @@ pub(super) fn model(rows: &Rows, clock: Option<&str>) -> String {
         format!("{role} = {}{note}\n", toml_string(&column.name))
     };
     let columns: String = columns(rows).unwrap_or_default().into_iter().map(of).collect();
-    let time = clock.map_or(String::new(), |name| format!("time = {}\n", toml_string(name)));
+    // A `timestamp` without a unit counts ticks of the instrument.
+    let in_seconds = |name: &&str| TimeUnit::of_heading(name).is_some() || !name.to_lowercase().contains("timestamp");
+    let time = clock.filter(in_seconds).map_or(String::new(), |name| format!("time = {}\n", toml_string(name)));
     format!("kind = \"response\"\n[columns]\n{columns}{time}")
 }
 
@@ -107,5 +118,57 @@ mod tests {
         let columns = sweep(&two);
         assert_eq!((columns.x.as_deref(), columns.y.as_deref()), (Some("s21_re"), Some("s21_im")));
         assert_eq!(sweep(&two[..3]).x.as_deref(), Some("s11_re"));
+    }
+
+    // As the instruments write them: Zurich Instruments LabOne, Stanford Research SR830 and SR860,
+    // Omicron Bode 100, Keysight InfiniiVision.
+    #[test]
+    fn headings_of_common_instruments_say_which_column_is_which() {
+        let frequency = |names: &[&str]| sweep(names).frequency;
+        let labone = [
+            "chunk",
+            "timestamp",
+            "grid",
+            "frequency",
+            "frequencystddev",
+            "x",
+            "xstddev",
+            "y",
+            "ystddev",
+            "r",
+            "rstddev",
+            "phase",
+            "phasestddev",
+            "bandwidth",
+            "tc",
+            "settling",
+        ];
+        let columns = sweep(&labone);
+        assert_eq!((columns.x.as_deref(), columns.y.as_deref(), columns.phase), (Some("x"), Some("y"), None));
+        let polar = sweep(&["chunk", "timestamp", "frequency", "r", "phase [rad]"]);
+        assert_eq!((polar.amplitude.as_deref(), polar.phase.as_deref()), (Some("r"), Some("phase [rad]")));
+        assert_eq!(polar.time, None);
+        let stanford = sweep(&["Freq (Hz)", "X (V)", "Y (V)", "R (V)", "Theta (deg)", "Sine Out Amplitude (V)"]);
+        assert_eq!((stanford.x.as_deref(), stanford.drive.as_deref()), (Some("X (V)"), Some("Sine Out Amplitude (V)")));
+        let stanford = sweep(&["Frequency (kHz)", "R (V)", "θ (°)", "Osc (V)"]);
+        assert_eq!((stanford.phase.as_deref(), stanford.drive.as_deref()), (Some("θ (°)"), Some("Osc (V)")));
+        let bode = sweep(&["Frequency (Hz)", "Gain: Magnitude (dB)", "Gain: Phase (°)"]);
+        assert_eq!(
+            (bode.amplitude.as_deref(), bode.phase.as_deref()),
+            (Some("Gain: Magnitude (dB)"), Some("Gain: Phase (°)"))
+        );
+        // The amplitude there is that of the drive.
+        let scope = sweep(&["#", "Frequency (Hz)", "Amplitude (Vpp)", "Gain (dB)", "Phase (°)"]);
+        assert_eq!((scope.amplitude.as_deref(), scope.drive), (Some("Gain (dB)"), None));
+        assert_eq!(frequency(&["f [Hz]", "In-phase (V)", "Quadrature (V)"]), "f [Hz]");
+        // As a control, two traces that may each be the reading are no sweep.
+        let two = [
+            "Frequency (Hz)",
+            "Channel 1 Magnitude (dB)",
+            "Channel 1 Phase (°)",
+            "Channel 2 Magnitude (dB)",
+            "Channel 2 Phase (°)",
+        ];
+        assert!(!matches!(model(&two), Ok(Model::Response(_))));
     }
 }

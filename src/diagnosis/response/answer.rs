@@ -24,6 +24,7 @@ use super::location::stretches;
 use super::predicted::{Amplitude, Predicted};
 use super::steady_state::Table;
 use super::system::System;
+use super::units;
 
 /// Own past of the residual that is looked at, in steps.
 const LAGS: usize = 3;
@@ -50,7 +51,10 @@ impl Case<'_> {
         let stated = self.model.unit.clone();
         let channels = Channels {
             output: heading.clone(),
-            output_unit: stated.unwrap_or_else(|| unit_of(self.recording, heading, "output unit")),
+            output_unit: stated.unwrap_or_else(|| match units::of_level(self.recording, heading) {
+                Some(unit) => unit.to_owned(),
+                None => unit_of(self.recording, heading, "output unit"),
+            }),
             input_unit: c.drive.as_ref().map_or("drive".into(), |d| unit_of(self.recording, d, "drive unit")),
             environment_units: Vec::new(),
         };

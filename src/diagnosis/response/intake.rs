@@ -1,7 +1,6 @@
 //! The steps of a recording as numbers: frequency, drive, complex reading, and the sweeps that they
 //! form in the order in which they were taken.
 
-use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 use nalgebra::Complex;
@@ -10,14 +9,14 @@ use crate::error::{Error, Result};
 use crate::model::Response;
 use crate::recording::Recording;
 
+use super::units;
+
 /// Steps of a recording at least.
 const FEWEST: usize = 16;
 /// Part of the drive by which it changes from sweep to sweep, and not by its own noise.
 const ANOTHER_DRIVE: f64 = 0.02;
 /// Steps of a sweep on average, fewer of which say that rows are in no order of frequency.
 const ORDERED: f64 = 4.0;
-/// Largest angle in rad that a heading without a unit may hold.
-const TURN: f64 = 1.1 * PI;
 
 /// Steps in the order taken.
 #[derive(Debug, Clone, Default)]
@@ -87,27 +86,29 @@ pub(super) fn sweeps(recording: &Recording, model: &Response, findings: &mut Vec
         })
     };
     let c = &model.columns;
-    let per_hz = hertz(&c.frequency, recording.stated(&c.frequency));
+    let per_hz = units::hertz(&c.frequency, recording.stated(&c.frequency));
     let frequency_hz: Vec<f64> = column(&c.frequency)?.iter().map(|f| f * per_hz).collect();
     let reading: Vec<Complex<f64>> = match (&c.x, &c.y, &c.amplitude, &c.phase) {
         (Some(x), Some(y), None, None) => {
             column(x)?.into_iter().zip(column(y)?).map(|(x, y)| Complex::new(x, y)).collect()
         }
         (None, None, Some(amplitude), Some(phase)) => {
-            let (radius, angle) = (column(amplitude)?, column(phase)?);
-            let largest = angle.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-            let unit = recording.stated(phase).unwrap_or(phase).to_lowercase();
-            let in_degrees = unit.contains("deg") || unit.contains('°');
-            let per_rad = match in_degrees || (!unit.contains("rad") && largest > TURN) {
-                true => PI / 180.0,
-                false => 1.0,
-            };
-            if !in_degrees && !unit.contains("rad") {
+            let (mut radius, angle) = (column(amplitude)?, column(phase)?);
+            if units::of_level(recording, amplitude).is_some() {
+                radius.iter_mut().for_each(|level| *level = units::amplitude(*level));
+                findings.push(format!(
+                    "`{amplitude}` is in decibel: the amplitude is 10 to the power of a twentieth of it"
+                ));
+            }
+            let per_rad = units::radians(phase, recording.stated(phase)).unwrap_or_else(|| {
+                let largest = angle.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+                let per_rad = units::radians_by_size(largest);
                 let taken = if per_rad == 1.0 { "rad" } else { "°" };
                 findings.push(format!(
                     "`{phase}` states no unit and is taken in {taken}: its largest value is {largest:.4}"
                 ));
-            }
+                per_rad
+            });
             radius.into_iter().zip(angle).map(|(r, a)| Complex::from_polar(r, a * per_rad)).collect()
         }
         _ => {
@@ -124,8 +125,13 @@ pub(super) fn sweeps(recording: &Recording, model: &Response, findings: &mut Vec
             vec![1.0; frequency_hz.len()]
         }
     };
-    let time_s = c.time.as_ref().map(&column).transpose()?;
+    let of_time =
+        |name: &String| -> Result<Vec<f64>> { Ok(column(name)?.iter().map(|t| t * units::seconds(name)).collect()) };
+    let time_s = c.time.as_ref().map(of_time).transpose()?;
     let n = frequency_hz.len();
+    if let Some(k) = reading.iter().position(|y| !(y.re.is_finite() && y.im.is_finite())) {
+        return fail(format!("step {k} has no finite reading"), "check the columns under [columns] and their units");
+    }
     if n < FEWEST {
         return fail(format!("it has {n} steps"), "a resonance needs 16 steps at least, most of them within its width");
     }
@@ -168,23 +174,6 @@ pub(super) fn sweeps(recording: &Recording, model: &Response, findings: &mut Vec
     })
 }
 
-/// Hertz in one unit of a frequency column.
-fn hertz(heading: &str, stated: Option<&str>) -> f64 {
-    let words = format!("{heading} {}", stated.unwrap_or_default()).to_lowercase();
-    let has = |unit: &str| words.contains(unit);
-    if has("rad/s") || has("rad_s") {
-        1.0 / TAU
-    } else if has("ghz") {
-        1e9
-    } else if has("mhz") {
-        1e6
-    } else if has("khz") {
-        1e3
-    } else {
-        1.0
-    }
-}
-
 /// Stretches of one direction and one drive.
 fn in_sweeps(frequency_hz: &[f64], drive: &[f64]) -> Vec<Range<usize>> {
     let (mut all, mut start, mut way) = (Vec::new(), 0, 0.0f64);
@@ -218,12 +207,5 @@ mod tests {
         let drive = [1.0, 1.0, 1.01, 1.0, 1.0, 1.0, 3.0, 3.0];
         assert_eq!(in_sweeps(&frequency, &drive), [0..4, 4..6, 6..8]);
         assert_eq!(by_drive(&drive), [0..6, 6..8]);
-    }
-
-    #[test]
-    fn headings_say_the_unit_of_a_frequency() {
-        let of = |heading: &str| hertz(heading, None);
-        assert_eq!([of("f_kHz"), of("freq_MHz"), of("frequency_hz"), of("f")], [1e3, 1e6, 1.0, 1.0]);
-        assert_eq!([hertz("w", Some("rad/s")), hertz("f", Some("kHz"))], [1.0 / TAU, 1e3]);
     }
 }
