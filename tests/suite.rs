@@ -252,7 +252,7 @@ fn main() {
         suite::sweeps::tests(),
         // touchstone: one resonance in three forms is that of a table of its numbers.
         suite::touchstone::tests(),
-        // instruments: headings of lock-ins and analysers.
+        // instruments: headings of lock-ins and analysers; thermomechanical noise.
         suite::instruments::tests(),
     ];
     // T2: campaigns of verdicts.

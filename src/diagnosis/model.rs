@@ -13,7 +13,7 @@ mod tumble;
 pub use asked::{Seconds, read_part, read_recording, requested};
 pub use driven::{Driven, DrivenColumns, Start};
 pub use output::Output;
-pub use response::{Response, ResponseColumns};
+pub use response::{Response, ResponseColumns, Thermal};
 pub use rest::{Noise, Static, StaticColumns};
 pub use split::{Ranges, Split};
 pub use trajectory::{Half, InertialNoise, Reference, Trajectory, TrajectoryColumns};

@@ -22,6 +22,7 @@ mod predicted;
 mod space;
 mod steady_state;
 mod system;
+mod thermal;
 mod units;
 mod unsettled;
 mod values;
@@ -47,6 +48,7 @@ const LEAST_NOISE: f64 = 1e-5;
 /// # Errors
 /// Columns that no sweep has, too few steps, no resonance in them; when stopped.
 pub fn diagnose(recording: &Recording, model: &model::Response, control: &Control) -> Result<Answer> {
+    model.thermal.iter().try_for_each(|stated| thermal::check(stated, &recording.path))?;
     let mut findings = recording.sentences();
     let mut sweeps = intake::sweeps(recording, model, &mut findings)?;
     let measured = noise::deviation(&sweeps);

@@ -409,6 +409,29 @@ pub struct Triads {
     pub accelerometer: SensorCalibration,
 }
 
+/// Thermomechanical noise of a resonator, by its fitted resonance and width and by the mass and
+/// temperature that the model states.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Thermal {
+    /// Temperature that was stated, K.
+    pub temperature_k: f64,
+    /// One-sided density of the force, N²/Hz.
+    pub force_psd_n2_hz: f64,
+    /// One-sided density of the displacement at resonance, m²/Hz.
+    pub displacement_psd_m2_hz: f64,
+    /// Root mean square of the displacement over all frequencies, m.
+    pub displacement_rms_m: f64,
+    /// Noise-equivalent bandwidth that was stated, Hz.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bandwidth_hz: Option<f64>,
+    /// Root mean square that it makes of X and of Y at resonance, in the reading's unit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reading_rms: Option<f64>,
+    /// Root mean square of the final residual over that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub residual_ratio: Option<f64>,
+}
+
 /// The public document `proofmass.verdict/1`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verdict {
@@ -437,6 +460,9 @@ pub struct Verdict {
     pub fit: Fit,
     /// States whether anything is left.
     pub residual_after: Whiteness,
+    /// Noise of a resonator's own temperature, where mass, temperature and calibration are stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thermal: Option<Thermal>,
     /// If nothing is named: strengths that would have been named.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub detectable: Vec<Detectable>,

@@ -224,6 +224,9 @@ fn answers(diagnosis: &Diagnosis, costs: &[Cost]) -> Vec<(&'static str, String)>
     if !verdict.base.is_empty() {
         out.push(("base model", base_words(verdict)));
     }
+    if let Some(noise) = &verdict.thermal {
+        out.push(("thermal noise", words::thermal(noise, &verdict.fit.unit)));
+    }
     if let Some(words) = cost::sentence(costs, diagnosis) {
         out.push(("what it costs", words));
     }

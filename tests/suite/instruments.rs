@@ -1,15 +1,18 @@
 //! Exports of lock-in amplifiers and analysers as text: one resonance under the headings of each
-//! gives what the plain table gives.
+//! gives what the plain table gives, and thermomechanical noise is said where it is asked for.
 
 use libtest_mimic::{Failed, Trial};
 use nalgebra::Complex;
 
 use super::touchstone::{diagnosed, response};
-use super::world::{check, test};
+use super::world::{check, program, test};
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
-    vec![test("instruments: one resonance under the headings of each is that of the plain table", headings)]
+    vec![
+        test("instruments: one resonance under the headings of each is that of the plain table", headings),
+        test("instruments: thermomechanical noise is said next to the residual", thermal),
+    ]
 }
 
 /// A row of a step: its number, frequency and reading.
@@ -50,4 +53,39 @@ fn headings() -> Result<(), Failed> {
     // As a control, another unit in the heading is another resonance.
     let other = written("other.csv", "Freq (kHz), X (V), Y (V)", |_, f, s| format!("{f}, {}, {}", s.re, s.im))?;
     check((other[0].value / plain[0].value - 1e3).abs() < 1e-3, format!("{:?}", other[0]))
+}
+
+// By hand: k_B T is 4.0474e-21 J at 293.15 K; ω₀ is 2π·10⁵ rad/s and Γ 2π·500 1/s, so that 4 k_B T m Γ is
+// 5.0861e-29 N²/Hz at 10⁻¹² kg.
+fn thermal() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let rows: String = response().iter().map(|(f, s)| format!("{f},{},{}\n", s.re, s.im)).collect();
+    std::fs::write(folder.path().join("sweep.csv"), format!("frequency_hz,x_V,y_V\n{rows}"))?;
+    let model = |last: &str| {
+        format!(
+            "kind = \"response\"\n[columns]\nfrequency = \"frequency_hz\"\nx = \"x_V\"\ny = \"y_V\"\n[thermal]\nmass_kg = 1e-12\n\
+             temperature_k = 293.15\nsi_per_unit = {last}\n"
+        )
+    };
+    let run = |text: &str, json: bool| -> Result<_, Failed> {
+        std::fs::write(folder.path().join("model.toml"), text)?;
+        let mut command = program();
+        command.current_dir(folder.path()).args(["diagnose", "sweep.csv", "--model", "model.toml"]);
+        Ok(if json { command.arg("--json").output()? } else { command.output()? })
+    };
+    let output = run(&model("1e-9\nbandwidth_hz = 1.0"), true)?;
+    let verdict: serde_json::Value = serde_json::from_slice(&output.stdout)?;
+    let noise = &verdict["thermal"];
+    let number = |name: &str| noise[name].as_f64().ok_or(format!("no {name} in {noise}"));
+    let force = number("force_psd_n2_hz")?;
+    check((force / 5.0861e-29 - 1.0).abs() < 0.01, format!("{force}"))?;
+    let (density, reading) = (number("displacement_psd_m2_hz")?, number("reading_rms")?);
+    check((reading / (density.sqrt() / 1e-9) - 1.0).abs() < 1e-3, format!("{reading} {density}"))?;
+    // The noise that was added is a ten-thousandth in X and in Y.
+    let ratio = number("residual_ratio")?;
+    check((ratio * reading / 1e-4 - 1.0).abs() < 0.2, format!("{ratio} {reading}"))?;
+    let said = String::from_utf8(run(&model("1e-9"), false)?.stdout)?;
+    check(said.contains("thermal noise") && said.contains("N/√Hz"), said)?;
+    let refused = String::from_utf8(run(&model("0.0"), false)?.stderr)?;
+    check(refused.contains("[thermal] needs si_per_unit above zero"), refused)
 }

@@ -154,6 +154,7 @@ fn adequate(files: &Files) -> Verdict {
             one_step_rmse: None,
         },
         residual_after: verdict::Whiteness { white: true, p_value: 0.5 },
+        thermal: None,
         calibration: None,
         detectable: Vec::new(),
         next_experiment: String::new(),

@@ -22,8 +22,25 @@ pub struct Response {
     /// Quantity of the resonator that is read.
     #[serde(default)]
     pub output_is: Output,
+    /// Numbers by which thermomechanical noise is said next to the residual.
+    pub thermal: Option<Thermal>,
     /// Headings: frequency, and `x` and `y` or `amplitude` and `phase`.
     pub columns: ResponseColumns,
+}
+
+/// Numbers of the resonator and of the lock-in that its thermomechanical noise follows from.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Thermal {
+    /// Effective mass of the resonance, kg.
+    pub mass_kg: f64,
+    /// Temperature of the resonator, K.
+    pub temperature_k: f64,
+    /// Metres in one unit of the reading; m/s or m/s² where `output_is` says so.
+    pub si_per_unit: f64,
+    /// Noise-equivalent bandwidth of the lock-in's filter, Hz.
+    pub bandwidth_hz: Option<f64>,
 }
 
 /// Columns of a stepped-sine recording, one row a step, in the order taken.

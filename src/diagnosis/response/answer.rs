@@ -24,7 +24,7 @@ use super::location::stretches;
 use super::predicted::{Amplitude, Predicted};
 use super::steady_state::Table;
 use super::system::System;
-use super::units;
+use super::{thermal, units};
 
 /// Own past of the residual that is looked at, in steps.
 const LAGS: usize = 3;
@@ -241,6 +241,10 @@ impl Case<'_> {
             harmonics: followed[1].table.harmonics,
             imitations: found.imitations.iter().map(|law| public.id(*law).to_owned()).collect(),
             noise: self.deviation,
+            thermal: self
+                .model
+                .thermal
+                .map(|stated| thermal::noise(stated, mass, system.sweeps.derivatives, found.model.variance.sqrt())),
             excess: found.model.variance / self.deviation.powi(2) - 1.0,
             may_be_quadratic: found.named.iter().any(|n| public.may_be_quadratic(&found.model, n.place)),
         }

@@ -1,6 +1,7 @@
 //! Plain numbers behind the figures and the words of a diagnosis of sweeps.
 
 pub use super::jumps::Jump;
+use crate::verdict::Thermal;
 
 /// One sweep as it was read and as both models have it.
 #[derive(Debug, Clone, Default)]
@@ -55,6 +56,8 @@ pub struct Detail {
     pub noise: f64,
     /// Mean square of the final residual over that of the noise, less one.
     pub excess: f64,
+    /// Thermomechanical noise, where the model states what it follows from.
+    pub thermal: Option<Thermal>,
     /// States whether a quadratic spring would do as well as the softening one that is named.
     pub may_be_quadratic: bool,
 }

@@ -15,6 +15,7 @@ use proofmass_diagnosis::trace::Step;
 use proofmass_diagnosis::verdict::{SCHEMA, Verdict, Where};
 
 pub(super) use driven::form;
+pub(super) use response::thermal;
 pub(super) use tumble::residual;
 
 /// A diagnosis in words and numbers.
@@ -46,6 +47,7 @@ struct Said {
 pub fn worded(answer: Answer) -> Diagnosis {
     let said = said(&answer);
     let detectable = answer.detail.detectable().to_vec();
+    let thermal = if let Detail::Response(detail) = &answer.detail { detail.thermal } else { None };
     let (calibration, told) = match &answer.detail {
         Detail::Tumble(detail) => (detail.published.clone(), tumble::findings(&detail.account)),
         Detail::Trajectory(detail) => (detail.published.clone(), trajectory::findings(&detail.account)),
@@ -90,6 +92,7 @@ pub fn worded(answer: Answer) -> Diagnosis {
         calibration,
         fit,
         residual_after,
+        thermal,
         detectable,
         next_experiment: said.next_experiment,
         findings,

@@ -3,7 +3,7 @@
 use proofmass_base::number::{rounded, short};
 use proofmass_diagnosis::answer::Answer;
 use proofmass_diagnosis::response::detail::{Detail, Jump};
-use proofmass_diagnosis::verdict::Outcome;
+use proofmass_diagnosis::verdict::{Outcome, Thermal};
 
 /// One or two sentences for the first screen.
 pub(super) fn sentence(answer: &Answer, detail: &Detail) -> String {
@@ -42,6 +42,28 @@ pub(super) fn sentence(answer: &Answer, detail: &Detail) -> String {
                 names.join(" and ")
             ),
         },
+    }
+}
+
+/// Says what the resonator's own temperature makes of the reading.
+pub(in crate::diagnosis) fn thermal(noise: &Thermal, unit: &str) -> String {
+    let [force, displacement] = [noise.force_psd_n2_hz, noise.displacement_psd_m2_hz].map(f64::sqrt);
+    let at_all = format!(
+        "at {} K the resonator's own noise is a force of {} N/√Hz, and at resonance a displacement of {} m/√Hz ({} m over \
+         all frequencies)",
+        short(noise.temperature_k),
+        short(force),
+        short(displacement),
+        short(noise.displacement_rms_m)
+    );
+    match (noise.bandwidth_hz, noise.reading_rms, noise.residual_ratio) {
+        (Some(bandwidth), Some(rms), Some(ratio)) => format!(
+            "{at_all}; in {} Hz it makes {} {unit} of X and of Y, and the residual is {} times that",
+            short(bandwidth),
+            short(rms),
+            short(ratio)
+        ),
+        _ => format!("{at_all}; `bandwidth_hz` under [thermal] compares it with the residual"),
     }
 }
 
