@@ -108,8 +108,8 @@ impl<'a> StartSearch<'a> {
         Some(self.moved_along(&way, &chosen, scales))
     }
 
-    /// What each of these points, whose term is all but absent, would leave if its strength were the
-    /// best one times its own, as far as it acts in proportion; and how many times that is.
+    /// Sum of squares that each of these points, whose term is all but absent, would leave if its
+    /// strength were the best one, as far as it acts in proportion; and that strength over its own.
     fn along(&self, way: &Way<'_>, points: &[Vec<f64>]) -> Vec<(f64, f64)> {
         let rows = self.rows();
         let orthogonal = |errors: &mut Vec<f64>| self.basis.iter().for_each(|b| remove(errors, b));
