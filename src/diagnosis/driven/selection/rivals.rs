@@ -24,10 +24,6 @@ const LEAST_LEAD: f64 = 1.0;
 /// Log-likelihood by which a model must lead to be distinguished from another: odds of 400 to 1.
 pub(crate) const TIE: f64 = 6.0;
 
-/// Iterations after which a fit that is looked at to its end has ended: a loop's values lie in a bent
-/// valley, along which it took 30 to 60.
-const TO_ITS_END: usize = 100;
-
 /// Returns whether the library states that one can be mistaken for the other.
 pub(crate) fn alike(a: &Term, b: &Term) -> bool {
     a.candidate().confusable_with.contains(&b.id()) || b.candidate().confusable_with.contains(&a.id())
@@ -125,15 +121,12 @@ impl Look<'_> {
     /// a finished fit can be beaten. `None` where it had converged, or gets no better.
     fn to_its_end(&self, stand_in: &Judged, chosen: &Judged, scales: &Scales) -> Option<Judged> {
         let Fit { structure, point, converged, variance, .. } = &stand_in.fit;
-        let from = |start: &[f64], most: usize| fit(self.data, structure, start, scales, most);
+        let from = |start: &[f64]| fit(self.data, structure, start, scales, ITERATIONS);
         if *converged {
             return None;
         }
         let there: Vec<f64> = chosen.fit.point.iter().take(BASE).chain(point.iter().skip(BASE)).copied().collect();
-        let ends = [from(point, TO_ITS_END), from(&there, ITERATIONS)]
-            .into_iter()
-            .flatten()
-            .filter(|end| end.variance < *variance);
+        let ends = [from(point), from(&there)].into_iter().flatten().filter(|end| end.variance < *variance);
         let best = ends.min_by(|a, b| a.variance.total_cmp(&b.variance))?;
         Some(judge(self.data, best, self.scales))
     }
