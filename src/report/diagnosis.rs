@@ -108,6 +108,9 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
     page.section("Candidates");
     let (passed_over, tried): (Vec<&Ranked>, Vec<&Ranked>) =
         diagnosis.ranking.iter().partition(|r| r.note == Note::Screened);
+    if diagnosis.ranking.is_empty() {
+        page.paragraph("None was tried.");
+    }
     if !tried.is_empty() {
         page.paragraph(&format!(
             "Every candidate that was tried, best first. {} p is corrected for the number of candidates tried.",

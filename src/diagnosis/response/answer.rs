@@ -199,10 +199,11 @@ impl Case<'_> {
     fn sentences(&self, jumps: &[Jump]) -> Vec<String> {
         let sweeps = self.system.sweeps;
         let up = sweeps.sweeps.iter().filter(|s| sweeps.rises(s)).count();
+        let of = |number: usize, what: &str| format!("{number} {what}{}", if number == 1 { "" } else { "s" });
         let mut all = vec![format!(
-            "{} sweeps, {up} of them up, at {} drives; {} of {} steps are fitted",
-            sweeps.sweeps.len(),
-            sweeps.drives(),
+            "{}, {up} of them up, at {}; {} of {} steps are fitted",
+            of(sweeps.sweeps.len(), "sweep"),
+            of(sweeps.drives(), "drive"),
             sweeps.counts.iter().filter(|c| **c).count(),
             sweeps.len()
         )];
