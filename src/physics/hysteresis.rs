@@ -160,6 +160,7 @@ fn hysteresis(at: Instant, p0: f32, p1: f32, p2: f32, own: f32, sum: f32) -> f32
         }
         let bends = (0..12).map(|i| 0.1 / s.output * 250f64.powf(f64::from(i) / 11.0));
         let directions = bends.flat_map(|b| [-1.3, 0.0, 1.0].map(|ratio| vec![b, ratio * b, 0.0])).collect();
+        // It detunes by 5e-7: next to nothing even where Q is 10⁵ and the half width 5e-6.
         Some(StartGrid::Directions { strength: 1e-6 * s.omega_rad_s.powi(2), directions })
     }
     #[inline(always)]

@@ -101,7 +101,7 @@ pub enum StartGrid {
     /// The first parameter is a strength that acts nearly in proportion; only the others are looked
     /// for.
     Directions {
-        /// A strength next to nothing, at which it does.
+        /// A strength so small that the law acts in proportion to it.
         strength: f64,
         /// The other parameters.
         directions: Vec<Vec<f64>>,

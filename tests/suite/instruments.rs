@@ -45,6 +45,7 @@ fn headings() -> Result<(), Failed> {
             format!("{k},{},0.2,{},{}", f / 1e3, 20.0 * s.norm().log10(), s.arg().to_degrees())
         })?,
     ];
+    // The same numbers to the last digit, or turned from polar ones: nothing next to intervals of 1e-5 and more.
     for other in &others {
         for (found, wanted) in other.iter().zip(&plain) {
             check((found.value / wanted.value - 1.0).abs() < 1e-6, format!("{found:?} {wanted:?}"))?;
@@ -78,10 +79,11 @@ fn thermal() -> Result<(), Failed> {
     let noise = &verdict["thermal"];
     let number = |name: &str| noise[name].as_f64().ok_or(format!("no {name} in {noise}"));
     let force = number("force_psd_n2_hz")?;
-    check((force / 5.0861e-29 - 1.0).abs() < 0.01, format!("{force}"))?;
+    // The width is fitted to 0.1 % (its 95 % interval).
+    check((force / 5.0861e-29 - 1.0).abs() < 0.003, format!("{force}"))?;
     let (density, reading) = (number("displacement_psd_m2_hz")?, number("reading_rms")?);
     check((reading / (density.sqrt() / 1e-9) - 1.0).abs() < 1e-3, format!("{reading} {density}"))?;
-    // The noise that was added is a ten-thousandth in X and in Y.
+    // The noise that was added is a ten-thousandth in X and in Y: 322 numbers know it to 4 %.
     let ratio = number("residual_ratio")?;
     check((ratio * reading / 1e-4 - 1.0).abs() < 0.2, format!("{ratio} {reading}"))?;
     let said = String::from_utf8(run(&model("1e-9"), false)?.stdout)?;

@@ -212,11 +212,11 @@ fn loop_is_followed() -> Result<(), Failed> {
         search.sums(&[search.z(point)])[0]
     };
     let base_left = base.variance * data.train_len() as f64;
-    check(left(&starts[0]) < 0.7 * base_left, format!("{} of {base_left}", left(&starts[0])))?;
+    check(left(&starts[0]) < base_left, format!("{} of {base_left}", left(&starts[0])))?;
     // Control: the same loop on the resonance as it was fitted without one.
     let unmoved: Vec<f64> = base.point.iter().chain(&starts[0][BASE..]).copied().collect();
     check(left(&unmoved) > base_left, format!("{} of {base_left} without moving along", left(&unmoved)))?;
     let found = fit(&data, &structure, &starts[0], &scales, 100).ok_or("no fit with the loop")?;
-    // The noise is spread evenly over 6e-5.
-    check(found.variance < 1.3 * 3.6e-9 / 12.0, format!("{:e} is left", found.variance))
+    // The noise is spread evenly over 6e-5: its variance is known to √(0.8/1376) = 2.4 %, four of which are allowed.
+    check(found.variance < 1.1 * 3.6e-9 / 12.0, format!("{:e} is left", found.variance))
 }

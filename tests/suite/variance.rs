@@ -197,7 +197,7 @@ fn one_source() -> Result<(), Failed> {
     check(job(false) == study.seed && job(true) != study.seed, "the noise in the run has the seed of its sample")
 }
 
-/// Runs the command on a study with few members, in a folder of its own.
+/// Runs the command on a small study in its own folder.
 fn run(sections: &str, more: &[&str]) -> Result<(tempfile::TempDir, std::process::Output), Failed> {
     let folder = tempfile::tempdir()?;
     std::fs::write(folder.path().join("study.toml"), text(sections))?;

@@ -79,7 +79,7 @@ pub(super) fn columns(rows: &Rows) -> Option<Vec<(&'static str, &Column)>> {
 /// The model of a sweep.
 pub(super) fn model(rows: &Rows, clock: Option<&str>) -> String {
     let note = match parameters(rows) {
-        Some((taken, all)) if all.len() > 1 => format!(" # of {}, {taken} is taken", all.join(", ")),
+        Some((taken, all)) if all.len() > 1 => format!(" # {taken} of {}", all.join(", ")),
         _ => String::new(),
     };
     let of = |(role, column): (&str, &Column)| {

@@ -201,7 +201,7 @@ impl Case<'_> {
         let up = sweeps.sweeps.iter().filter(|s| sweeps.rises(s)).count();
         let of = |number: usize, what: &str| format!("{number} {what}{}", if number == 1 { "" } else { "s" });
         let mut all = vec![format!(
-            "{}, {up} of them up, at {}; {} of {} steps are fitted",
+            "{} ({up} up) at {}; {} of {} steps are fitted",
             of(sweeps.sweeps.len(), "sweep"),
             of(sweeps.drives(), "drive"),
             sweeps.counts.iter().filter(|c| **c).count(),

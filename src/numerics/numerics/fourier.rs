@@ -10,13 +10,13 @@ use super::recent::Recent;
 /// eight of its complex transform of half the length and four that part real from imaginary: 50 MB.
 const KEPT: usize = 1 << 22;
 
-/// Returns the transform of so many samples to bins.
+/// Plans the transform of `count` real samples; kept for the next of that length.
 pub fn forward(count: usize) -> Arc<dyn RealToComplex<f64>> {
     static PLANS: Recent<Arc<dyn RealToComplex<f64>>> = Recent::new(KEPT);
     PLANS.of(count, || RealFftPlanner::new().plan_fft_forward(count))
 }
 
-/// Returns the transform of bins to so many samples, times their number.
+/// Plans the inverse transform to `count` real samples. It does not divide by `count`.
 pub fn inverse(count: usize) -> Arc<dyn ComplexToReal<f64>> {
     static PLANS: Recent<Arc<dyn ComplexToReal<f64>>> = Recent::new(KEPT);
     PLANS.of(count, || RealFftPlanner::new().plan_fft_inverse(count))

@@ -20,7 +20,7 @@ use head::{Content, Head, Keyword};
 /// there (two), resistance.
 const NOISE_NUMBERS: usize = 5;
 
-const WRAPPED: &str = "every row begins with a line; does the file's name state its number of ports (.s1p, .s2p)?";
+const WRAPPED: &str = "every row begins on a new line; does the file's name state its number of ports (.s1p, .s2p)?";
 
 /// A file whose head is read.
 #[derive(Debug)]
@@ -80,7 +80,7 @@ struct Rows {
 }
 
 impl Rows {
-    /// Reads the next row; false at the end. It begins with a line, and may go on in further ones.
+    /// Reads the next row; false at the end. It begins on a new line and may go on over further ones.
     fn advance(&mut self) -> Result<bool> {
         let (need, before) = (1 + 2 * self.head.names().len(), self.row.first().copied());
         self.row.clear();
@@ -107,7 +107,7 @@ impl Rows {
                 }
             }
             let (is_first, words) = (self.row.is_empty(), line.split_whitespace().count());
-            // Frequencies that begin again, with so many numbers, are those of the noise parameters.
+            // A row of five numbers whose frequency is no higher than the last begins the noise parameters.
             let may_be_noise = is_first && !self.head.is_second && need > NOISE_NUMBERS && words == NOISE_NUMBERS;
             if may_be_noise && before.is_some_and(|f| number(&line).is_some_and(|first| first * self.head.hertz <= f)) {
                 self.noise.get_or_insert(0);

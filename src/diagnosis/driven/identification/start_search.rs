@@ -44,7 +44,7 @@ struct Start {
     /// Sum of squares that it would leave.
     left: f64,
     point: Vec<f64>,
-    /// The strength at which it leaves that, over its own, where it is all but absent.
+    /// Factor on the term's strength at which that is left, where the point has it all but absent.
     times: Option<f64>,
 }
 
@@ -68,68 +68,59 @@ impl<'a> StartSearch<'a> {
     /// The most promising starts of a term's start grid, best first, as points of the model with it;
     /// `None` where it has none.
     pub fn starts(&self, term: Term, scales: &Scales, most: usize) -> Option<Vec<Vec<f64>>> {
-        let with = |values: &[f64]| self.fit.with(term, values).1;
-        let (values, strength) = match term.start_grid(scales)? {
-            StartGrid::Points(values) => (values, None),
+        let (values, is_strength) = match term.start_grid(scales)? {
+            StartGrid::Points(values) => (values, false),
             StartGrid::Directions { strength, directions } => {
                 let of = |direction: Vec<f64>| std::iter::once(strength).chain(direction).collect();
-                (directions.into_iter().map(of).collect(), Some(strength))
+                (directions.into_iter().map(of).collect(), true)
             }
         };
         let mut none = values.first()?.clone();
-        none.iter_mut().take(1).for_each(|strength| *strength = 0.0);
+        *none.first_mut()? = 0.0;
         let (structure, none) = self.fit.with(term, &none);
-        let points: Vec<Vec<f64>> = values.iter().map(|values| with(values)).collect();
+        let points: Vec<Vec<f64>> = values.iter().map(|values| self.fit.with(term, values).1).collect();
         let steps = points.iter().map(|p| structure.coarse_steps(p, scales)).max()?.max(self.fit.steps);
         let way = Way {
+            first: structure.block(structure.terms.len() - 1).start,
             structure: &structure,
             none: &none,
-            first: structure.block(structure.terms.len() - 1).start,
             run: Run { range: self.data.hull.clone(), steps, corrected: false },
         };
-        let mut ranked: Vec<Start> = match strength {
-            None => {
-                let left = self.unexplained(&structure, &points, &way.run);
-                left.into_iter().zip(points).map(|(left, point)| Start { left, point, times: None }).collect()
-            }
-            Some(_) => {
-                let is_allowed = |times: f64| match term.coordinates(scales).first() {
-                    Some(Coordinate::Bounded(_, low, _)) => times > 0.0 || *low < 0.0,
-                    _ => true,
-                };
-                let along = self.along(&way, &points).into_iter().zip(points);
-                let found = along.filter(|((_, times), _)| is_allowed(*times));
-                found.map(|((left, times), point)| Start { left, point, times: Some(times) }).collect()
-            }
-        };
-        ranked.retain(|start| start.left.is_finite());
+        let mut ranked = if is_strength { self.along(&way, points) } else { self.there(&way, points) };
+        // A strength that has one sign alone is none at the other.
+        let has_one_sign = matches!(term.coordinates(scales)[0], Coordinate::Bounded(_, low, _) if low >= 0.0);
+        ranked
+            .retain(|start| start.left.is_finite() && !(has_one_sign && start.times.is_some_and(|times| times <= 0.0)));
         order::sort_by_key(&mut ranked, |start| start.left);
-        let chosen = apart(ranked, way.first + 1, most);
-        Some(self.moved_along(&way, &chosen, scales))
+        Some(self.moved_along(&way, &apart(ranked, way.first + 1, most), scales))
     }
 
-    /// Sum of squares that each of these points, whose term is all but absent, would leave if its
-    /// strength were the best one, as far as it acts in proportion; and that strength over its own.
-    fn along(&self, way: &Way<'_>, points: &[Vec<f64>]) -> Vec<(f64, f64)> {
+    /// These points, and what each would leave.
+    fn there(&self, way: &Way<'_>, points: Vec<Vec<f64>>) -> Vec<Start> {
+        let left = self.unexplained(way.structure, &points, &way.run);
+        left.into_iter().zip(points).map(|(left, point)| Start { left, point, times: None }).collect()
+    }
+
+    /// These points, at which the term is all but absent, and what each would leave if its strength were the
+    /// best one, as far as it acts in proportion.
+    fn along(&self, way: &Way<'_>, points: Vec<Vec<f64>>) -> Vec<Start> {
         let rows = self.rows();
-        let orthogonal = |errors: &mut Vec<f64>| self.basis.iter().for_each(|b| remove(errors, b));
         let of_group = |_, group: &[Vec<f64>]| {
             let mut lanes = vec![way.none.to_vec()];
             lanes.extend_from_slice(group);
             let lanes = innovations(self.data, way.structure, &lanes, &way.run, &mut Nothing);
-            let of = |l: usize| rows.iter().map(|k| lanes[*k][l]).collect::<Vec<f64>>();
-            let mut none = of(0);
-            let one = |l: usize| -> (f64, f64) {
-                let mut effect: Vec<f64> = of(l).iter().zip(&none).map(|(with, without)| with - without).collect();
-                orthogonal(&mut effect);
-                (dot(&effect, &none), dot(&effect, &effect))
+            let mut none: Vec<f64> = rows.iter().map(|k| lanes[*k][0]).collect();
+            self.basis.iter().for_each(|b| remove(&mut none, b));
+            let start = |(l, point): (usize, &Vec<f64>)| {
+                let mut effect: Vec<f64> = rows.iter().map(|k| lanes[*k][l + 1] - lanes[*k][0]).collect();
+                self.basis.iter().for_each(|b| remove(&mut effect, b));
+                let (shared, own) = (dot(&effect, &none), dot(&effect, &effect));
+                let left = dot(&none, &none) - shared * shared / own;
+                Start { left, point: point.clone(), times: Some(-shared / own) }
             };
-            let effects: Vec<(f64, f64)> = (1..=group.len()).map(one).collect();
-            orthogonal(&mut none);
-            let sum = dot(&none, &none);
-            effects.into_iter().map(|(shared, own)| (sum - shared * shared / own, -shared / own)).collect::<Vec<_>>()
+            group.iter().enumerate().map(start).collect::<Vec<_>>()
         };
-        parallel::map_chunks(points, LANES - 1, of_group).concat()
+        parallel::map_chunks(&points, LANES - 1, of_group).into_iter().flatten().collect()
     }
 
     /// Each start at the place that leaves least on the way along which the model's own parameters
@@ -140,11 +131,9 @@ impl<'a> StartSearch<'a> {
         let search = Search::all(self.data, &self.fit.structure, &self.fit.point, scales);
         let begin = search.z(&self.fit.point);
         let moved = |start: &Start| -> Option<Vec<f64>> {
+            let times = start.times.unwrap_or(1.0);
             let lanes = at(&[way.none.to_vec(), start.point.clone()]);
-            let expected = |k: &usize| match start.times {
-                Some(times) => lanes[*k][0] + times * (lanes[*k][1] - lanes[*k][0]),
-                None => lanes[*k][1],
-            };
+            let expected = |k: &usize| lanes[*k][0] + times * (lanes[*k][1] - lanes[*k][0]);
             let residual = rows.iter().map(expected).collect();
             let step = Linear { residual, columns: self.fit.linear.columns.clone() }.normal().step(1e-9);
             let place = |part: f64| {
@@ -175,13 +164,13 @@ impl<'a> StartSearch<'a> {
         self.data.train.iter().flat_map(|r| r.clone()).map(|k| k - self.data.hull.start).collect()
     }
 
-    /// The same for points of the fitted model itself.
+    /// Sum of squares that points of the fitted model leave once its other parameters have moved along.
     pub fn unexplained_at(&self, points: &[Vec<f64>]) -> Vec<f64> {
         self.unexplained(&self.fit.structure, points, &self.fit.run(self.data, true))
     }
 
-    /// Returns the residual of the errors at each point after their projection on the model's
-    /// derivatives.
+    /// Sum of squares that each point leaves once the model's own parameters have moved along: of its errors,
+    /// less their projection on the model's derivatives.
     fn unexplained(&self, structure: &ModelStructure, points: &[Vec<f64>], run: &Run) -> Vec<f64> {
         let rows = self.rows();
         let of_group = |_, group: &[Vec<f64>]| {

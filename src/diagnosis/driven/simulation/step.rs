@@ -47,8 +47,9 @@ pub(super) struct StepState {
     rate: [Lanes; STAGED_ROWS],
     /// By how much these states change over the step, so far.
     sums: [Lanes; MOST_STAGED],
-    /// Way in which each lane slides in this step, and the dry friction against it.
+    /// Way in which each lane slides in this step.
     side: Lanes,
+    /// Dry friction against it.
     held_back: Lanes,
 }
 
