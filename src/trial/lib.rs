@@ -24,6 +24,7 @@ pub mod divided;
 pub mod driven;
 mod envelope;
 pub mod equation;
+pub mod excerpt;
 pub mod excitation;
 pub mod independent;
 pub mod interval;

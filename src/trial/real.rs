@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::ask::{self, Files, Subject};
+use super::excerpt::Excerpt;
 use super::independent::truth::{Effect, Family, Truth};
 use super::said::Said;
 use super::scratch::Scratch;
@@ -116,18 +117,8 @@ impl Real {
     /// # Errors
     /// When files cannot be read or written.
     pub fn files(&self, data: &Path, folder: &Path) -> Result<Files> {
-        let mut recording = data.join(&self.file);
-        if self.rows.is_some() || self.every.is_some() {
-            let part = folder.join("recording.csv");
-            cut(&recording, self.rows.unwrap_or([0, usize::MAX]), self.every.unwrap_or(1), &part)?;
-            recording = part;
-        }
-        let text = std::fs::read_to_string(&self.model).map_err(|e| Error::io("read", &self.model, &e))?;
-        let model = folder.join("model.toml");
-        let full = std::path::absolute(data).map_err(|e| Error::io("find", data, &e))?;
-        let text = text.replace("$PROOFMASS_DATA", &full.display().to_string());
-        std::fs::write(&model, text).map_err(|e| Error::io("write", &model, &e))?;
-        Ok(Files { recording, model, judging: self.test.iter().map(|file| data.join(file)).collect() })
+        let excerpt = Excerpt { file: &self.file, rows: self.rows, every: self.every };
+        excerpt.files(data, folder, &self.model, &self.test)
     }
 }
 
@@ -244,16 +235,6 @@ pub fn read(path: &Path) -> Result<Recipe> {
         }
     }
     Ok(recipe)
-}
-
-/// The heading and every k-th of the rows wanted, as a file of their own.
-fn cut(from: &Path, rows: [usize; 2], every: usize, to: &Path) -> Result<()> {
-    let text = std::fs::read_to_string(from).map_err(|e| Error::io("read", from, &e))?;
-    let mut lines = text.lines();
-    let heading = lines.next().unwrap_or_default();
-    let wanted = lines.take(rows[1]).skip(rows[0]).step_by(every.max(1));
-    let kept: Vec<&str> = std::iter::once(heading).chain(wanted).collect();
-    std::fs::write(to, kept.join("\n") + "\n").map_err(|e| Error::io("write", to, &e))
 }
 
 /// Asks about every recording of a recipe and compares with what is known.
