@@ -69,6 +69,7 @@ mod suite {
     pub mod read_quantity;
     pub mod readout;
     pub mod recording;
+    pub mod recording_atlas;
     pub mod report;
     pub mod require;
     pub mod resume_in_motion;
@@ -209,6 +210,8 @@ fn main() {
         suite::sweep::tests(),
         // trial: the blind trial is blind, and its scoring can tell an oracle from a coin.
         suite::trial::tests(),
+        // recording_atlas: pages on real recordings say what the other commands say.
+        suite::recording_atlas::tests(),
         // closed_form: every error source alone drifts as its law says.
         suite::closed_form::tests(),
         // variance: whose variance a position error has, next to closed forms.

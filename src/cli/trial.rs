@@ -6,6 +6,7 @@ mod book;
 mod independent;
 mod kept;
 mod planned;
+mod recording_atlas;
 pub(super) mod shard;
 
 use std::path::{Path, PathBuf};
@@ -117,6 +118,11 @@ pub struct Arguments {
     /// ../shared/data)
     #[arg(long, value_name = "RECIPE")]
     pub recordings: Option<PathBuf>,
+    /// Write pages on the real recordings that this file lists to --out, one a set, an index and one
+    /// on the random walk: numbers, intervals and verdicts, no samples (data as with --recordings)
+    #[arg(long, value_name = "RECIPE", requires = "out", conflicts_with_all = ["book", "quick", "planted",
+        "independent", "plan", "resume", "cases", "samples", "like", "recordings", "shard", "case", "parquet"])]
+    pub atlas: Option<PathBuf>,
     /// Run only this part of the cases, e.g. 3/16: writes DIR/shard-3-of-16.state for
     /// `proofmass merge DIR`, or of the book DIR/shard-3-of-16, which the undivided book resumes
     #[arg(long, value_name = "K/N", requires = "folder", conflicts_with_all = ["independent", "like", "case"])]
@@ -187,6 +193,10 @@ fn trial(arguments: &Arguments, json: bool, control: &Control) -> Result<()> {
         let place = kept::Place { out, force, resume };
         let request = independent::Request { place, quick, cases, seed, rows, case, kind };
         return independent::run(&request, &tool(control), json, control);
+    }
+    if let (Some(recipe), Some(out)) = (arguments.atlas.clone(), arguments.out.clone()) {
+        let request = recording_atlas::Request { recipe, out, force: arguments.force };
+        return recording_atlas::run(&request, &tool(control), control, json);
     }
     if arguments.plan {
         let Arguments { out, force, quick, resume, cases, seed, case, .. } = arguments.clone();

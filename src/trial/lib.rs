@@ -7,7 +7,8 @@
 //! diagnosis receives two files, recording and base model, and nothing else.
 //!
 //! `independent` is a second generator with families of its own, which shares only plumbing with
-//! the first. `planned` records what `plan` proposes.
+//! the first. `planned` records what `plan` proposes. `recording_atlas` says what is found of real
+//! recordings, without any truth.
 //!
 //! Not for fitting: nothing here is used by `diagnosis`, and nothing here calls into its numerics.
 
@@ -40,6 +41,7 @@ mod processor;
 pub mod proof_mass;
 pub mod readout;
 pub mod real;
+pub mod recording_atlas;
 pub mod refit;
 pub mod said;
 pub mod scratch;

@@ -6,6 +6,7 @@ pub mod figures;
 pub mod independent;
 pub mod like;
 pub mod planned;
+pub mod recording_atlas;
 
 use crate::blind::Verdicts;
 use crate::campaign::Campaign;
