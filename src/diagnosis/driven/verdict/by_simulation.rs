@@ -14,12 +14,15 @@ use crate::engine::evidence::Gain;
 use crate::engine::fit::Fitted;
 use crate::engine::levels::{AT_NOISE, FAINT};
 use crate::engine::names::Found;
+use crate::gate::Gate;
 use crate::physics::scales::Scales;
 use crate::remainder::{Remainder, Size, Test};
 use crate::ruling::{self, rule};
+use crate::trace::Step;
 use crate::verdict::{DependsOn, Outcome, Share};
 
 use super::conclude::Conclusion;
+use super::dropped::Dropped;
 use super::residual_tests;
 
 /// Results of free simulation that add to a conclusion.
@@ -46,12 +49,15 @@ pub(crate) fn simulated(
     let terms: Vec<_> = c.named.iter().map(|n| c.model.fit.structure.terms[n.index]).collect();
     let known = (says_something && selection.base_follows).then(|| Simulated::of(data, base, &terms, scales)).flatten();
     let Some(simulated) = known else { return (selection, c, Simulation::default()) };
+    let mut c = c;
     let noise = (c.outcome == Outcome::Unexplained).then(|| simulated.variance.sqrt());
     let silent = Simulation { noise, ..Simulation::default() };
     if !c.named.is_empty() {
         let places: Vec<usize> = c.named.iter().map(|n| n.index).collect();
         let worth = simulated.worth(data, &c.model.fit, &places, c.outcome == Outcome::Unexplained);
-        return (selection, c, Simulation { worth: worth.unwrap_or_default(), ..silent });
+        let mut worth = worth.unwrap_or_default();
+        drop_what_adds_error(data, &mut c, &mut worth);
+        return (selection, c, Simulation { worth, ..silent });
     }
     let Some(found) = simulated.search() else { return (selection, c, silent) };
     let id = |law: usize| simulated.system.members[law].term.id();
@@ -67,6 +73,23 @@ pub(crate) fn simulated(
             let rest = if found.named.is_empty() { found.rest } else { Vec::new() };
             (selection, c, Simulation { worth: Worth { rest, ..Worth::default() }, imitations, ..silent })
         }
+    }
+}
+
+/// Takes the name from a law that adds to the error of free simulation where something is left anyway.
+fn drop_what_adds_error(data: &Data, c: &mut Conclusion, worth: &mut Worth) {
+    let adds = |(_, gain): &&(usize, Gain)| c.outcome == Outcome::Unexplained && gain.removed < 0.0;
+    let adding: Vec<(usize, Gain)> = worth.each.iter().filter(adds).copied().collect();
+    for (index, gain) in adding {
+        let term = c.model.fit.structure.terms[index];
+        let step = Step { term: Some(term.id()), ..Step::of(Gate::Worsens, "named", "dropped") };
+        if !data.trace.acts(step.measured(1.0 - gain.share, 1.0)) {
+            continue;
+        }
+        c.dropped.push((term, Dropped::Worsens));
+        c.named.retain(|n| n.index != index);
+        worth.each.retain(|(other, _)| *other != index);
+        worth.together = None;
     }
 }
 
