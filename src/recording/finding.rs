@@ -225,7 +225,30 @@ pub enum Finding {
         /// Number of rows with the stuck value.
         rows: usize,
     },
-    /// A single reading far from its neighbours: `ratio` times the usual change.
+    /// Single readings of a column at rest that are no part of its noise: the level about them
+    /// takes their place.
+    StraysLeftOut {
+        /// Heading of the column.
+        column: String,
+        /// Number of readings left out.
+        readings: usize,
+        /// The first of them.
+        named: Vec<Stray>,
+        /// Distance of the farthest one, in standard deviations of the noise.
+        farthest: f64,
+    },
+    /// Knocks in a column at rest: the level before and after, with noise, takes their place.
+    KnocksLeftOut {
+        /// Heading of the column.
+        column: String,
+        /// Number of knocks.
+        knocks: usize,
+        /// Readings left out with them.
+        readings: usize,
+        /// First row of the first one.
+        first_row: usize,
+    },
+    /// A change of the level, `ratio` times the usual change.
     Leap {
         /// Heading of the column.
         column: String,
@@ -241,6 +264,17 @@ impl Finding {
     pub fn is_questionable(&self) -> bool {
         matches!(self, Self::UnitAssumed { size: Size::NotGravity { .. } | Size::Noisy { .. }, .. })
     }
+}
+
+/// A single reading far from the noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stray {
+    /// Its row.
+    pub row: usize,
+    /// Its value, in the file's unit.
+    pub value: f64,
+    /// Distance from the level about it, in standard deviations of the noise.
+    pub deviations: f64,
 }
 
 /// The size of readings whose unit is not stated.

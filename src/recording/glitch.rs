@@ -1,8 +1,7 @@
-//! Single readings that leap away from their neighbours: a transmission error, a knock, a loose
-//! wire.
+//! Changes between neighbours in a log at rest: the largest, which leaps away from the usual ones,
+//! and how heavy their tails are. One pass, no memory of the readings.
 //!
-//! For logs at rest alone: a driven recording leaps as its input bids. One pass, no memory of the
-//! readings.
+//! Not for single stray readings, which `disturbance` has taken out before.
 
 use super::finding::Finding;
 
@@ -61,7 +60,7 @@ impl Glitch {
         if of_changes.is_finite() { (2.0 * of_changes).max(0.0) } else { 0.0 }
     }
 
-    /// Returns what a person should know, if there is such a reading.
+    /// Returns what a person should know, if there is such a change.
     pub(super) fn finding(&self, name: &str) -> Option<Finding> {
         if self.count < LEAST {
             return None;

@@ -15,6 +15,7 @@ pub mod clock;
 pub mod clock_column;
 pub mod decimal;
 pub mod decompress;
+pub mod disturbance;
 pub mod dropped;
 pub mod element;
 pub mod feed;
@@ -54,6 +55,7 @@ pub mod table;
 pub mod text;
 pub mod time_unit;
 pub mod trajectory;
+pub mod undisturbed;
 pub mod unit;
 #[cfg(feature = "zstd")]
 pub mod zstandard;

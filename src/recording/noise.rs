@@ -1,5 +1,5 @@
 //! The noise of a static log in one pass over the file: Allan curve, coefficients and spectrum of
-//! every channel.
+//! every channel, without stray readings and knocks, which are no noise and are reported.
 //!
 //! Describes; what the coefficients leave out is named by `diagnosis`.
 
@@ -10,6 +10,7 @@ use super::glitch::Glitch;
 use super::health::Watch;
 use super::request::Request;
 use super::stream::{self, Streamed};
+use super::undisturbed::{Undisturbed, Waiting};
 use super::unit::Unit;
 use crate::error::{Error, Result};
 use crate::numerics::allan::covariance::Covariance;
@@ -109,7 +110,7 @@ pub struct Noise {
     pub channels: Vec<Channel>,
 }
 
-/// Analyses a file of any length in a few megabytes. `unit_of` gives the unit of each heading.
+/// Analyses a file of any length in a few megabytes, and a megabyte per channel. `unit_of` gives the unit of each heading.
 ///
 /// # Errors
 /// As `stream::read`.
@@ -118,17 +119,19 @@ pub fn analyse(path: &Path, request: &Request, unit_of: impl Fn(&str) -> Unit + 
     let mut meters = names.iter().map(|n| Meter::new(n)).collect::<Option<Vec<Meter>>>().ok_or_else(|| {
         Error::new("could not analyse noise", "segments of the spectrum are too short", "report this as a defect")
     })?;
+    let mut waiting = Waiting::default();
     let mut source = stream::read(path, request, |block| {
-        parallel::for_each_mut(&mut meters, |i, meter| {
-            let values = &block.columns[i];
-            values.iter().for_each(|v| meter.push(*v));
-            if block.broken_off {
-                meter.interrupt();
-            }
-        });
+        waiting.add(block);
+        meters.iter_mut().zip(&block.columns).for_each(|(meter, values)| meter.undisturbed.add(values));
+        measure(&mut meters, &mut waiting, block.broken_off);
+        if block.broken_off {
+            meters.iter_mut().for_each(Meter::interrupt);
+        }
     })?;
+    measure(&mut meters, &mut waiting, true);
     source.findings.extend(meters.iter().flat_map(|m| m.watch.findings()));
     finding::settle(&mut source.findings);
+    source.findings.extend(meters.iter().zip(&names).flat_map(|(m, name)| m.undisturbed.findings(name)));
     source.findings.extend(meters.iter().zip(&names).filter_map(|(m, name)| m.glitch.finding(name)));
     let channels = parallel::map_indices(meters.len(), |i| {
         meters[i].finish(&names[i], unit_of(&names[i]), source.rate_hz, i as u64)
@@ -136,11 +139,25 @@ pub fn analyse(path: &Path, request: &Request, unit_of: impl Fn(&str) -> Unit + 
     Ok(Noise { source, channels })
 }
 
-/// Describes the noise of values in memory, as [`analyse`] does that of a file; `None` where the
+/// Measures the samples that wait as far as a piece is whole; at an end all of them.
+fn measure(meters: &mut [Meter], waiting: &mut Waiting, is_end: bool) {
+    while let Some(rows) = waiting.piece(is_end) {
+        parallel::for_each_mut(meters, |_, meter| {
+            // Rounding and rails are those of the readings, whatever is left out of them.
+            meter.undisturbed.waiting(&rows).iter().for_each(|v| meter.watch.push(*v));
+            meter.undisturbed.piece(&rows).into_iter().for_each(|v| meter.push(v));
+        });
+    }
+}
+
+/// Describes the noise of values in memory without a stray reading, as [`analyse`] does that of a file; `None` where the
 /// segments of the spectrum are too short. `index` tells its random numbers from other channels'.
 pub fn describe(name: &str, unit: Unit, (values, rate_hz): (&[f64], f64), index: u64) -> Option<Channel> {
     let mut meter = Meter::new(name)?;
-    values.iter().for_each(|v| meter.push(*v));
+    values.iter().for_each(|v| {
+        meter.watch.push(*v);
+        meter.push(*v);
+    });
     Some(meter.finish(name, unit, rate_hz, index))
 }
 
@@ -166,6 +183,7 @@ impl Mean {
 
 /// Gathers one channel as it passes.
 struct Meter {
+    undisturbed: Undisturbed,
     watch: Watch,
     glitch: Glitch,
     allan: Accumulator,
@@ -178,6 +196,7 @@ impl Meter {
     fn new(name: &str) -> Option<Self> {
         let spectra = [Welch::new(SEGMENT)?, Welch::new(SEGMENT / 16)?];
         Some(Self {
+            undisturbed: Undisturbed::default(),
             watch: Watch::new(name),
             glitch: Glitch::default(),
             allan: Accumulator::new(),
@@ -187,7 +206,6 @@ impl Meter {
     }
 
     fn push(&mut self, value: f64) {
-        self.watch.push(value);
         self.glitch.push(value);
         self.allan.push(value);
         self.mean.push(value);

@@ -32,6 +32,9 @@ const AHEAD: usize = 2;
 pub struct Block {
     /// One per column, all of one length.
     pub columns: Vec<Vec<f64>>,
+    /// Per sample the row of the file that holds it, counted from zero after the header; `None`
+    /// where a straight line stands in for a row.
+    pub rows: Vec<Option<usize>>,
     /// Too much is missing behind them to bridge.
     pub broken_off: bool,
 }
@@ -111,7 +114,7 @@ fn hand_on(path: &Path, request: &Request, plan: Plan, send: &SyncSender<Block>)
             }
         }
         table.values(&mut row)?;
-        if !bridge.push(&row) {
+        if !bridge.push(&row, table.row()) {
             dropped.add(Reason::MissingReading, table.row());
         }
         Ok(Next::Go)
@@ -171,6 +174,7 @@ fn pass(
 struct Bridge<'a> {
     send: &'a SyncSender<Block>,
     columns: Vec<Vec<f64>>,
+    rows: Vec<Option<usize>>,
     last: Vec<f64>,
     missing: usize,
     given: usize,
@@ -182,11 +186,11 @@ struct Bridge<'a> {
 impl<'a> Bridge<'a> {
     fn new(width: usize, send: &'a SyncSender<Block>) -> Self {
         let (columns, last) = (vec![Vec::new(); width], vec![0.0; width]);
-        Self { send, columns, last, missing: 0, given: 0, filled: 0, bridges: 0, breaks: 0 }
+        Self { send, columns, rows: Vec::new(), last, missing: 0, given: 0, filled: 0, bridges: 0, breaks: 0 }
     }
 
-    /// The next row; false where it lacks a reading and was not used.
-    fn push(&mut self, values: &[f64]) -> bool {
+    /// The next row and its number; false where it lacks a reading and was not used.
+    fn push(&mut self, values: &[f64], row: usize) -> bool {
         if values.iter().any(|v| v.is_nan()) {
             self.missing = self.missing.saturating_add(1);
             return false;
@@ -201,6 +205,7 @@ impl<'a> Bridge<'a> {
                     column.push(from + share * (value - from));
                 }
             }
+            self.rows.extend(std::iter::repeat_n(None, self.missing));
             self.filled += self.missing;
             self.bridges += usize::from(self.missing > 0);
             self.given += self.missing;
@@ -208,6 +213,7 @@ impl<'a> Bridge<'a> {
         self.missing = 0;
         self.given += 1;
         self.columns.iter_mut().zip(values).for_each(|(column, value)| column.push(*value));
+        self.rows.push(Some(row));
         self.last.copy_from_slice(values);
         self.send_full();
         true
@@ -226,14 +232,17 @@ impl<'a> Bridge<'a> {
                     column.extend_from_slice(&values[from..to]);
                     *last = values[to - 1];
                 }
+                let number = |at: usize| run.first + at - run.rows.start;
+                self.rows.extend((from..to).map(|at| Some(number(at))));
                 self.given += to - from;
                 from = to;
                 self.send_full();
                 continue;
             }
             row.iter_mut().zip(run.columns).for_each(|(value, column)| *value = column[from]);
-            if !self.push(&row) {
-                dropped.add(Reason::MissingReading, run.first + from - run.rows.start);
+            let number = run.first + from - run.rows.start;
+            if !self.push(&row, number) {
+                dropped.add(Reason::MissingReading, number);
             }
             from += 1;
         }
@@ -250,9 +259,10 @@ impl<'a> Bridge<'a> {
     fn send(&mut self, broken_off: bool) {
         let room = self.columns.iter().map(|c| Vec::with_capacity(c.len())).collect();
         let columns = std::mem::replace(&mut self.columns, room);
+        let rows = std::mem::take(&mut self.rows);
         // Nobody listens only when the other side has panicked, and then that is what the user
         // hears.
-        let _ = self.send.send(Block { columns, broken_off });
+        let _ = self.send.send(Block { columns, rows, broken_off });
     }
 
     fn judge(self, path: &Path, rows: usize, findings: &mut Vec<Finding>) -> Result<()> {
@@ -295,7 +305,9 @@ mod tests {
         std::fs::write(&path, format!("a\n{lines}")).expect("write");
         let request = Request { rate_hz: Some(100.0), columns: vec!["a".into()], ..Request::default() };
         let mut parts = vec![Vec::new()];
+        let mut of_row = Vec::new();
         let streamed = read(&path, &request, |block| {
+            of_row.extend_from_slice(&block.rows);
             parts.last_mut().expect("one at least").extend_from_slice(&block.columns[0]);
             if block.broken_off {
                 parts.push(Vec::new());
@@ -304,6 +316,10 @@ mod tests {
         .expect("a log with holes is read");
         let whole = |range: std::ops::Range<usize>| range.map(|i| i as f64).collect::<Vec<f64>>();
         assert_eq!(parts, [whole(0..12_000), whole(12_000 + BRIDGED + 1..rows)], "a straight line bridges row 9000");
+        // Every value is the number of its row.
+        let values = parts.concat();
+        let told = |(row, value): (&Option<usize>, &f64)| row.map_or(*value == 9000.0, |row| row as f64 == *value);
+        assert!(of_row.len() == values.len() && of_row.iter().zip(&values).all(told));
         assert_eq!((streamed.samples, streamed.rate_hz), (rows - BRIDGED - 1, 100.0));
         assert_eq!(streamed.findings.len(), 3, "{:?}", streamed.findings);
         let lost: usize = streamed.dropped.iter().map(|d| d.rows).sum();

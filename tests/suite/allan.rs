@@ -4,6 +4,7 @@
 use libtest_mimic::{Failed, Trial};
 use proofmass::numerics::allan::law::Term;
 use proofmass::numerics::allan::{self, fitted::Fit};
+use proofmass::recording::finding::{Finding, sentences};
 use proofmass::recording::unit::{Quantity, Unit};
 use proofmass::recording::{Request, noise};
 use proofmass::rng::{Philox, Stream};
@@ -27,6 +28,8 @@ pub fn tests() -> Vec<Trial> {
             spoiled,
         ),
         test("allan: a white log has reached no floor and says so, one with flicker has", floor),
+        test("allan: a stray reading and a knock are left out and said; noise, its tails and a step stay", strays),
+        data_test("allan: the stray reading of the third Xsens axis does not inflate its noise", fleet),
         test("allan: the command writes JSON, a page and a sensor for a study, or one sentence why not", command),
         data_test("allan: the ADIS16405 has the coefficients known of it", adis16405),
     ]
@@ -160,6 +163,89 @@ fn floor() -> Result<(), Failed> {
     check(white.contains("where the curve still falls: no floor was reached"), white)?;
     let flicker = answer(0.03)?;
     check(flicker.contains("lowest Allan deviation") && !flicker.contains("still falls"), flicker)
+}
+
+/// 20,000 samples of white noise of one unit per sample in three columns. Left as they are, nothing is said and every
+/// point of the curve has the bits of that of the values themselves; so too with a step of 15, and with the tails of
+/// Student's t of five degrees of freedom.
+fn strays() -> Result<(), Failed> {
+    const SAMPLES: usize = 20_000;
+    const ROW: usize = 7001;
+    let folder = tempfile::tempdir()?;
+    let log = folder.path().join("log.csv");
+    let request = Request { rate_hz: Some(RATE_HZ), ..Request::default() };
+    let draw = |member: u64| {
+        let mut rng = Philox::new(15, member, Stream::Host);
+        (0..SAMPLES).map(|_| rng.sample::<f64, _>(StandardNormal)).collect::<Vec<f64>>()
+    };
+    let analyse = |columns: [&[f64]; 3]| -> Result<noise::Noise, Failed> {
+        let rows: String = (0..SAMPLES).map(|k| columns.map(|c| c[k].to_string()).join(",") + "\n").collect();
+        std::fs::write(&log, format!("x,y,z\n{rows}"))?;
+        Ok(noise::analyse(&log, &request, |_| Unit::unknown())?)
+    };
+    let bits = |channel: &noise::Channel| channel.curve.iter().map(|d| d.value.to_bits()).collect::<Vec<_>>();
+    let own =
+        |values: &[f64]| allan::curve(values, RATE_HZ).iter().map(|p| p.variance.sqrt().to_bits()).collect::<Vec<_>>();
+    let clean = draw(0);
+    let mut step = draw(1);
+    step[SAMPLES / 3..].iter_mut().for_each(|v| *v += 15.0);
+    let squares: Vec<Vec<f64>> = (2..7).map(draw).collect();
+    let tailed: Vec<f64> = draw(7)
+        .iter()
+        .enumerate()
+        .map(|(k, v)| v / (squares.iter().map(|s| s[k] * s[k]).sum::<f64>() / 5.0).sqrt())
+        .collect();
+    let kept = analyse([&clean, &step, &tailed])?;
+    for (channel, values) in kept.channels.iter().zip([&clean, &step, &tailed]) {
+        check(bits(channel) == own(values), format!("{}: another curve", channel.name))?;
+    }
+    let is_left_out = |f: &Finding| matches!(f, Finding::StraysLeftOut { .. } | Finding::KnocksLeftOut { .. });
+    check(!kept.source.findings.iter().any(is_left_out), sentences(&kept.source.findings).join("; "))?;
+    // One reading of a thousand standard deviations adds 10⁶/20,000 = 50 to a variance of one; without it the level
+    // in one of 20,000 places takes less than one part in a thousand.
+    let mut stray = clean.clone();
+    stray[ROW] = 1000.0;
+    let mut knocked = clean.clone();
+    (0..40).for_each(|k| knocked[ROW + k] += 60.0 * (-(k as f64) / 10.0).exp() * (k as f64).cos());
+    let noise = analyse([&clean, &stray, &knocked])?;
+    let first = |n: usize, of: &noise::Noise| of.channels[n].curve[0].value;
+    for n in [1, 2] {
+        let ratio = first(n, &noise) / first(0, &noise);
+        check((ratio - 1.0).abs() < 0.01, format!("{} times the noise without a disturbance", ratio))?;
+    }
+    check(own(&stray)[0] > (5.0f64).to_bits(), "control: a stray reading as noise would not show")?;
+    check(bits(&noise.channels[0]) == own(&clean), "a neighbouring channel changes")?;
+    let said = sentences(&noise.source.findings).join("; ");
+    check(noise.source.findings.iter().filter(|f| is_left_out(f)).count() == 2, said.clone())?;
+    check(said.contains("`y`: 1 reading was left out of the noise as stray (1000.00 in row 7001)"), said.clone())?;
+    check(said.contains("`z`: 1 knock of "), said)?;
+    let output = program().arg("allan").arg(&log).args(["--rate-hz", "10", "--json"]).output()?;
+    let document: serde_json::Value = serde_json::from_slice(&output.stdout)?;
+    let recording = &document["recording"];
+    check(recording["rows"] == SAMPLES && recording["samples"] == SAMPLES, recording.to_string())?;
+    let of = |kind: &str| recording["left_out"].as_array().into_iter().flatten().find(|l| l["kind"] == kind);
+    let stray = of("stray").ok_or("no stray reading in the document")?;
+    check(stray["column"] == "y" && stray["readings"] == 1 && stray["first"][0]["row"] == ROW, stray.to_string())?;
+    let knock = of("knock").ok_or("no knock in the document")?;
+    check(knock["column"] == "z" && knock["knocks"] == 1, knock.to_string())
+}
+
+/// Row 12,999 of the first Xsens has half of every reading, before a row without any. Within the parts of one type, N
+/// of the same axis differs by less than a third from its median of the other four units.
+fn fleet(folder: &std::path::Path) -> Result<(), Failed> {
+    let of = |unit: usize| -> Result<(f64, String), Failed> {
+        let path = folder.join(format!("fleet/unit_{unit}.csv"));
+        let noise = noise::analyse(&path, &Request::default(), |_| Unit::unknown())?;
+        let channel = noise.channels.iter().find(|c| c.name == "fz_m_s2").ok_or("fz")?;
+        let white = channel.fit.as_ref().ok_or("a fit")?.coefficients[Term::White as usize].value;
+        Ok((white, sentences(&noise.source.findings).join("; ")))
+    };
+    let mut others = (2..=5).map(|unit| Ok(of(unit)?.0)).collect::<Result<Vec<f64>, Failed>>()?;
+    others.sort_by(f64::total_cmp);
+    let (first, said) = of(1)?;
+    let ratio = first / (0.5 * (others[1] + others[2]));
+    check((0.75..1.33).contains(&ratio), format!("N of fz is {ratio} times that of the other units"))?;
+    check(said.contains("`fz_m_s2`: 1 reading was left out of the noise as stray (4.96778 in row 12999)"), said)
 }
 
 fn command() -> Result<(), Failed> {

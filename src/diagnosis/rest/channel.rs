@@ -5,12 +5,12 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 
 use super::cause::Cause;
-use super::disturbance::Disturbances;
 use super::followed::Followed;
 use super::products::Products;
 use super::spectrum::{self, Bin, Law, Part, Strengths};
 use crate::numerics::cosine;
 use crate::numerics::moments::mean;
+use crate::recording::disturbance::Disturbances;
 
 /// Times that curves and laws are fitted in turn.
 const ROUNDS: usize = 4;

@@ -8,6 +8,7 @@ use super::selection::Selection;
 use super::telegraph::Telegraph;
 use crate::answer::Places;
 use crate::numerics::order;
+use crate::recording::disturbance::Knock;
 use crate::remainder::REAL;
 use crate::verdict::Stretch;
 
@@ -80,7 +81,7 @@ fn jumps(channels: &[Channel], shown: &[Residual], mut leaping: Vec<usize>) -> V
 
 fn knocks(channel: &Channel) -> Vec<Knocked> {
     let rate_hz = channel.rate_hz * channel.together as f64;
-    let of = |k: &super::disturbance::Knock| Knocked {
+    let of = |k: &Knock| Knocked {
         channel: channel.name.clone(),
         from_s: k.from as f64 / rate_hz,
         to_s: k.to as f64 / rate_hz,

@@ -188,10 +188,33 @@ impl fmt::Display for Finding {
             Self::Stuck { column, first_row, rows } => {
                 write!(f, "`{column}` does not change for {rows} rows from row {first_row}: stuck?")
             }
+            Self::StraysLeftOut { column, readings, named, farthest } => {
+                let listed: Vec<String> =
+                    named.iter().map(|s| format!("{} in row {}", significant(s.value, 6), s.row)).collect();
+                let more = match readings - named.len() {
+                    0 => String::new(),
+                    n => format!(" and {n} more"),
+                };
+                write!(
+                    f,
+                    "`{column}`: {} left out of the noise as stray ({}{more}), {}{} standard deviations off: the level \
+                     about it takes its place",
+                    if *readings == 1 { "1 reading was".into() } else { format!("{readings} readings were") },
+                    listed.join(", "),
+                    if *readings == 1 { "" } else { "up to " },
+                    significant(*farthest, 3)
+                )
+            }
+            Self::KnocksLeftOut { column, knocks, readings, first_row } => write!(
+                f,
+                "`{column}`: {} of {readings} readings together, the first at row {first_row}, {} left out of the noise",
+                count(*knocks, "knock"),
+                if *knocks == 1 { "was" } else { "were" }
+            ),
             Self::Leap { column, near_row, ratio } => write!(
                 f,
-                "`{column}` jumps near row {near_row} by {ratio:.0} times its usual change: a stray reading or a \
-                knock? It inflates the noise estimate"
+                "`{column}` jumps near row {near_row} by {ratio:.0} times its usual change: a step? It inflates the noise \
+                 estimate"
             ),
         }
     }

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::words;
 use proofmass_numerics::numerics::allan::law::{TERMS, Term};
-use proofmass_recording::finding::sentences;
+use proofmass_recording::finding::{Finding, sentences};
 use proofmass_recording::noise::{Channel, Noise};
 use proofmass_recording::unit::Quantity;
 
@@ -20,11 +20,28 @@ pub fn document(file: &str, noise: &Noise) -> Value {
             "samples": noise.source.samples,
             "rate_hz": noise.source.rate_hz,
             "dropped": noise.source.dropped,
+            "left_out": noise.source.findings.iter().filter_map(left_out).collect::<Vec<_>>(),
         },
         "answer": words::answer(noise),
         "findings": sentences(&noise.source.findings),
         "channels": noise.channels.iter().map(of_channel).collect::<Vec<_>>(),
     })
+}
+
+/// Stray readings and knocks of a column, whose rows are used for the other columns.
+fn left_out(finding: &Finding) -> Option<Value> {
+    match finding {
+        Finding::StraysLeftOut { column, readings, named, .. } => {
+            let named: Vec<Value> =
+                named.iter().map(|s| json!({ "row": s.row, "value": s.value, "deviations": s.deviations })).collect();
+            Some(json!({ "column": column, "kind": "stray", "readings": readings, "first": named }))
+        }
+        Finding::KnocksLeftOut { column, knocks, readings, first_row } => {
+            let (kind, first) = ("knock", [json!({ "row": first_row })]);
+            Some(json!({ "column": column, "kind": kind, "readings": readings, "knocks": knocks, "first": first }))
+        }
+        _ => None,
+    }
 }
 
 fn of_channel(channel: &Channel) -> Value {
