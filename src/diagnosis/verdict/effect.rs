@@ -99,16 +99,49 @@ pub struct Effect {
     pub base: Vec<Estimate>,
 }
 
-/// Names with their channels, one effect in several channels said once: "random-walk (ax, ay);
-/// warm-up (az)".
+/// Names with their channels, one effect in several channels, or several times in one, stated once:
+/// "random-walk (ax, ay); warm-up (az)".
 pub fn named(effects: &[Effect]) -> String {
     let mut all: Vec<(&str, Vec<&str>)> = Vec::new();
     for effect in effects {
-        let channels = effect.channels.iter().map(String::as_str);
-        match all.iter_mut().find(|(id, _)| *id == effect.id) {
-            Some((_, known)) => known.extend(channels),
-            None => all.push((&effect.id, channels.collect())),
+        let place = all.iter().position(|(id, _)| *id == effect.id).unwrap_or(all.len());
+        if place == all.len() {
+            all.push((&effect.id, Vec::new()));
+        }
+        let known = &mut all[place].1;
+        for channel in &effect.channels {
+            if !known.contains(&channel.as_str()) {
+                known.push(channel);
+            }
         }
     }
     all.iter().map(|(id, channels)| format!("{id} ({})", channels.join(", "))).collect::<Vec<_>>().join("; ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_sines_of_one_axis_name_it_once_and_those_of_two_name_both() {
+        let effect = |id: &str, channels: &[&str]| Effect {
+            id: id.into(),
+            statement: String::new(),
+            equation: String::new(),
+            parameters: Vec::new(),
+            channels: channels.iter().map(|c| (*c).to_owned()).collect(),
+            form: None,
+            evidence: Evidence { held_out_gain: 1.0, p_value: 0.0 },
+            share: None,
+            confusable_with: Vec::new(),
+            base: Vec::new(),
+        };
+        let found = [
+            effect("sinusoid", &["wy"]),
+            effect("random-walk", &["wx", "wy"]),
+            effect("sinusoid", &["wy"]),
+            effect("sinusoid", &["wz"]),
+        ];
+        assert_eq!(named(&found), "sinusoid (wy, wz); random-walk (wx, wy)");
+    }
 }
