@@ -114,5 +114,13 @@ fn emps(data: &Path) -> Result<(), Failed> {
     // Symmetric friction leaves 5.65 %, none 16.9 %.
     check(number(&pulses["force_error_after"]) < 0.054, format!("{pulses}"))?;
     near("force without friction", number(&pulses["force_error_before"]), 0.169, 0.002)?;
-    check(number(&pulses["rmse_after"]) < number(&pulses["rmse_before"]), format!("{pulses}"))
+    let [before, after] = ["rmse_before", "rmse_after"].map(|key| number(&pulses[key]));
+    check(after < before, format!("{pulses}"))?;
+    // What is among the effects stands in the sentence, with what it removes.
+    let sentence = verdict["sentence"].as_str().unwrap_or_default();
+    let removed = format!(", {:.1} % less and still ", 100.0 * (1.0 - after / before));
+    for words in ["The model left out coulomb-friction (f_c = ", ", and something else: ", &removed] {
+        check(sentence.contains(words), format!("no {words:?} in: {sentence}"))?;
+    }
+    Ok(())
 }

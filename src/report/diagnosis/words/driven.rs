@@ -1,10 +1,14 @@
 //! The verdict on a driven recording, or a ring-down, in words.
 
+mod experiment;
+
 use proofmass_base::number::{short, with_uncertainty};
 use proofmass_diagnosis::answer::Answer;
 use proofmass_diagnosis::driven::intake::notes::Broken;
 use proofmass_diagnosis::driven::verdict::detail::{Account, Detail};
 use proofmass_diagnosis::verdict::{DependsOn, Effect, Estimate, Outcome, Role};
+
+pub(super) use experiment::next_experiment;
 
 /// One or two plain sentences.
 pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
@@ -70,9 +74,11 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
         }
         // Without a base model that could be repaired, few laws were asked for, and about one place
         // only.
-        Outcome::Unexplained if answer.repair.is_none() => "The mismatch is real: the recording follows no linear \
+        Outcome::Unexplained if named.is_empty() && answer.repair.is_none() => {
+            "The mismatch is real: the recording follows no linear \
              oscillator, and no candidate that was tried explains it down to the noise."
-            .to_owned(),
+                .to_owned()
+        }
         Outcome::Unexplained if named.is_empty() && account.strays_elsewhere => format!(
             "The base model leaves only noise in what was fitted, but errs by {} times the noise ({} {unit}) in what \
              validates it: another sensor, unit or setting there, or a motion that shows more.",
@@ -110,16 +116,12 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
                 listed(&forms, "and")
             )
         }
-        Outcome::Unexplained => {
-            let holding = holding(effects, &named);
-            format!(
-                "{} {} not explain everything: {fall}, and {} % of the remaining residual variance is \
-                 predictable.",
-                listed(&holding, "and"),
-                if holding.len() == 1 { "holds, but does" } else { "hold, but do" },
-                short(100.0 * account.predictable)
-            )
-        }
+        Outcome::Unexplained => format!(
+            "The model left out {}, and something else: {fall}{}; {} % of the remaining residual variance is predictable.",
+            listed(&holding(effects, &named), "and"),
+            remaining(answer),
+            short(100.0 * account.predictable)
+        ),
         Outcome::Adequate => format!(
             "Nothing is missing that this recording could show: the base model's residual of {} {unit} is {}, \
              and an effect worth {} % of its variance would have been detected.",
@@ -243,6 +245,19 @@ fn fall(answer: &Answer, unit: &str) -> String {
     }
 }
 
+/// States the part of the error that the names remove, and how far what remains is above the noise.
+fn remaining(answer: &Answer) -> String {
+    let (test, floor) = (&answer.fit.test, answer.fit.noise_floor);
+    match test.rmse_after {
+        Some(after) if after < 0.995 * test.rmse_before && floor > 0.0 => format!(
+            ", {} % less and still {} times the noise",
+            short(100.0 * (1.0 - after / test.rmse_before)),
+            short(after / floor)
+        ),
+        _ => String::new(),
+    }
+}
+
 /// Says where the mismatch lives; not that the error is at the noise where a mismatch is.
 pub(crate) fn place(answer: &Answer, account: &Account) -> String {
     if account.at_noise && answer.outcome == Outcome::Unexplained {
@@ -270,65 +285,6 @@ fn holding(effects: &[Effect], named: &[String]) -> Vec<String> {
 /// States what else a reader of the verdict must know of the recording, as a sentence.
 fn doubts(clauses: &[String]) -> String {
     if clauses.is_empty() { String::new() } else { format!(" Note: {}.", clauses.join("; ")) }
-}
-
-/// Says what would decide or confirm.
-pub(crate) fn next_experiment(answer: &Answer, account: &Account) -> String {
-    let (effects, input) = (&answer.effects, account.has_input);
-    let source = if input { "drive" } else { "release" };
-    match &account.broken {
-        Some(Broken::Exchanged { input, output }) => {
-            return format!(
-                "Exchange the two columns in the model file (input = \"{output}\", output = \"{input}\") and diagnose again."
-            );
-        }
-        Some(Broken::Rescaled { row, .. }) => {
-            return format!("Cut the recording at row {row}, or correct the column, and diagnose again.");
-        }
-        None => {}
-    }
-    match answer.outcome {
-        Outcome::Undecidable if effects.is_empty() => {
-            "Record longer, or drive harder: the residual must rise well above the noise before its cause can be \
-             identified."
-                .to_owned()
-        }
-        Outcome::Undecidable if account.few_cycles.is_some() => {
-            format!("Record for at least {} s, ten cycles of the resonance.", short(10.0 / account.resonance_hz))
-        }
-        Outcome::Undecidable if account.is_linear_class => format!(
-            "Drive with a sweep or noise from {} to {} Hz (a third of the resonance to three times it): a delay \
-             shifts the phase in proportion to frequency, a low-pass also lowers the amplitude, feedthrough \
-             flattens the roll-off above the resonance, and a second mode has its own peak.",
-            short(account.resonance_hz / 3.0),
-            short(3.0 * account.resonance_hz)
-        ),
-        Outcome::Undecidable => {
-            let tied: Vec<&str> =
-                effects.iter().filter(|e| !e.confusable_with.is_empty()).map(|e| e.id.as_str()).collect();
-            format!(
-                "Record again at other amplitudes and a wider band ({source} at a third and at three times this \
-                 level, with power well above the resonance): {} then separate, because they scale differently with \
-                 amplitude and frequency.",
-                listed(&tied.iter().map(|t| (*t).to_owned()).collect::<Vec<_>>(), "and")
-            )
-        }
-        Outcome::Explained => format!(
-            "Confirm on a recording at a different level ({source} at twice the amplitude): the parameters stated must stay \
-             within their intervals."
-        ),
-        Outcome::Unexplained => format!(
-            "{} at one frequency with the amplitude stepped up and down: an effect with memory differs between the \
-             two directions, an amplitude-dependent one bends the response, and noise does neither.",
-            if input { "Drive" } else { "Release" }
-        ),
-        Outcome::Adequate => format!(
-            "{} harder or longer: smaller effects then rise above the noise. `proofmass trial --like RECORDING \
-             --model MODEL.toml` plants each candidate in copies of this recording and reports from which size it \
-             would have been identified.",
-            if input { "Drive" } else { "Release" }
-        ),
-    }
 }
 
 fn listed(items: &[String], last: &str) -> String {
