@@ -78,6 +78,7 @@ mod suite {
     pub mod samples;
     pub mod scale;
     pub mod schema;
+    pub mod settings_above;
     pub mod several_recordings;
     pub mod shards;
     pub mod shards_in_motion;
@@ -257,6 +258,8 @@ fn main() {
         suite::touchstone::tests(),
         // instruments: headings of lock-ins and analysers; thermomechanical noise.
         suite::instruments::tests(),
+        // settings_above: settings of instruments above the headings are left out and said.
+        suite::settings_above::tests(),
     ];
     // T2: campaigns of verdicts.
     let campaigns = [

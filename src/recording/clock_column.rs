@@ -44,7 +44,7 @@ pub(super) fn own(path: &Path, request: &Request) -> Result<(Request, Option<Fin
     if let Some(stated) = opened.stated_clock() {
         return Ok(with(stated, ClockBy::Format));
     }
-    let columns = headings.names.iter().filter(|n| format::names_a_clock(n) && !format::counts_rows(n));
+    let columns = headings.names.iter().filter(|n| opened.names_a_clock(n) && !format::counts_rows(n));
     let mut rising = Vec::new();
     for name in columns.take(4) {
         if !request.columns.contains(name) && steps(path, request, name)?.is_some_and(|s| s.rise) {

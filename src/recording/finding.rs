@@ -14,6 +14,13 @@ use crate::number::{duration, rounded};
 pub enum Finding {
     /// The first line holds numbers.
     NoHeader,
+    /// Lines before the headings, as instruments write them, which were left out.
+    Preamble {
+        /// Number of lines left out, without blank lines and comments.
+        lines: u64,
+        /// Line of the headings, counted from one.
+        headings: u64,
+    },
     /// The numbers of a file without headings are those of a trajectory.
     TrajectoryRecognised {
         /// Layout of the trajectory.

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::cells::Cells;
 use super::decimal;
+use super::time_unit::TimeUnit;
 use crate::error::{Error, Result};
 
 /// States how cells are separated and whether the first row names them.
@@ -223,6 +224,11 @@ pub(super) fn names_a_clock(heading: &str) -> bool {
     )
 }
 
+/// Returns whether a heading is a unit of time and nothing else: `Second`.
+pub(super) fn is_unit_of_time(heading: &str) -> bool {
+    heading.chars().all(char::is_alphabetic) && TimeUnit::of_heading(heading).is_some()
+}
+
 /// Returns whether a heading that names a clock counts rows instead, or writes dates.
 pub(super) fn counts_rows(heading: &str) -> bool {
     let heading = heading.to_ascii_lowercase();
@@ -315,5 +321,6 @@ mod tests {
     fn clocks_are_recognised_by_name() {
         assert!(["t", "t_s", "Time [s]", "timestamp"].into_iter().all(names_a_clock));
         assert!(!["temp", "ax", "tilt", "temperature_c"].into_iter().any(names_a_clock));
+        assert!(["Second", "s", "ms"].into_iter().all(is_unit_of_time) && !is_unit_of_time("x_s"));
     }
 }

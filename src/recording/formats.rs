@@ -363,9 +363,17 @@ impl Opened {
         }
     }
 
+    /// Returns whether a heading of it names a clock.
+    pub fn names_a_clock(&self, heading: &str) -> bool {
+        match self {
+            Self::Text(text) => text.names_a_clock(heading),
+            Self::Log { .. } => format::names_a_clock(heading),
+        }
+    }
+
     /// The first heading that names a clock.
     pub fn clock_like(&self) -> Option<&str> {
-        let named = || self.headings().names.iter().map(String::as_str).find(|n| format::names_a_clock(n));
+        let named = || self.headings().names.iter().map(String::as_str).find(|n| self.names_a_clock(n));
         self.stated_clock().or_else(named)
     }
 

@@ -5,6 +5,7 @@
 //! for clocks or gaps: a missing cell is NaN here.
 
 mod header;
+mod preamble;
 
 use std::path::PathBuf;
 
@@ -47,6 +48,8 @@ pub struct Text {
     /// Number of rows handed on.
     rows: usize,
     dropped: Tally,
+    /// States whether its headings stand below lines that were left out.
+    has_preamble: bool,
     /// Per column, the first row with a whole number that was rounded.
     rounded: Vec<Option<usize>>,
     skipped: (u64, u64),
@@ -63,11 +66,13 @@ impl Text {
         let path = input.path.clone();
         let mut lines = Lines::open(input, pack)?;
         let format = format::sniff(&path, lines.head()?)?;
+        let preamble = preamble::find(&lines.head()?[format.skip..], format.separator)
+            .map_err(|(cause, hint)| Error::new(format!("could not read {}", path.display()), cause, hint))?;
         lines.skip(format.skip);
         let mut text = Self {
             path,
             lines,
-            separator: format.separator,
+            separator: preamble.map_or(format.separator, |p| p.separator),
             cells: Cells::default(),
             time_before: 0..0,
             stamps_only: false,
@@ -78,10 +83,12 @@ impl Text {
             width: 0,
             rows: 0,
             dropped: Tally::default(),
+            has_preamble: preamble.is_some(),
             rounded: Vec::new(),
             skipped: (0, 0),
             findings: Vec::new(),
         };
+        text.pass(preamble)?;
         text.headings = text.read_header()?;
         text.read_units()?;
         Ok(text)

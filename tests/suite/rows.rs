@@ -124,8 +124,10 @@ fn row_lines(bytes: &[u8]) -> usize {
 }
 
 /// The rule, for a reader that found so many rows in a file with so many row lines, its header
-/// included if it has one.
+/// included if it has one, and the lines before it that are said to be left out.
 fn rule(rows: usize, lines: usize, dropped: &[Dropped], findings: &[Finding], samples: usize) -> Result<(), String> {
+    let above = |f: &Finding| if let Finding::Preamble { lines, .. } = f { *lines as usize } else { 0 };
+    let lines = lines - findings.iter().map(above).sum::<usize>();
     if rows != lines && rows + 1 != lines {
         return Err(format!("{rows} rows of {lines} lines"));
     }

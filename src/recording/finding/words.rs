@@ -14,6 +14,12 @@ impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoHeader => write!(f, "the file has no header; its columns are called 1, 2, 3, … here"),
+            Self::Preamble { lines, headings } => write!(
+                f,
+                "{} before the headings in line {headings} {} left out",
+                count(*lines as usize, "line"),
+                if *lines == 1 { "was" } else { "were" }
+            ),
             Self::TrajectoryRecognised { kind } => write!(
                 f,
                 "the file has no header; by its numbers it is a {} trajectory, whose columns are {}",

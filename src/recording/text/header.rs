@@ -1,5 +1,6 @@
 //! The head of a text file: which columns it has, their units, and which of them hold numbers.
 
+use super::preamble::Preamble;
 use super::{POINT, Text};
 use crate::cells::Cells;
 use crate::error::Result;
@@ -12,6 +13,20 @@ use crate::{trajectory, unit};
 const MOST_COLUMNS: usize = 1 << 20;
 
 impl Text {
+    /// Passes the lines before the headings.
+    pub(super) fn pass(&mut self, preamble: Option<Preamble>) -> Result<()> {
+        let Some(Preamble { lines, headings, .. }) = preamble else { return Ok(()) };
+        while self.lines.number() + 1 < headings && self.lines.advance()? {}
+        self.findings.push(Finding::Preamble { lines, headings });
+        Ok(())
+    }
+
+    /// Returns whether a heading names a clock; below the settings of an instrument a unit of time
+    /// does too, as there the headings may be the units alone.
+    pub fn names_a_clock(&self, heading: &str) -> bool {
+        format::names_a_clock(heading) || self.has_preamble && format::is_unit_of_time(heading)
+    }
+
     /// The first line that is no comment names the columns; where it holds numbers, the comment
     /// before it may: EuRoC's files begin with `#timestamp [ns],…`.
     pub(super) fn read_header(&mut self) -> Result<Headings> {
@@ -111,7 +126,7 @@ impl Text {
 
     /// Names the columns that [`Text::numeric_places`] leaves out because they hold no numbers.
     pub(crate) fn note_unread(&mut self) {
-        let unread = |place: &usize| !self.is_numeric(*place) && !format::names_a_clock(&self.headings.names[*place]);
+        let unread = |place: &usize| !self.is_numeric(*place) && !self.names_a_clock(&self.headings.names[*place]);
         let named = |place: usize| {
             let cell = headings::text(self.cells.of(self.lines.line(), place));
             (headings::shortened(&self.headings.names[place]), headings::shortened(cell.trim()))
@@ -124,7 +139,7 @@ impl Text {
 
     /// Says that no column holds numbers, with a cell as example.
     fn no_numbers(&self) -> String {
-        let cells = (0..self.width).filter(|place| !format::names_a_clock(&self.headings.names[*place]));
+        let cells = (0..self.width).filter(|place| !self.names_a_clock(&self.headings.names[*place]));
         let example = cells
             .filter(|place| self.held && *place < self.cells.len())
             .map(|place| (place, headings::text(self.cells.of(self.lines.line(), place))))
@@ -146,7 +161,7 @@ impl Text {
     pub fn numeric_places(&self) -> Result<Vec<usize>> {
         let headings = &self.headings;
         let places: Vec<usize> = (0..self.width)
-            .filter(|place| self.is_numeric(*place) && !format::names_a_clock(&headings.names[*place]))
+            .filter(|place| self.is_numeric(*place) && !self.names_a_clock(&headings.names[*place]))
             .collect();
         let comma = (0..self.width).any(|place| matches!(self.first(place), Cell::DecimalComma(_)));
         match places.len() {
