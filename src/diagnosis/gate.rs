@@ -54,6 +54,7 @@ gates! {
     FreeRival "free-rival" "A law whose free form fits as well stays a rival" "";
     PowerForStop "power-for-stop" "A spring of one power replaces a stop that it fits as well or better" "lead in log-likelihood";
     OwnPower "own-power" "A law with its own exponent replaces a stated law that departs" "lead in log-likelihood";
+    OwnCourse "own-course" "A drift along one power of time replaces laws of time that imitate it together" "lead in log-likelihood";
     OwnSharpness "own-sharpness" "Hysteresis with its own exponent replaces what was chosen" "lead in log-likelihood";
     OtherInput "other-input" "Hold or linear input replaces linear terms that it explains as well" "";
     SmoothInput "smooth-input" "The search on a band-limited input replaces that on a held or linear one" "lead in log-likelihood";

@@ -297,9 +297,13 @@ fn pushed(seed: u64) -> Result<String, Failed> {
 /// (control).
 fn not_a_walk() -> Result<(), Failed> {
     let drifting = read_out(&recording(|_, _| 0.0, 11, 0.0), |t, y| y + 0.1 * t.powf(0.6))?;
-    let (verdict, names, _) = diagnosed(&drifting)?;
-    let said = format!("t^0.6: {verdict} {names:?}");
-    check(verdict == "unexplained" && names.iter().all(|n| n == "warm-up" || n == "bias-drift"), said)?;
+    let said = verdict(&drifting)?;
+    let effects = said["effects"].as_array().cloned().unwrap_or_default();
+    check(said["verdict"] == "explained" && effects.len() == 1 && effects[0]["id"] == "bias-drift", format!("{said}"))?;
+    let exponent = &effects[0]["parameters"][2];
+    let end = |i: usize| exponent["ci95"][i].as_f64().unwrap_or(f64::NAN);
+    let found = format!("t^0.6: {exponent}");
+    check(exponent["name"] == "n" && 0.5 < end(0) && end(0) < 0.6 && 0.6 < end(1) && end(1) < 0.7, found)?;
     let (mut rng, mut bias) = (Philox::new(12, 1, Stream::Host), 0.0);
     let walking = read_out(&recording(|_, _| 0.0, 12, 0.0), |_, y| {
         let step: f64 = StandardNormal.sample(&mut rng);

@@ -140,7 +140,7 @@ fn profile_is_refits() -> Result<(), Failed> {
         let mut search = Search::all(&data, &structure, &fitted.point, &scales);
         search.run.steps = fitted.steps;
         search.point[BASE] = *at;
-        let alone = loss(search.sums(&[search.z(&search.point)])[0]);
+        let alone = loss(left_at(&search, &search.point));
         search.free.retain(|f| *f != BASE);
         let refitted = loss(search.minimise(10).ok_or("no refit")?.sum);
         // The tangent leaves what bends: a hundredth of the loss.
@@ -209,7 +209,7 @@ fn loop_is_followed() -> Result<(), Failed> {
     let starts = StartSearch::around(&data, &base).and_then(|s| s.starts(term, &scales, 1)).ok_or("no starts")?;
     let left = |point: &[f64]| {
         let search = Search::all(&data, &structure, point, &scales);
-        search.sums(&[search.z(point)])[0]
+        left_at(&search, point)
     };
     let base_left = base.variance * data.train_len() as f64;
     check(left(&starts[0]) < base_left, format!("{} of {base_left}", left(&starts[0])))?;
@@ -219,4 +219,9 @@ fn loop_is_followed() -> Result<(), Failed> {
     let found = fit(&data, &structure, &starts[0], &scales, 100).ok_or("no fit with the loop")?;
     // The noise is spread evenly over 6e-5: its variance is known to √(0.8/1376) = 2.4 %, four of which are allowed.
     check(found.variance < 1.1 * 3.6e-9 / 12.0, format!("{:e} is left", found.variance))
+}
+
+/// Sum of squares that a model leaves at a point.
+fn left_at(search: &Search<'_>, point: &[f64]) -> f64 {
+    squares(&search.residuals(&[search.z(point)])[0])
 }

@@ -128,21 +128,13 @@ impl Residuals for Search<'_> {
         finite.then_some(Linear { residual, columns })
     }
 
-    fn sums(&self, points: &[Vec<f64>]) -> Vec<f64> {
-        let points: Vec<Vec<f64>> = points.iter().map(|z| self.point(z)).collect();
-        let mut all = Vec::with_capacity(points.len());
-        for group in points.chunks(LANES) {
+    fn residuals(&self, points: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let of_group = |group: &[Vec<f64>]| {
             let lanes = innovations(self.data, self.structure, group, &self.run, &mut Nothing);
-            let mut sums = [0.0; LANES];
-            for k in self.rows.iter().flat_map(|r| r.clone()) {
-                let e = &lanes[k - self.run.range.start];
-                for l in 0..LANES {
-                    sums[l] += e[l] * e[l];
-                }
-            }
-            all.extend(sums.iter().take(group.len()).map(|s| if s.is_finite() { *s } else { f64::INFINITY }));
-        }
-        all
+            (0..group.len()).map(|l| self.pick(&lanes, l)).collect::<Vec<_>>()
+        };
+        let points: Vec<Vec<f64>> = points.iter().map(|z| self.point(z)).collect();
+        points.chunks(LANES).flat_map(of_group).collect()
     }
 
     fn confine(&self, z: &mut [f64]) {

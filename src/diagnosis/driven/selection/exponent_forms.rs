@@ -1,5 +1,5 @@
-//! Laws whose form has an exponent, which the search defers: a spring and a damping of one power,
-//! and hysteresis with an exponent. Next to the stated law each would fit whatever departs from it a
+//! Laws whose form has an exponent, which the search defers: a spring and a damping of one power, a drift
+//! along one of time, and hysteresis with an exponent. Next to the stated law each would fit whatever departs from it a
 //! little; it is tried only where a law that was chosen departs from its form, and takes its place
 //! only where the data determine the exponent: where its own free form gains nothing over it, and no
 //! other departure of one number does as well.
@@ -8,21 +8,25 @@ use crate::driven::identification::fit::{Fit, fit};
 use crate::driven::identification::interval;
 use crate::driven::intake::data::Data;
 use crate::driven::intake::work::Budget;
+use crate::driven::simulation::structure::ModelStructure;
 use crate::gate::Gate;
 use crate::parallel;
+use crate::physics::bias_drift::{BiasDrift, Course};
 use crate::physics::free_form::{Extent, FreeForm, Freed};
 use crate::physics::hysteresis::{Hysteresis, Sharpness};
+use crate::physics::law::Noise;
 use crate::physics::library::Term;
 use crate::physics::power::Exponent;
 use crate::physics::power_law_damping::PowerLawDamping;
 use crate::physics::power_law_stiffness::PowerLawStiffness;
 use crate::physics::scales::Scales;
+use crate::physics::warm_up::WarmUp;
 use crate::trace::Step;
 
 use super::earned::{ITERATIONS, earned};
 use super::free_forms::{LEAST_LEAD, UNDONE, with_instead};
 use super::heats::best_of;
-use super::judged::{Departing, Judged, Selection, judge};
+use super::judged::{Departing, Judged, Rival, Selection, judge};
 use super::residual_structure::residual_structure;
 use super::rivals::TIE;
 
@@ -46,10 +50,17 @@ pub(super) fn decide_exponents(data: &Data, selection: &mut Selection, scales: &
     let power = departing.and_then(|departing| search.power(&selection.chosen, departing));
     let memory = || data.trace.is_on(Gate::OwnSharpness).then(|| search.memory(selection)).flatten();
     let power = power.map(|found| (Gate::OwnPower, found));
+    let course = || data.trace.is_on(Gate::OwnCourse).then(|| search.course(&selection.chosen)).flatten();
+    let power = power.or_else(|| Some((Gate::OwnCourse, course()?)));
     if let Some((gate, found)) = power.or_else(|| Some((Gate::OwnSharpness, memory()?))) {
         let lead = found.score() - selection.chosen.score();
         data.trace.acts(Step::of(gate, selection.chosen.words(), found.words()).measured(lead, 0.0));
+        let before = (gate == Gate::OwnCourse && lead < TIE).then(|| selection.chosen.clone());
         take(selection, found);
+        // What the power does not clearly lead stays its rival, under the name that it does not have.
+        if let (Some(judged), Some(rivals)) = (before, selection.rivals.last_mut()) {
+            rivals.push(Rival { id: Term::WarmUp(WarmUp).id(), judged });
+        }
     }
 }
 
@@ -162,7 +173,11 @@ impl Search<'_> {
 
     /// The best of fits from these values of one law, taken further until it rests.
     fn best(&self, model: &Fit, index: usize, term: Term, starts: &[Vec<f64>]) -> Option<Judged> {
-        let starts: Vec<_> = starts.iter().map(|start| with_instead(model, index, term, start)).collect();
+        self.rested(starts.iter().map(|start| with_instead(model, index, term, start)).collect())
+    }
+
+    /// The best of fits from these points, taken further until it rests.
+    fn rested(&self, starts: Vec<(ModelStructure, Vec<f64>)>) -> Option<Judged> {
         let mut best = best_of(self.data, &starts, self.scales)?;
         for _ in 0..HEATS {
             if best.converged || self.is_over() {
@@ -277,6 +292,34 @@ impl Search<'_> {
         }
         let [strength, size, _] = *found.fit.structure.of(index, &found.fit.point) else { return None };
         self.fitted(&found.fit, index, Term::QuadraticDamping(Default::default()), &[strength / size])
+    }
+
+    /// A drift along one power of time instead of laws of time, or one and a walk, that were chosen together: two of
+    /// them can imitate a power to within the noise.
+    fn course(&self, chosen: &Judged) -> Option<Judged> {
+        let fit = &chosen.fit;
+        let terms = &fit.structure.terms;
+        let is_course = |t: &Term| matches!(t, Term::BiasDrift(_) | Term::WarmUp(_));
+        let others: Vec<usize> = (0..terms.len()).filter(|i| !is_course(&terms[*i])).collect();
+        let walks = terms.iter().filter(|t| t.noise() == Some(Noise::Walk)).count();
+        let laws = terms.len() - others.len();
+        if laws == 0 || laws + walks < 2 || self.is_over() {
+            return None;
+        }
+        let term = Term::BiasDrift(BiasDrift(Course::Power));
+        let (structure, point) = fit.only(&others);
+        let structure = ModelStructure::over(&[structure.terms.as_slice(), &[term]].concat(), structure.further);
+        let start = |values: Vec<f64>| (structure.clone(), [point.as_slice(), &values].concat());
+        let found = self.rested(term.starts(self.scales).into_iter().map(start).collect())?;
+        let found = Departing { judged: found, index: others.len() };
+        let Departing { judged: found, index } = found.pruned(self.data, self.scales, chosen.score());
+        let place = found.fit.structure.first[index] + OF_POWER;
+        let fewer = found.fit.structure.terms.len() < terms.len();
+        let holds = found.score() - chosen.score() >= if fewer { -LEAST_LEAD } else { TIE }
+            && !found.fit.at_bound(self.scales)
+            && self.is_apart(&found.fit, place, 1.0, &[1.0])
+            && self.leaves_no_more(&found, chosen);
+        holds.then_some(found)
     }
 
     /// Hysteresis with an exponent instead of one with n = 1 that was chosen; or of all that was

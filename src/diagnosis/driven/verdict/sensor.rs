@@ -10,6 +10,7 @@ use crate::motion::temperature::Temperature;
 use crate::number::rounded;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::spectrum;
+use crate::physics::bias_drift::{BiasDrift, Course};
 use crate::physics::coefficients::{Coefficients, StudyLaw, laws};
 use crate::physics::dimension::Units;
 use crate::physics::law::Noise;
@@ -180,6 +181,7 @@ fn why_not(term: &Term) -> &'static str {
         }
         Term::ReadoutSaturation(_) => "a study's range is the same on both sides of zero",
         Term::ReadoutLowpass(_) => "a study's low-pass has one pole",
+        Term::BiasDrift(_) => "a study's ramp is a straight line",
         Term::Hysteresis(_) => "a study's spring with memory yields with n = 1",
         Term::InputLag(_) => "it belongs to what recorded the input, not to the sensor",
         _ => "a study has no key for it",
@@ -193,7 +195,7 @@ const LOPSIDED: f64 = 0.05;
 /// so much acceleration with its sign, as is one unit of input; `false` where no term of a study is that.
 fn at_the_readout(accelerometer: &mut Accelerometer, term: &Term, p: &[f64], [per_unit, per_input]: [f64; 2]) -> bool {
     match term {
-        Term::BiasDrift(_) => accelerometer.ramp_m_s3 = p[0] * per_unit,
+        Term::BiasDrift(BiasDrift(Course::Line)) => accelerometer.ramp_m_s3 = p[0] * per_unit,
         Term::WarmUp(_) => {
             (accelerometer.warm_up_m_s2, accelerometer.warm_up_time_s) = (p[0] * per_unit, p[1]);
         }
