@@ -65,7 +65,6 @@ gates! {
     Bound "bound" "A term with a parameter at the end of its plausible range is dropped" "";
     NoSecondResonance "no-second-resonance" "A mode is no second resonance where the first has become a creep" "damping ratio";
     MayBeNothing "may-be-nothing" "A term whose interval includes zero is dropped" "strength, against the half-width of its 95 % interval";
-    Rounding "rounding" "A term that follows only the rounding of the readings is dropped" "lead in log-likelihood";
     LeastPart "least-part" "A law that adds next to nothing to what the others remove is not named" "growth of the error without it";
     Inexactness "inexactness" "Noise within the modelling error of the named laws is not named" "growth of the error without it";
     KnownSignal "known-signal" "Noise that follows a known signal is dropped: a law is missing" "predictable share of the noise";

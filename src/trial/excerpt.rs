@@ -1,5 +1,4 @@
-//! Cuts the part of a real recording that is asked for into a file of its own, next to its base
-//! model.
+//! Cuts part of a real recording into a separate file, next to its base model.
 
 use std::path::{Path, PathBuf};
 
@@ -33,8 +32,8 @@ impl Excerpt<'_> {
         Ok(part)
     }
 
-    /// Puts the files of a verdict together in a folder of their own: the part, the base model, and
-    /// recordings that only judge. In the model, `$PROOFMASS_DATA` stands for the folder of
+    /// Puts the files of a verdict together in one folder: the part, the base model, and recordings
+    /// that only judge. In the model, `$PROOFMASS_DATA` stands for the folder of
     /// recordings.
     ///
     /// # Errors
@@ -50,7 +49,7 @@ impl Excerpt<'_> {
     }
 }
 
-/// The heading and every k-th of the rows wanted, as a file of their own.
+/// Writes the heading and every k-th of the rows wanted to another file.
 fn cut(from: &Path, rows: [usize; 2], every: usize, to: &Path) -> Result<()> {
     let text = std::fs::read_to_string(from).map_err(|e| Error::io("read", from, &e))?;
     let mut lines = text.lines();

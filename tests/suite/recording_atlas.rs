@@ -141,7 +141,7 @@ fn lists() -> Result<(), Failed> {
     for (text, words) in [
         (one.replace("\"gyro\"", "\"../gyro\""), "cannot name a page"),
         (one.replace("\"gyro\"", "\"random-walk\""), "cannot name a page"),
-        (format!("{one}{one}"), "an id of its own"),
+        (format!("{one}{one}"), "another set has the same id"),
         (format!("{one}rows = [50, 20]\n"), "end before they begin"),
         (format!("{one}rows = [20, 50]\n"), "nothing diagnoses the log at rest `a`"),
         (one.replace("model.toml", "absent.toml"), "absent.toml"),

@@ -9,7 +9,7 @@ use crate::format::{self, Cell};
 use crate::headings;
 use crate::unit;
 
-/// The numbers begin within so many lines: instruments write [`FEWEST`] to 40 before the headings.
+/// Lines among which the first numbers are looked for. Instruments write [`FEWEST`] to 40 lines of settings.
 const LOOKED_AT: usize = 200;
 /// Fewer lines than an instrument writes are no settings where the first of them has as many cells as
 /// the table: it may be its headings, and what is wrong below it may be left out by `--from-s`.
@@ -235,7 +235,7 @@ mod tests {
             assert_eq!(found(&format!("{begin}{}", rows(40, 2))), Ok(None), "{begin:?}");
         }
         let spoiled = rows(40, 2).replacen("7.5,7.5", "7.5,x", 1).replacen("30.5,30.5", "30.5", 1);
-        assert_eq!(found(&format!("a,b\n{spoiled}")), Ok(None), "an error of its own");
+        assert_eq!(found(&format!("a,b\n{spoiled}")), Ok(None), "rows with faults");
         let notes: String = (0..300).map(|n| if n == 250 { "7,8\n" } else { "1,ok\n" }).collect();
         assert_eq!(found(&format!("a,note\n{notes}")), Ok(None), "a column of words");
         let late: String = (0..300).map(|n| if n > 2 { "7,8\n" } else { "1,ok\n" }).collect();

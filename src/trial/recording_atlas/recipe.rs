@@ -99,7 +99,7 @@ pub struct Rest {
 pub enum Temperature {
     /// There is none.
     NotLogged,
-    /// It was logged in a file of its own, which the tool is not given.
+    /// It was logged in a separate file, which the tool is not given.
     Withheld,
 }
 
@@ -121,7 +121,7 @@ pub const OTHER_PAGES: [&str; 2] = ["README", "random-walk"];
 /// Reads a recipe; models become paths that can be opened.
 ///
 /// # Errors
-/// As `document::read_toml`; an id that is none or another's, rows that end before they begin, a
+/// Fails as `document::read_toml` does; for an id that is none or another's, rows that end before they begin, a
 /// model that cannot be read, and a log at rest that nothing diagnoses: its random walk could not be
 /// judged.
 pub fn read(path: &Path) -> Result<Recipe> {
@@ -140,7 +140,7 @@ pub fn read(path: &Path) -> Result<Recipe> {
             );
         }
         if !ids.insert(set.id.clone()) {
-            return fail("its id is another set's too".into(), "give each set an id of its own");
+            return fail("another set has the same id".into(), "give every set a different id");
         }
         let rows = set.diagnosis.iter().map(|q| q.rows).chain(set.rest.iter().map(|r| r.rows));
         if rows.flatten().any(|[from, to]| from >= to) {

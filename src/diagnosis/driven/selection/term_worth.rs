@@ -33,9 +33,6 @@ pub struct Named {
     pub without: HeldOut,
     /// Mean log-likelihood per test sample without it.
     pub log_score_without: f64,
-    /// Log-likelihood that it gains where readings are known to be rounded, less the penalty of its
-    /// parameters; else `None`.
-    pub rounded_lead: Option<f64>,
     /// Candidates that would do as well.
     pub rivals: Vec<Rival>,
 }
@@ -69,8 +66,6 @@ pub(crate) fn weighed(
     rivals: &[Vec<Rival>],
     base: &Judged,
 ) -> Vec<Named> {
-    let rounded = rounding(data, model);
-    let penalty = |j: &Judged| 0.5 * j.fit.free.len() as f64 * (data.train_len().max(2) as f64).ln();
     let weigh = |index: usize| {
         let reduced = without(data, model, index, scales).unwrap_or_else(|| base.clone());
         let unseen = if validation_is_fitted(data) { &data.test } else { &data.validation };
@@ -86,11 +81,6 @@ pub(crate) fn weighed(
             comparison,
             log_score_without: judged.log_score(reduced.fit.variance),
             without: judged,
-            rounded_lead: rounded.and_then(|l| {
-                let without = lattice(&data.reading[data.hull.clone()], &reduced.fit.linear.residual)?;
-                let rows = data.train_len() as f64;
-                Some(rows * (l.log_score - without.log_score) - penalty(model) + penalty(&reduced))
-            }),
             rivals: rivals.get(index).cloned().unwrap_or_default(),
         }
     };

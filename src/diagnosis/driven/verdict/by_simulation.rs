@@ -41,7 +41,7 @@ pub(crate) struct Simulation {
 pub(crate) fn simulated(
     data: &Data,
     selection: Selection,
-    c: Conclusion,
+    mut c: Conclusion,
     scales: &Scales,
 ) -> (Selection, Conclusion, Simulation) {
     let says_something = !c.named.is_empty() || c.outcome == Outcome::Unexplained;
@@ -49,7 +49,6 @@ pub(crate) fn simulated(
     let terms: Vec<_> = c.named.iter().map(|n| c.model.fit.structure.terms[n.index]).collect();
     let known = (says_something && selection.base_follows).then(|| Simulated::of(data, base, &terms, scales)).flatten();
     let Some(simulated) = known else { return (selection, c, Simulation::default()) };
-    let mut c = c;
     let noise = (c.outcome == Outcome::Unexplained).then(|| simulated.variance.sqrt());
     let silent = Simulation { noise, ..Simulation::default() };
     if !c.named.is_empty() {

@@ -77,7 +77,6 @@ pub(crate) fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> C
     let r_squared = draft.structured(LEVEL);
     draft.weigh();
     draft.drop_what_cannot_stay();
-    draft.drop_what_follows_rounding();
     let nameless = draft.carry_what_is_small();
     let followed = draft.drop_noise_that_follows() | draft.drop_walk_that_is_smooth();
     let twins = draft.drop_twins();

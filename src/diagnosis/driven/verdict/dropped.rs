@@ -30,8 +30,6 @@ pub enum Dropped {
     Coloured,
     /// It is an oscillation at a line of the input, or where a law that bends would mix the lines.
     FollowsInput,
-    /// It follows the rounding of the readings.
-    FollowsRounding,
     /// It is too small next to the other terms to be distinguished from their inexactness.
     WithinInexactness,
     /// It does something only together with another that it can be mistaken for.

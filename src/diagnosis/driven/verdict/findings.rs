@@ -32,7 +32,6 @@ pub fn dropped(reason: Dropped) -> String {
             "its frequency is that of a line of the input, of a harmonic or of a mixed frequency: the input may cause it"
                 .into()
         }
-        Dropped::FollowsRounding => "it follows only the rounding of the readings".into(),
         Dropped::WithinInexactness => {
             "the improvement is too small to be distinguished from the modelling error of the other terms".into()
         }

@@ -82,19 +82,6 @@ impl Draft<'_> {
         fit
     }
 
-    /// Drops terms that only follow the rounding, where what is known of rounded readings does not
-    /// bear them out.
-    pub(super) fn drop_what_follows_rounding(&mut self) {
-        let bar = (self.selection.tried.max(1) as f64).ln() + 3.0;
-        let follows = |n: &Named, lead: f64| lead <= bar && self.drops(Gate::Rounding, n, [lead, bar]);
-        let holds = |n: &Named| n.rounded_lead.is_none_or(|lead| !follows(n, lead));
-        let (holding, following): (Vec<Named>, Vec<Named>) = self.named.iter().cloned().partition(holds);
-        self.named = holding;
-        for n in following {
-            self.drop_term(n.index, Dropped::FollowsRounding);
-        }
-    }
-
     /// Takes the name from what lies within the modelling error of the other laws; it stays in the model, so that
     /// it does not bias them. Returns how much of the variance these laws carry together.
     pub(super) fn carry_what_is_small(&mut self) -> f64 {

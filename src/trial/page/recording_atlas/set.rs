@@ -50,7 +50,7 @@ pub fn page(surveyed: &Surveyed, command: &str) -> String {
     let drift = drift(surveyed);
     if !drift.rows.is_empty() {
         page += &format!(
-            "## Predicted and recorded drift\n\nThe log in windows, each after a still start of its own, next to simulated \
+            "## Predicted and recorded drift\n\nThe log cut into windows, each begun with a still start, next to simulated \
              sensors that have its coefficients: position of an accelerometer, tilt of a gyro, at the end of a window.\n\n{}\n",
             drift.to_markdown()
         );
