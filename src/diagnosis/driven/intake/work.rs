@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Samples that a stage may always take for granted: shorter recordings get the work of this many.
-const LEAST_SAMPLES: usize = 10_000;
+const LEAST_SAMPLES: usize = 20_000;
 
 /// Integration steps that a stage may spend per sample, eight parameter sets side by side counted
 /// as one.
