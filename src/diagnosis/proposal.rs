@@ -83,6 +83,8 @@ pub fn suited(rows: &Rows) -> Option<Suited> {
         Some(_) if total_s(&rows.still) >= AT_REST * whole_s => Some(Suited::Rest),
         Some(rest) if rest.to_s - rest.from_s >= WORTHWHILE_S => Some(Suited::RestFor(*rest)),
         _ if gyros == 3 && accelerometers == 3 => Some(Suited::Motion),
+        // A single axis that moves by itself decays.
+        _ if gyros + accelerometers == 1 => Some(Suited::Driven),
         _ => None,
     }
 }
@@ -134,11 +136,14 @@ fn of_kind(file: &str, seen: &Inspection, named: &Named) -> Result<String> {
         Some(Suited::Poses) => poses(file, rows),
         Some(Suited::RestFor(rest)) => {
             let [from, to] = [rest.from_s, rest.to_s].map(|t| rounded(t, 4));
+            let motion = match rows.sensors.concat()[..] {
+                [one] => format!("a decay: proofmass diagnose {file} --output {}", rows.columns[one].name),
+                _ => format!("its motion by a reference: {trajectory}"),
+            };
             fail(
                 format!("the sensor lies still from {from} to {to} s and moves in the other time"),
                 format!(
-                    "judge its noise by the rest: proofmass diagnose {file} --from-s {from} --to-s {to}; or its motion by a \
-                     reference: {trajectory}"
+                    "judge its noise by the rest: proofmass diagnose {file} --from-s {from} --to-s {to}; or {motion}"
                 ),
             )
         }
@@ -370,5 +375,11 @@ mod tests {
         let both = of(rest(65.0), 1).expect_err("rest or motion").to_string();
         assert!(both.contains("--from-s 0 --to-s 65") && both.contains("[reference]"), "{both}");
         assert!(of(Vec::new(), 0).expect_err("motion alone").to_string().contains("[reference]"));
+        // One axis that moves decays; at rest in part, the user says which is meant.
+        let one = |still| proposed("log.csv", &seen(&["gz_rad_s"], [vec![0], Vec::new()], still, 0), &Named::default());
+        assert!(matches!(one(rest(99.0)).as_deref().map(parsed), Ok(Ok(Model::Static(_)))));
+        assert!(matches!(one(Vec::new()).as_deref().map(parsed), Ok(Ok(Model::Driven(_)))));
+        let both = one(rest(65.0)).expect_err("rest or decay").to_string();
+        assert!(both.contains("--to-s 65") && both.contains("--output gz_rad_s"), "{both}");
     }
 }

@@ -241,17 +241,31 @@ pub(crate) fn is_pose(names: &[String]) -> bool {
 }
 
 /// The unit of a column that is one of an inertial sensor's by its name alone, which says unit and
-/// quantity: `gyro_rad_s`, or with a sensor's number `accelerometer_2_m_s2`.
+/// quantity: `gyro_rad_s`, with an axis `gz_rad_s`, or with a sensor's number `accelerometer_2_m_s2`.
 pub fn alone(name: &str) -> Option<Unit> {
-    let Heading { stem, unit: Some(Stated::Inertial(unit)) } = taken_apart(name) else { return None };
+    let Some(Stated::Inertial(unit)) = taken_apart(name).unit else { return None };
+    (named(name) == Some(unit.quantity)).then_some(unit)
+}
+
+/// The sensor that a column belongs to by its name alone, which states no other unit: `gz`, `gyro`, `acc_x_lsb`.
+/// A force without a unit, or one letter without an axis, is no sensor.
+pub fn alone_without_unit(name: &str) -> Option<Quantity> {
+    let Heading { stem, unit: None | Some(Stated::Counts) } = taken_apart(name) else { return None };
+    let is_force = stem == "fx" || stem == "fy" || stem == "fz" || stem.starts_with("f_") || stem.starts_with("force");
+    named(name).filter(|_| !is_force && stem.len() > 1)
+}
+
+/// The sensor whose name this is, with an axis, a sensor's number or neither.
+fn named(name: &str) -> Option<Quantity> {
+    let Heading { stem, .. } = taken_apart(name);
     let plain = stem.trim_end_matches(|c: char| c.is_ascii_digit());
     let of = plain.strip_suffix('_').unwrap_or(plain);
-    let names = match unit.quantity {
-        Quantity::Gyro => &GYRO[..],
-        Quantity::Accelerometer => &ACCELEROMETER[..],
-        Quantity::Unknown => &[],
-    };
-    names.contains(&of).then_some(unit)
+    let among = |names: &[&str]| names.contains(&of);
+    match role(name) {
+        Some((quantity, _)) => Some(quantity),
+        None if among(&GYRO) => Some(Quantity::Gyro),
+        None => among(&ACCELEROMETER).then_some(Quantity::Accelerometer),
+    }
 }
 
 #[cfg(test)]
@@ -296,8 +310,17 @@ mod tests {
         let quantity = |name| alone(name).map(|u| u.quantity);
         assert_eq!(quantity("gyro_12_rad_s"), Some(Quantity::Gyro));
         assert_eq!(quantity("accelerometer_m_s2"), Some(Quantity::Accelerometer));
+        assert_eq!(quantity("gz_rad_s"), Some(Quantity::Gyro));
+        assert_eq!(quantity("accel_x_g"), Some(Quantity::Accelerometer));
         for other in ["gyro_1", "t_s", "temperature_1_g", "gyro_m_s2", "x_mg"] {
             assert_eq!(quantity(other), None, "{other}");
+        }
+        for (name, known) in [("gz", Quantity::Gyro), ("gyro", Quantity::Gyro), ("acc_x_lsb", Quantity::Accelerometer)]
+        {
+            assert_eq!(alone_without_unit(name), Some(known), "{name}");
+        }
+        for other in ["fx", "force", "force_x", "f_x", "x", "a", "w", "ax_V", "gz_rad_s", "velocity", "u", "ay_N"] {
+            assert_eq!(alone_without_unit(other), None, "{other}");
         }
     }
 

@@ -136,6 +136,15 @@ fn files() -> Vec<(&'static str, String, &'static str)> {
             |line: &str| places.iter().map(|p| line.split(',').nth(*p).unwrap_or("")).collect::<Vec<_>>().join(",");
         text.lines().map(|line| cut(line) + "\n").collect()
     };
+    // A column at 10 Hz, where a second's window holds few of its samples.
+    let slow = |text: String, place: usize| -> String {
+        only(text, &[0, place])
+            .lines()
+            .enumerate()
+            .filter(|(k, _)| *k == 0 || k % 5 == 1)
+            .map(|(_, l)| l.to_owned() + "\n")
+            .collect()
+    };
     let gyros = |rows: &[[f64; 6]], heading| only(table(heading, rows, SI, false, ""), &[0, 1, 2, 3]);
     let forces = |rows: &[[f64; 6]], heading, unit| only(table(heading, rows, unit, false, ""), &[0, 4, 5, 6]);
     vec![
@@ -151,6 +160,11 @@ fn files() -> Vec<(&'static str, String, &'static str)> {
         ("still accelerometer in mg", forces(&rest, "t_s,x,y,z,ax_mg,ay_mg,az_mg", [1.0, 9.80665e-3]), ALLAN),
         ("one still gyro", only(table("t_s,gyro_rad_s,b,c,d,e,f", &rest, SI, false, ""), &[0, 1]), ALLAN),
         ("one still accelerometer", only(table("t_s,a,b,c,d,e,accel_m_s2", &rest, SI, false, ""), &[0, 6]), ALLAN),
+        ("one axis of a gyro", slow(table("t_s,a,b,gz_rad_s,d,e,f", &rest, SI, false, ""), 3), ALLAN),
+        ("one level axis", slow(table("t_s,a,b,c,acc_x_m_s2,e,f", &rest, SI, false, ""), 4), ALLAN),
+        ("one axis without a unit", slow(table("t_s,a,gy,c,d,e,f", &rest, SI, false, ""), 2), ALLAN),
+        ("a force alone decays", slow(table("t_s,a,b,c,force_x,e,f", &rest, SI, false, ""), 4), DRIVEN),
+        ("one axis that decays", driven("t_s,gx_rad_s", false), DRIVEN),
         ("poses in SI", table(PLAIN, &turned, SI, false, ""), TUMBLE),
         ("poses in deg/s and g without a unit", table(PLAIN, &turned, DEG_G, false, ""), TUMBLE),
         ("poses in deg/s and g", table(STATED, &turned, DEG_G, false, ""), TUMBLE),

@@ -63,7 +63,7 @@ struct Draft<'a> {
     /// The final models: those selected, or with what channels share.
     finals: Vec<Fitted>,
     residuals: Vec<Residual>,
-    /// States whether a jump, or hops between two levels, describe a channel better than its drift
+    /// States whether a jump, or hops between levels, describe a channel better than its drift
     /// does.
     leaps: Vec<bool>,
     /// Holds what free exponents say of a channel's drift.
@@ -131,8 +131,8 @@ impl<'a> Draft<'a> {
         let hops = parallel::map(&alone, |i| (*i, telegraph::hops(&self.channels[*i], &self.selected[*i].chosen)));
         for (i, found) in hops {
             let Some(hops) = found.filter(|t| t.hops > 1 && t.p_value * count < REAL) else { continue };
-            self.residuals[i].telegraph = Some(hops);
             self.residuals[i].p_value = self.residuals[i].p_value.min(hops.p_value);
+            self.residuals[i].telegraph = Some(hops);
             self.leaps[i] = true;
         }
         let steady: Vec<usize> = alone.into_iter().filter(|i| !self.leaps[*i]).collect();
@@ -246,7 +246,7 @@ impl<'a> Draft<'a> {
     fn drop_stand_ins(&mut self) {
         let stands = |found: &Found| {
             let mut at = found.channels.iter();
-            // What one jump, or hops between two levels, describe better is no drift.
+            // What one jump, or hops between levels, describe better is no drift.
             let leaps = row(found.cause).is_drift && at.clone().any(|i| self.leaps[*i]);
             let holds = |i: &usize| found.stands(&self.channels[*i], &self.finals[*i], &self.residuals[*i]);
             let whole = found.basis != Basis::Exponent;

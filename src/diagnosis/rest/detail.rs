@@ -70,7 +70,7 @@ pub struct Location {
     pub knocks: Vec<Knocked>,
     /// Channels with many single readings far off, of one size.
     pub spikes: Vec<Spiky>,
-    /// Channels that hop between two levels.
+    /// Channels that hop between levels.
     pub hops: Vec<Hops>,
     /// Channels that are not noise as modelled, worst first.
     pub mismatches: Vec<Mismatch>,
@@ -109,15 +109,15 @@ pub struct Jump {
     pub time_s: f64,
 }
 
-/// A bias that hops between two levels.
+/// A bias that hops between levels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hops {
     /// Heading of the column that hops.
     pub channel: String,
-    /// Distance between the levels, in the unit of the channels.
-    pub distance: f64,
-    /// Mean time at the lower and at the higher level, s.
-    pub dwell_s: [f64; 2],
+    /// Levels above the lowest, from it up, in the unit of the channels.
+    pub levels: Vec<f64>,
+    /// Mean time at each, s.
+    pub dwell_s: Vec<f64>,
     /// Number of hops between the levels.
     pub count: usize,
 }

@@ -98,8 +98,8 @@ fn spiky(channel: &Channel) -> Option<Spiky> {
 fn hops(channel: &Channel, hops: &Telegraph) -> Hops {
     Hops {
         channel: channel.name.clone(),
-        distance: hops.distance * channel.scale,
-        dwell_s: hops.dwell.map(|samples| samples / channel.rate_hz),
+        levels: hops.levels.iter().map(|level| level * channel.scale).collect(),
+        dwell_s: hops.dwell.iter().map(|samples| samples / channel.rate_hz).collect(),
         count: hops.hops,
     }
 }

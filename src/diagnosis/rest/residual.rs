@@ -43,7 +43,7 @@ pub(super) struct Residual {
     pub(super) kurtosis: f64,
     /// Time of a step that no noise of this law would take.
     pub(super) jump: Option<f64>,
-    /// Hops between two levels that a Gaussian drift does not make.
+    /// Hops between levels that a Gaussian drift does not make.
     pub(super) telegraph: Option<Telegraph>,
     /// Frequency below which the model has more power than there is, and the share of it that there
     /// is.

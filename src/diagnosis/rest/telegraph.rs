@@ -1,42 +1,42 @@
-//! Popcorn noise: a bias that hops between two levels has the spectrum of a memory of finite
+//! Popcorn noise: a bias that hops between a few levels has the spectrum of a memory of finite
 //! length, but not its law.
 //!
 //! Both have a Lorentzian spectrum, so nothing of second order tells them apart. Their likelihoods
-//! do: a chain of two levels in white noise (the random telegraph; levels, dwells and white noise
-//! by expectation–maximisation, Rabiner 1989) against the Gaussian laws and slow curves fitted to
-//! the same values. Where the Gaussian model is true, any other fixed model gains more than ln c
-//! over it with probability below 1/c (the mean of a likelihood ratio is one), and the Gaussian one
-//! is fitted too; for its own fitted numbers the chain pays ½ ln n each (Schwarz 1978). Not for
+//! do: a chain of two, three or four levels in white noise (levels, dwells and white noise by
+//! expectation–maximisation, Rabiner 1989) against the Gaussian laws and slow curves fitted to the
+//! same values. Where the Gaussian model is true, any other fixed model gains more than ln c over
+//! it with probability below 1/c (the mean of a likelihood ratio is one), and the Gaussian one is
+//! fitted too; for its own fitted numbers the chain pays ½ ln n each (Schwarz 1978). Not for
 //! readings rounded coarser than their noise: those hop between counts anyway.
 
 use rand::RngExt;
 
 use super::block_means;
 use super::cause::Cause;
-use super::chain::{Chain, Expected, climb};
+use super::chain::{Chain, climb};
 use super::channel::{Addition, Channel, Fitted, Term};
 use super::common::slow_part;
 use super::slow::is_slow;
 use super::spectrum::Law;
-use crate::numerics::order::median;
+use crate::numerics::order;
 use crate::rng::{Philox, Stream};
 
 /// Fewer blocks hold too few dwells.
 const FEWEST: usize = 256;
-/// Numbers of the chain: two levels, two rates, white noise.
-const NUMBERS: f64 = 5.0;
+/// Chains that are tried: of two, three and four levels.
+const TRIED: f64 = 3.0;
 /// Simulated recordings that a power is read off, and the most blocks in each.
 pub(super) const REPLICAS: u64 = 20;
 const LONGEST: usize = 1 << 13;
 
-/// A bias that hops between two levels.
-#[derive(Debug, Clone, Copy)]
+/// A bias that hops between levels.
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Telegraph {
-    /// Between the levels, in the channel's scale.
-    pub(super) distance: f64,
-    /// Mean time at the lower and at the higher level, in samples.
-    pub(super) dwell: [f64; 2],
-    /// States how often it hops.
+    /// Levels above the lowest, from it up, in the channel's scale.
+    pub(super) levels: Vec<f64>,
+    /// Mean time at each, in samples.
+    pub(super) dwell: Vec<f64>,
+    /// How often it hops.
     pub(super) hops: usize,
     /// That a Gaussian drift as fitted looks so much like hops, at most.
     pub(super) p_value: f64,
@@ -51,35 +51,49 @@ fn together(fitted: &Fitted, count: usize) -> usize {
     ((0.125 / theta) as usize).clamp(1, (count / (4 * FEWEST)).max(1))
 }
 
-/// A chain against the drift that was fitted to the same values, blocks of a recording.
-struct Contest {
-    own: Channel,
-    chain: Chain,
-    expected: Expected,
-    /// That the drift as fitted loses by so much, at most.
-    p_value: f64,
-}
-
-/// Fits both; `None` where the values have no two sides.
-fn contest(own: Channel, terms: Vec<Term>) -> Option<Contest> {
+/// Fits a drift to blocks of a recording, and chains to the same values; the best chain, its dwells
+/// in blocks. `None` where the values have no two sides.
+fn contest(own: &Channel, terms: Vec<Term>) -> Option<Telegraph> {
     let gaussian = own.fit(terms);
-    let values = &own.values;
     // The mean, which the cosine coefficients leave out, has the variance of the slowest of them.
     let known = gaussian.log_likelihood() - 0.5 * gaussian.variances.first()?.ln();
-    let mut slow = slow_part(&gaussian);
-    slow.iter_mut().zip(gaussian.mean_curve(values.len())).for_each(|(s, c)| *s += c);
-    let [least, most] = slow.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[l, m], v| [l.min(*v), m.max(*v)]);
-    let middles = [median(slow.clone())?, 0.5 * (least + most)];
+    let mut course = slow_part(&gaussian);
+    course.iter_mut().zip(gaussian.mean_curve(own.values.len())).for_each(|(s, c)| *s += c);
     let white = gaussian.white().0;
-    let (chain, expected) = middles
-        .into_iter()
-        .filter_map(|middle| {
-            let high: Vec<bool> = slow.iter().map(|s| *s > middle).collect();
-            Some(climb(Chain::divided(values, &high, white)?, values, 0.5 * white))
-        })
-        .max_by(|a, b| a.1.log_likelihood.total_cmp(&b.1.log_likelihood))?;
-    let gain = expected.log_likelihood - known - 0.5 * NUMBERS * (values.len() as f64).ln();
-    Some(Contest { own, chain, expected, p_value: (-gain).exp().min(1.0) })
+    let rivals = [
+        hopping::<2>(&own.values, &course, white),
+        hopping::<3>(&own.values, &course, white),
+        hopping::<4>(&own.values, &course, white),
+    ];
+    let (gain, best) = rivals.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(Telegraph { p_value: (TRIED * (known - gain).exp()).min(1.0), ..best })
+}
+
+/// The likeliest chain of so many levels and its log-likelihood, less what its numbers cost.
+fn hopping<const LEVELS: usize>(values: &[f64], course: &[f64], white: f64) -> Option<(f64, Telegraph)> {
+    let mut sorted = course.to_vec();
+    order::sort(&mut sorted);
+    let (least, most) = (*sorted.first()?, *sorted.last()?);
+    // As many values in each part, or parts as wide as one another.
+    let shares = || (1..LEVELS).map(|k| k as f64 / LEVELS as f64);
+    let bounds = [
+        shares().map(|s| sorted[(s * sorted.len() as f64) as usize]).collect::<Vec<f64>>(),
+        shares().map(|s| least + s * (most - least)).collect(),
+    ];
+    let starts = bounds.iter().filter_map(|b| Chain::<LEVELS>::divided(values, course, b, white));
+    let climbed = starts.map(|start| climb(start, values, 0.5 * white));
+    let (chain, expected) = climbed.max_by(|a, b| a.1.log_likelihood.total_cmp(&b.1.log_likelihood))?;
+    // Levels, what leaves them, white noise.
+    let numbers = (2 * LEVELS + 1) as f64;
+    let mut upward: Vec<usize> = (0..LEVELS).collect();
+    order::sort_by_key(&mut upward, |k| chain.level[*k]);
+    let found = Telegraph {
+        levels: upward.iter().map(|k| chain.level[*k] - chain.level[upward[0]]).collect(),
+        dwell: upward.iter().map(|k| 1.0 / chain.leave[*k]).collect(),
+        hops: expected.changes(),
+        p_value: 1.0,
+    };
+    Some((expected.log_likelihood - 0.5 * numbers * (values.len() as f64).ln(), found))
 }
 
 /// Returns whether readings are too coarse for a law of the values between the steps.
@@ -99,9 +113,10 @@ pub(super) fn hops(channel: &Channel, fitted: &Fitted) -> Option<Telegraph> {
     if coarse(channel, fitted) || count < FEWEST || !fitted.terms.iter().any(drifts) {
         return None;
     }
-    // What stays under either model, such as a pickup, is taken off.
+    // What stays under either model, such as a pickup, is taken off; a step is a hop.
+    let moves = |t: &Term| drifts(t) || t.cause == Cause::Jump;
     let mut rest = channel.values.clone();
-    for (index, term) in fitted.terms.iter().enumerate().filter(|(_, t)| !drifts(t)) {
+    for (index, term) in fitted.terms.iter().enumerate().filter(|(_, t)| !moves(t)) {
         if let Addition::Curves(curves) = &term.addition {
             for (curve, (amplitude, _)) in curves.iter().zip(fitted.amplitudes_of(index)) {
                 rest.iter_mut().zip(curve.values.iter()).for_each(|(r, v)| *r -= amplitude * v);
@@ -110,16 +125,13 @@ pub(super) fn hops(channel: &Channel, fitted: &Fitted) -> Option<Telegraph> {
     }
     let block = together(fitted, count);
     let own = block_means::channel(channel, &rest, block);
-    let kept = fitted.terms.iter().filter(|t| drifts(t) || matches!(t.addition, Addition::Law(_)));
+    let kept = fitted.terms.iter().filter(|t| moves(t) || matches!(t.addition, Addition::Law(_)));
     let terms = kept.filter_map(|t| block_means::term(t, block));
-    let Contest { own, chain, expected, p_value } = contest(own, terms.collect())?;
-    let order = usize::from(chain.level[0] > chain.level[1]);
-    let dwell = chain.leave.map(|l| block as f64 / l);
+    let found = contest(&own, terms.collect())?;
     Some(Telegraph {
-        distance: (chain.level[1] - chain.level[0]).abs() * own.scale,
-        dwell: [dwell[order], dwell[1 - order]],
-        hops: expected.high.windows(2).filter(|w| (w[0] > 0.5) != (w[1] > 0.5)).count(),
-        p_value,
+        levels: found.levels.iter().map(|l| l * own.scale).collect(),
+        dwell: found.dwell.iter().map(|d| d * block as f64).collect(),
+        ..found
     })
 }
 
@@ -151,7 +163,7 @@ pub(super) fn power(channel: &Channel, fitted: &Fitted, p_value: f64) -> Option<
             .collect();
         let own = Channel::new(&channel.name, &values, channel.rate_hz / block as f64);
         let law = Term { addition: Addition::Law(Law::Markov(memory)), ..fitted.terms[index].clone() };
-        contest(own, vec![law]).is_some_and(|c| c.p_value < p_value)
+        contest(&own, vec![law]).is_some_and(|c| c.p_value < p_value)
     });
     Some(detected.count())
 }
@@ -238,6 +250,31 @@ mod tests {
         // The bound holds for every recording, so 500 · 0.01 at most are expected; in fact the
         // penalty keeps it far below.
         assert!(alarms.len() <= 1, "{alarms:?}");
+    }
+
+    #[test]
+    fn hops_among_three_levels_are_found_with_their_levels() {
+        let found = parallel::map_members(0..20, |seed| {
+            let mut rng = Philox::new(45, seed, Stream::Host);
+            let mut side = 0;
+            let values: Vec<f64> = (0..6000)
+                .map(|_| {
+                    if rng.random::<f64>() < 0.01 {
+                        side = (side + 1 + usize::from(rng.random::<bool>())) % 3;
+                    }
+                    [-1.0, 0.2, 1.0][side] + rng.normal()
+                })
+                .collect();
+            let channel = Channel::new("x", &values, 1.0);
+            let fitted = channel.fit(vec![law(Cause::GaussMarkov, Law::Markov(66.0))]);
+            let found = hops(&channel, &fitted).filter(|t| t.p_value < 1e-3)?;
+            // A level rests on a third of the values: it has a standard error of 0.02, and the step
+            // from one to the next takes a block or two.
+            let near = |level: f64, planted: f64| (level * channel.scale - planted).abs() < 0.15;
+            matches!(found.levels[..], [_, middle, highest] if near(middle, 1.2) && near(highest, 2.0)).then_some(())
+        });
+        let found = found.iter().flatten().count();
+        assert!(found >= 19, "{found} of 20");
     }
 
     #[test]

@@ -11,6 +11,10 @@ const WINDOW_S: f64 = 1.0;
 /// Samples of the shortest window; windows of a second are joined of them. Fewer tell nothing of a
 /// variance.
 const WIDTH: usize = 8;
+/// Axes of a whole sensor, whose eight samples make a variance that tells a still window from one
+/// that moves: with 21 degrees of freedom one of 500 goes beyond `QUIET` times the 1st percentile,
+/// with the seven of one axis every second one does.
+const AXES: usize = 3;
 /// Windows in a stretch.
 const SHORTEST: usize = 2;
 /// A window is still whose variance is at most this many times that of the quietest ones.
@@ -89,7 +93,7 @@ impl Rest {
     /// rests in many directions, the radius of their sphere, whatever is added to every reading;
     /// else the usual length of a reading.
     pub(super) fn gravity(&self, rate_hz: f64) -> Option<f64> {
-        if self.axes[1] != 3 {
+        if self.axes[1] != AXES {
             return None;
         }
         let rests = self.rests(rate_hz, [None; 2]);
@@ -134,12 +138,13 @@ impl Rest {
         }
         Still {
             stretches: rests.0.into_iter().map(|rest| rest.stretch).collect(),
-            poses: if self.axes[1] == 3 { directions.len() } else { 0 },
+            poses: if self.axes[1] == AXES { directions.len() } else { 0 },
         }
     }
 
     fn rests(&self, rate_hz: f64, si: [Option<f64>; 2]) -> Rests {
-        let together = ((WINDOW_S * rate_hz / WIDTH as f64).round() as usize).max(1);
+        let fewest = self.axes.into_iter().filter(|axes| *axes > 0).min().unwrap_or(AXES);
+        let together = ((WINDOW_S * rate_hz / WIDTH as f64).round() as usize).max(AXES.div_ceil(fewest));
         let windows = self.joined(together);
         let mut found = Rests(Vec::new());
         if windows.is_empty() {
@@ -157,8 +162,8 @@ impl Rest {
         for k in 0..=windows.len() {
             match (begin, windows.get(k).is_some_and(still)) {
                 (None, true) => begin = Some(k),
-                // A sensor that is turned slowly is as quiet as one at rest.
-                (Some(from), true) if !alike(&windows[from].force, &windows[k].force) => {
+                // A sensor that is turned slowly is as quiet as one at rest; fewer axes show no direction.
+                (Some(from), true) if self.axes[1] == AXES && !alike(&windows[from].force, &windows[k].force) => {
                     found.end(&windows, from..k, window_s);
                     begin = Some(k);
                 }

@@ -30,9 +30,9 @@ const KINDS: [(Quantity, &str); 2] =
     [(Quantity::Gyro, "--gyro-scale"), (Quantity::Accelerometer, "--accelerometer-scale")];
 
 impl Sensors {
-    /// Three columns of a sensor by their names. Without any such, the columns whose unit is one of
-    /// such a sensor, where no other column is a reading: next to a displacement, a force drives
-    /// it.
+    /// Three columns of a sensor by their names. Without any such, the columns whose unit or name is
+    /// one of such a sensor, where no other column is a reading: next to a displacement, a force
+    /// drives it.
     pub(super) fn of(names: &[String], texts: &[Option<String>]) -> Self {
         let stated: Vec<Option<Stated>> =
             names.iter().zip(texts).map(|(name, text)| roles::stated(name, text.as_deref())).collect();
@@ -41,7 +41,10 @@ impl Sensors {
         if places.iter().all(Vec::is_empty) {
             let alone = |place: usize| match &stated[place] {
                 Some(Stated::Inertial(unit)) if texts[place].is_some() => Some(unit.quantity),
-                _ => roles::alone(&names[place]).map(|unit| unit.quantity),
+                _ if texts[place].is_some() => None,
+                _ => roles::alone(&names[place])
+                    .map(|unit| unit.quantity)
+                    .or_else(|| roles::alone_without_unit(&names[place])),
             };
             let readings =
                 || (0..names.len()).filter(|place| !roles::is_environment(&names[*place], texts[*place].as_deref()));

@@ -43,6 +43,15 @@ struct Said {
     next_experiment: String,
 }
 
+/// "a, b and c".
+fn listed(items: &[String]) -> String {
+    match items {
+        [] => String::new(),
+        [one] => one.clone(),
+        [head @ .., tail] => format!("{} and {tail}", head.join(", ")),
+    }
+}
+
 /// Puts an answer into words.
 pub fn worded(answer: Answer) -> Diagnosis {
     let said = said(&answer);

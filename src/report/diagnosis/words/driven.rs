@@ -2,6 +2,7 @@
 
 mod experiment;
 
+use super::listed;
 use proofmass_base::number::{short, with_uncertainty};
 use proofmass_diagnosis::answer::Answer;
 use proofmass_diagnosis::driven::intake::notes::Broken;
@@ -43,7 +44,7 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
                 answer.places.argument.as_ref().map_or(String::new(), part)
             )
         }
-        Outcome::Explained => format!("The model left out {}; with it, {fall}.", listed(&named, "and")),
+        Outcome::Explained => format!("The model left out {}; with it, {fall}.", listed(&named)),
         Outcome::Undecidable if effects.is_empty() => format!(
             "A faint structure remains in the residual ({} % of its variance is predictable), too weak in this \
              recording to be identified.",
@@ -52,7 +53,7 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
         Outcome::Undecidable if account.few_cycles.is_some() => format!(
             "Something is missing from the base model ({}), but {} cycles of the resonance are too few to tell \
              what: {fall}.",
-            listed(&holding(effects, &named), "and"),
+            listed(&holding(effects, &named)),
             short(account.few_cycles.unwrap_or(0.0))
         ),
         Outcome::Undecidable if account.is_linear_class => format!(
@@ -62,14 +63,14 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
                 [one] => format!("every linear effect, under an input with one spectral line at {} Hz,", short(*one)),
                 lines => format!("every linear effect, under an input with {} spectral lines,", lines.len()),
             },
-            listed(&holding(effects, &named), "and")
+            listed(&holding(effects, &named))
         ),
         Outcome::Undecidable => {
             let also: Vec<String> =
                 effects.iter().filter(|e| !e.confusable_with.is_empty()).map(|e| e.id.clone()).collect();
             format!(
                 "Something is missing, and this recording cannot distinguish {}; with either, {fall}.",
-                listed(&also, "and")
+                listed(&also)
             )
         }
         // Without a base model that could be repaired, few laws were asked for, and about one place
@@ -110,15 +111,11 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
                 String::new()
             };
             let forms: Vec<String> = effects.iter().filter(|e| departs(e)).filter_map(form).collect();
-            format!(
-                "The model left out {}, but {}: with the stated form, {fall}{rest}.",
-                listed(&laws, "and"),
-                listed(&forms, "and")
-            )
+            format!("The model left out {}, but {}: with the stated form, {fall}{rest}.", listed(&laws), listed(&forms))
         }
         Outcome::Unexplained => format!(
             "The model left out {}, and something else: {fall}{}; {} % of the remaining residual variance is predictable.",
-            listed(&holding(effects, &named), "and"),
+            listed(&holding(effects, &named)),
             remaining(answer),
             short(100.0 * account.predictable)
         ),
@@ -177,10 +174,10 @@ fn shares(answer: &Answer, laws: &[String], unit: &str) -> String {
         _ => "error on the validation recordings",
     };
     let forms: Vec<String> = answer.effects.iter().filter(|e| departs(e)).filter_map(form).collect();
-    let forms = if forms.is_empty() { String::new() } else { format!("; {}", listed(&forms, "and")) };
+    let forms = if forms.is_empty() { String::new() } else { format!("; {}", listed(&forms)) };
     format!(
         "{} {verb} {share:.1} % of the base model's {judged} ({} → {} {unit}){rest}{forms}.",
-        listed(laws, "and"),
+        listed(laws),
         short(test.rmse_before),
         short(after)
     )
@@ -285,14 +282,6 @@ fn holding(effects: &[Effect], named: &[String]) -> Vec<String> {
 /// States what else a reader of the verdict must know of the recording, as a sentence.
 fn doubts(clauses: &[String]) -> String {
     if clauses.is_empty() { String::new() } else { format!(" Note: {}.", clauses.join("; ")) }
-}
-
-fn listed(items: &[String], last: &str) -> String {
-    match items {
-        [] => String::new(),
-        [one] => one.clone(),
-        [head @ .., tail] => format!("{} {last} {tail}", head.join(", ")),
-    }
 }
 
 #[cfg(test)]

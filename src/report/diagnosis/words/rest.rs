@@ -2,6 +2,7 @@
 
 mod statement;
 
+use super::listed;
 use proofmass_base::number::{duration, short};
 use proofmass_diagnosis::rest::detail::{Departure, Detail, Hops, Knocked, Location, Mismatch, Spiky};
 use proofmass_diagnosis::verdict::{Effect, Outcome, named};
@@ -128,7 +129,7 @@ pub(crate) fn place(detail: &Detail) -> String {
     sentences.extend(disturbed(location));
     sentences.extend(location.hops.iter().map(|h| hops(h, &detail.unit)));
     if !location.hops.is_empty() {
-        sentences.push("A Gaussian drift such as `gauss-markov` may have that spectrum, but not two levels.".into());
+        sentences.push("A Gaussian drift such as `gauss-markov` may have that spectrum, but no levels.".into());
     }
     sentences.extend(location.mismatches.iter().map(|m| mismatch(m, location.described)));
     if !location.also.is_empty() {
@@ -164,16 +165,23 @@ fn disturbed(location: &Location) -> Vec<String> {
     out
 }
 
-/// A channel that hops between two levels.
+/// A channel that hops between levels.
 fn hops(hops: &Hops, unit: &str) -> String {
-    let [low, high] = hops.dwell_s.map(duration);
-    format!(
-        "{}: the bias hops between two levels {} {unit} apart (popcorn noise; {} hops, on average after {low} at the lower \
-         and {high} at the higher level).",
-        hops.channel,
-        short(hops.distance),
-        hops.count
-    )
+    let dwells: Vec<String> = hops.dwell_s.iter().map(|d| duration(*d)).collect();
+    let (levels, dwells) = match (&hops.levels[..], &dwells[..]) {
+        ([_, distance], [low, high]) => (
+            format!("between two levels {} {unit} apart", short(*distance)),
+            format!("{low} at the lower and {high} at the higher level"),
+        ),
+        (levels, dwells) => (
+            format!(
+                "among levels {} {unit} above the lowest",
+                listed(&levels[1..].iter().map(|l| short(*l)).collect::<Vec<_>>())
+            ),
+            format!("{} at them", listed(dwells)),
+        ),
+    };
+    format!("{}: the bias hops {levels} (popcorn noise; {} hops, on average after {dwells}).", hops.channel, hops.count)
 }
 
 /// One channel's residual in a sentence.

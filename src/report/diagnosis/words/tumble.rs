@@ -1,5 +1,6 @@
 //! The verdict on an IMU that was hand-rotated, in plain words.
 
+use super::listed;
 use proofmass_base::number::short;
 use proofmass_diagnosis::tumble::account::{Account, Drift, NamedTerm, Rms};
 use proofmass_diagnosis::tumble::detail::Detail;
@@ -24,18 +25,18 @@ pub(crate) fn sentence(outcome: Outcome, detail: &Detail) -> String {
         ),
         Outcome::Explained => format!(
             "The model left out {}. With {} fitted, poses that were held out agree: {}.",
-            join(&names),
+            listed(&names),
             if names.len() == 1 { "it" } else { "them" },
-            join(&groups(account).map(improvement).collect::<Vec<_>>())
+            listed(&groups(account).map(improvement).collect::<Vec<_>>())
         ),
         Outcome::Unexplained => {
             let part = match names.is_empty() {
                 true => "No candidate in the library explains the mismatch".to_owned(),
                 false => format!(
                     "{} {} on held-out poses ({}), but something else is missing",
-                    join(&names),
+                    listed(&names),
                     if names.len() == 1 { "is named and holds" } else { "are named and hold" },
-                    join(&judging(account).map(improvement).collect::<Vec<_>>())
+                    listed(&judging(account).map(improvement).collect::<Vec<_>>())
                 ),
             };
             let beyond = account.oversized.iter().map(|(id, sensor)| {
@@ -57,7 +58,7 @@ pub(crate) fn sentence(outcome: Outcome, detail: &Detail) -> String {
         }
         Outcome::Undecidable => {
             let pairs: Vec<String> = account.named.iter().filter(|n| !n.rivals.is_empty()).map(name).collect();
-            format!("Something is missing, but these poses cannot tell what: {}.", join(&pairs))
+            format!("Something is missing, but these poses cannot tell what: {}.", listed(&pairs))
         }
     }
 }
@@ -192,13 +193,4 @@ fn name(named: &NamedTerm) -> String {
 /// "misalignment of the gyro".
 fn phrase(id: &str, sensor: Sense) -> String {
     format!("{id} of the {}", sensor.name())
-}
-
-/// "a, b and c".
-fn join(parts: &[String]) -> String {
-    match parts {
-        [] => String::new(),
-        [one] => one.clone(),
-        [rest @ .., last] => format!("{} and {last}", rest.join(", ")),
-    }
 }

@@ -6,7 +6,7 @@ use proofmass_diagnosis::driven::intake::notes::Broken;
 use proofmass_diagnosis::driven::verdict::detail::Account;
 use proofmass_diagnosis::verdict::Outcome;
 
-use super::listed;
+use super::super::listed;
 
 /// Says what would decide or confirm.
 pub(crate) fn next_experiment(answer: &Answer, account: &Account) -> String {
@@ -46,7 +46,7 @@ pub(crate) fn next_experiment(answer: &Answer, account: &Account) -> String {
                 "Record again at other amplitudes and a wider band ({source} at a third and at three times this \
                  level, with power well above the resonance): {} then separate, because they scale differently with \
                  amplitude and frequency.",
-                listed(&tied.iter().map(|t| (*t).to_owned()).collect::<Vec<_>>(), "and")
+                listed(&tied.iter().map(|t| (*t).to_owned()).collect::<Vec<_>>())
             )
         }
         Outcome::Explained => format!(
