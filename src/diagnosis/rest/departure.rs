@@ -44,8 +44,15 @@ pub(super) struct Departure {
     /// By how much it is better than what was chosen, or where channels share it, than one memory
     /// or one whole law for all: twice the log-likelihood less what the numbers cost.
     pub(super) better_by: f64,
-    /// States whether a spectrum of that exponent absorbs the straight or settling courses too.
-    pub(super) takes_courses: bool,
+    /// States whether it stands for the straight or settling courses too, and for the noise.
+    pub(super) takes: Takes,
+}
+
+/// What another description stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Takes {
+    pub(super) courses: bool,
+    pub(super) noise: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,12 +74,7 @@ pub(super) enum Of {
 impl Departure {
     /// Returns whether it speaks of this cause.
     pub(super) fn concerns(&self, cause: Cause) -> bool {
-        let is_slow = SLOW.contains(&cause);
-        match (self.of, self.ruling) {
-            (Of::Spectrum, _) => is_slow || self.takes_courses && is_course(cause),
-            (Of::Time, Ruling::Refuted) => is_slow || is_course(cause),
-            (Of::Time, Ruling::Open) => is_course(cause),
-        }
+        self.takes.noise && SLOW.contains(&cause) || self.takes.courses && is_course(cause)
     }
 }
 
@@ -81,7 +83,8 @@ impl Departure {
 pub(super) fn judge(channel: &Channel, chosen: &Fitted, correction: f64) -> Option<Departure> {
     let both = [in_time(channel, chosen), in_spectrum(channel, chosen, correction)];
     let refuted = both.iter().flatten().find(|d| d.ruling == Ruling::Refuted).copied();
-    refuted.or_else(|| both.into_iter().flatten().next())
+    let [time, spectrum] = both;
+    refuted.or(spectrum).or(time)
 }
 
 /// Returns whether a channel's drift follows a power of time better than the laws that it was named
@@ -123,8 +126,9 @@ fn in_spectrum(channel: &Channel, chosen: &Fitted, correction: f64) -> Option<De
     }
     let (free, best) = free_exponent(channel, chosen, &chosen.bins);
     let gain = 2.0 * (best - chosen.log_likelihood());
-    let of = |ruling, free, better_by, takes_courses| {
-        Some(Departure { ruling, of: Of::Spectrum, exponent: Some(free), better_by, takes_courses })
+    let of = |ruling, free, better_by, courses| {
+        let takes = Takes { courses, noise: true };
+        Some(Departure { ruling, of: Of::Spectrum, exponent: Some(free), better_by, takes })
     };
     // A free exponent has one number more than a whole one.
     let of_whole = |law: f64| of(whole(law, free, gain)?, free, gain - 2.0, false);
@@ -213,18 +217,37 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
     if drift[..] == [Cause::RateRamp] {
         let ruling = whole(1.0, free, 2.0 * (best - before.log_likelihood()))?;
         let better_by = 2.0 * (best - before.log_likelihood()) - penalty;
-        return Some(Departure { ruling, of: Of::Time, exponent: Some(free), better_by, takes_courses: true });
+        let takes = Takes { courses: true, noise: true };
+        return Some(Departure { ruling, of: Of::Time, exponent: Some(free), better_by, takes });
     }
     let power = score(best, 2.0);
-    let smooth = smooth(count).map(|(curves, numbers)| score(with(curves), numbers)).fold(f64::NEG_INFINITY, f64::max);
-    let exponent = (power >= smooth).then_some(free);
-    let better_by = power.max(smooth) - held;
-    let ruling = match drift[..] {
-        [Cause::WarmUp] => rival(better_by)?,
-        // That a course does as well as noise is what noise looks like.
-        _ => rival(better_by).filter(|r| *r == Ruling::Refuted)?,
+    let of_all = |with: &dyn Fn(Vec<Curve>) -> f64, more: f64| {
+        smooth(count).map(|(curves, numbers)| score(with(curves), numbers + more)).fold(f64::NEG_INFINITY, f64::max)
     };
-    Some(Departure { ruling, of: Of::Time, exponent, better_by, takes_courses: true })
+    let smooth = of_all(&with, 0.0);
+    let departs =
+        |ruling, exponent, better_by, takes| Some(Departure { ruling, of: Of::Time, exponent, better_by, takes });
+    let has_noise = drift.iter().any(|cause| SLOW.contains(cause));
+    let better_by = power.max(smooth) - held;
+    match rival(better_by) {
+        Some(ruling) if ruling == Ruling::Refuted || has_noise || drift[..] == [Cause::WarmUp] => {
+            let exponent = (power >= smooth).then_some(free);
+            return departs(ruling, exponent, better_by, Takes { courses: true, noise: true });
+        }
+        _ => {}
+    }
+    // A slow cause that is no noise, next to a course that the library names.
+    let courses: Vec<&Term> = chosen.terms.iter().filter(|t| is_course(t.cause)).collect();
+    if !has_noise || courses.is_empty() {
+        return None;
+    }
+    let more: f64 = courses.iter().map(|t| row(t.cause).numbers).sum();
+    let kept: Vec<Term> = rest.iter().cloned().chain(coarse(courses)).collect();
+    let beside = |curves: Vec<Curve>| -> f64 {
+        own.fit(kept.iter().cloned().chain([term(Cause::RateRamp, curves)]).collect()).log_likelihood()
+    };
+    let better_by = of_all(&beside, more) - held;
+    departs(rival(better_by)?, None, better_by, Takes { courses: false, noise: true })
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ use super::channel::{Addition, Channel, Fitted, Term};
 use super::departure::{Departure, Of, Ruling};
 use super::effects::{Basis, Found};
 use super::laws::slow_laws;
+use super::profile::Profiled;
 use super::residual::{TOLERANCE, residual};
 use super::selection::Selection;
 use super::spectrum::Law;
@@ -44,11 +45,16 @@ fn may_be_another(cause: Cause, ci95: [f64; 2]) -> bool {
 pub(super) fn ties(chosen: &Fitted, departure: &Departure) -> Option<(Cause, Vec<Cause>)> {
     let exponent = departure.exponent.filter(|_| departure.of == Of::Spectrum && departure.ruling == Ruling::Open)?;
     let [own] = slow_laws(chosen)[..] else { return None };
+    Some((own, others(own, exponent)))
+}
+
+/// Laws other than this one that an exponent or an end of its interval is near, nearest first.
+fn others(own: Cause, exponent: Profiled) -> Vec<Cause> {
     let mut near: Vec<Cause> = Vec::new();
     for value in [exponent.value, exponent.ci95[0], exponent.ci95[1]] {
         near.extend(nearest(value).map(|(cause, _)| cause).filter(|c| *c != own && !near.contains(c)));
     }
-    Some((own, near))
+    near
 }
 
 /// One channel among those judged.
@@ -76,7 +82,7 @@ pub(super) fn one_for_all(of: &Judged<'_>) -> Option<Found> {
     let open = departure.ruling == Ruling::Open;
     // One whole law that may hold keeps its name as it is; so does a memory that does better.
     if open
-        && !departure.takes_courses
+        && !departure.takes.courses
         && slow.len() == 1
         && (slow[0] != Cause::GaussMarkov || departure.better_by < 0.0)
     {
@@ -100,7 +106,8 @@ pub(super) fn one_for_all(of: &Judged<'_>) -> Option<Found> {
     let all = free.held_out(&channel.promised);
     let possible = all - selection.base.held_out(&channel.promised);
     let own = all - without.held_out(&channel.promised);
-    let rivals = chosen.terms.iter().map(|t| t.cause).filter(|c| departure.concerns(*c) && *c != cause);
+    let replaced = chosen.terms.iter().map(|t| t.cause).find(|c| departure.concerns(*c) && *c != cause);
+    let near = others(cause, exponent).into_iter().filter(|c| Some(*c) != replaced);
     Some(Found {
         cause,
         channels: vec![place],
@@ -109,7 +116,7 @@ pub(super) fn one_for_all(of: &Judged<'_>) -> Option<Found> {
             held_out_gain: (own / possible.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0),
             p_value: removal_p_value(channel, &free, &without, index, correction(count)).min(1.0),
         },
-        rivals: if open { rivals.take(1).collect() } else { Vec::new() },
+        rivals: if open { replaced.into_iter().chain(near).collect() } else { Vec::new() },
         basis: Basis::Exponent,
     })
 }
@@ -117,7 +124,7 @@ pub(super) fn one_for_all(of: &Judged<'_>) -> Option<Found> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rest::profile::Profiled;
+    use crate::rest::departure::Takes;
 
     #[test]
     fn a_law_that_may_be_a_power_law_ties_with_those_that_this_is_near() {
@@ -130,7 +137,7 @@ mod tests {
             of: Of::Spectrum,
             exponent: Some(Profiled { value, ci95 }),
             better_by: -1.0,
-            takes_courses: false,
+            takes: Takes { courses: false, noise: true },
         };
         let memory = chosen(Cause::GaussMarkov, Law::Markov(30.0));
         let flicker = chosen(Cause::FlickerNoise, Law::Flicker);

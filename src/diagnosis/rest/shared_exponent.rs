@@ -10,7 +10,7 @@
 use super::candidate::{memories, row};
 use super::cause::Cause;
 use super::channel::{Channel, Fitted};
-use super::departure::{Departure, Of, POINTS, Ruling, SPECTRAL, in_place, rival, whole};
+use super::departure::{Departure, Of, POINTS, Ruling, SPECTRAL, Takes, in_place, rival, whole};
 use super::laws::{SLOW, slow_laws};
 use super::profile::{Profiled, peak, profile};
 use super::spectrum::Law;
@@ -56,7 +56,7 @@ impl Member<'_> {
 
 /// Returns whether a channel drifts by noise alone, so that it may share an exponent.
 pub(super) fn may_share(member: &Member<'_>) -> bool {
-    !slow_laws(member.chosen).is_empty() && member.departure.is_none_or(|d| d.of == Of::Spectrum && !d.takes_courses)
+    !slow_laws(member.chosen).is_empty() && member.departure.is_none_or(|d| d.of == Of::Spectrum && !d.takes.courses)
 }
 
 /// Returns what one exponent for all says; `None` where they speak alike, where their exponents
@@ -93,7 +93,7 @@ pub(super) fn of(members: &[Member<'_>]) -> Option<Departure> {
         of: Of::Spectrum,
         exponent: Some(shared),
         better_by: over_memory.min(2.0 * (together - flicker.max(walk)) - 2.0),
-        takes_courses: false,
+        takes: Takes { courses: false, noise: true },
     })
 }
 

@@ -83,7 +83,8 @@ fn departure(of: &Departure) -> String {
                 format!("{channel}: {} ({interval}) fits as well as {ids}.", law(*value))
             }
         }
-        _ => format!("{channel}: it drifts smoothly in time, but not as {ids}."),
+        _ if *refuted => format!("{channel}: it drifts smoothly in time, but not as {ids}."),
+        _ => format!("{channel}: a smooth course in time fits as well as {ids}."),
     }
 }
 
