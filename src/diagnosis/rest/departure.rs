@@ -48,7 +48,7 @@ pub(super) struct Departure {
     pub(super) takes: Takes,
 }
 
-/// What another description stands for.
+/// Holds what another description stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Takes {
     pub(super) courses: bool,

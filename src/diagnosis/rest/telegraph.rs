@@ -36,7 +36,7 @@ pub(super) struct Telegraph {
     pub(super) levels: Vec<f64>,
     /// Mean time at each, in samples.
     pub(super) dwell: Vec<f64>,
-    /// How often it hops.
+    /// States how often it hops.
     pub(super) hops: usize,
     /// That a Gaussian drift as fitted looks so much like hops, at most.
     pub(super) p_value: f64,

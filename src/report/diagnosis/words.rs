@@ -1,6 +1,7 @@
 //! From an answer to words, and with them to the public document.
 
 mod driven;
+mod listed;
 mod response;
 mod rest;
 mod trajectory;
@@ -41,15 +42,6 @@ struct Said {
     place: String,
     /// Says what would decide or confirm.
     next_experiment: String,
-}
-
-/// "a, b and c".
-fn listed(items: &[String]) -> String {
-    match items {
-        [] => String::new(),
-        [one] => one.clone(),
-        [head @ .., tail] => format!("{} and {tail}", head.join(", ")),
-    }
 }
 
 /// Puts an answer into words.

@@ -2,7 +2,7 @@
 
 mod experiment;
 
-use super::listed;
+use super::listed::listed;
 use proofmass_base::number::{short, with_uncertainty};
 use proofmass_diagnosis::answer::Answer;
 use proofmass_diagnosis::driven::intake::notes::Broken;

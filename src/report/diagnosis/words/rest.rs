@@ -2,7 +2,7 @@
 
 mod statement;
 
-use super::listed;
+use super::listed::listed;
 use proofmass_base::number::{duration, short};
 use proofmass_diagnosis::rest::detail::{Departure, Detail, Hops, Knocked, Location, Mismatch, Spiky};
 use proofmass_diagnosis::verdict::{Effect, Outcome, named};

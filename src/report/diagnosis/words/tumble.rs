@@ -1,6 +1,6 @@
 //! The verdict on an IMU that was hand-rotated, in plain words.
 
-use super::listed;
+use super::listed::listed;
 use proofmass_base::number::short;
 use proofmass_diagnosis::tumble::account::{Account, Drift, NamedTerm, Rms};
 use proofmass_diagnosis::tumble::detail::Detail;

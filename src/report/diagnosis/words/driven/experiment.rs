@@ -6,7 +6,7 @@ use proofmass_diagnosis::driven::intake::notes::Broken;
 use proofmass_diagnosis::driven::verdict::detail::Account;
 use proofmass_diagnosis::verdict::Outcome;
 
-use super::super::listed;
+use super::super::listed::listed;
 
 /// Says what would decide or confirm.
 pub(crate) fn next_experiment(answer: &Answer, account: &Account) -> String {
