@@ -1,6 +1,7 @@
 //! A model run over a recording: base and terms step by step, corrected by the readings where noise
 //! terms ask for it.
 
+mod acting;
 pub mod filter;
 mod force;
 pub mod gain;

@@ -1,6 +1,7 @@
 //! The base model of a recording, and whether another way of the input between its samples would do
 //! what terms seem to.
 
+use std::cmp::Ordering;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
@@ -17,7 +18,9 @@ use crate::driven::simulation::structure::ModelStructure;
 use crate::model;
 use crate::number::short;
 use crate::numerics::moments::mean_sd;
+use crate::physics::input_lag::InputLag;
 use crate::physics::library::Term;
+use crate::physics::readout_delay::ReadoutDelay;
 use crate::physics::scales::Scales;
 use crate::remainder::REAL;
 
@@ -27,6 +30,8 @@ use super::residual_structure::residual_structure_of_noise;
 
 /// Share of the reading's power that an oscillator must explain to be one.
 const LEAST_SHARE: f64 = 0.02;
+/// Fits whose mean squares differ by a smaller factor are alike.
+const ALIKE: f64 = 1.01;
 /// Log-likelihood that it must gain in a ring-down, whose later part may be nothing but noise.
 const LEAST_GAIN: f64 = 20.0;
 /// Share of what it leaves that may be predictable before that is more than noise.
@@ -152,9 +157,10 @@ pub(crate) fn interpolated(how: Interpolation) -> String {
     format!("the input is best interpolated by {} between samples", how.words())
 }
 
-/// Returns which of steps and straight lines between the samples of the input does as well as the
-/// linear terms of `chosen` that it could be mistaken for, if one does: a held input looks late by
-/// half a sample, straight lines look like a weak low-pass.
+/// Returns which of steps and straight lines between the samples of the input, perhaps with a
+/// reading that is late or an input that is, does as well as the linear terms of `chosen` that it
+/// could be mistaken for, if one does: a held input looks late by half a sample, straight lines look
+/// like a weak low-pass.
 pub(crate) fn other_input(data: &mut Data, chosen: &Judged, scales: &Scales) -> Option<Interpolation> {
     let mistaken = |t: &Term| {
         matches!(
@@ -167,23 +173,31 @@ pub(crate) fn other_input(data: &mut Data, chosen: &Judged, scales: &Scales) -> 
                 | Term::CoupledMode(_)
         )
     };
-    if !chosen.fit.structure.terms.iter().any(mistaken) {
-        return None;
-    }
     let (mut terms, mut point) = (Vec::new(), chosen.fit.point[..BASE].to_vec());
     for (i, term) in chosen.fit.structure.terms.iter().enumerate().filter(|(_, t)| !mistaken(t)) {
         terms.push(*term);
         point.extend_from_slice(chosen.fit.structure.of(i, &chosen.fit.point));
     }
-    let structure = ModelStructure::new(&terms);
-    for how in [Interpolation::Hold, Interpolation::Linear] {
-        let kept = data.input.take()?;
-        data.input = Some(kept.clone().gone(how));
-        let other = fit(data, &structure, &point, scales, 25);
-        if other.is_some_and(|o| o.variance < 1.01 * chosen.fit.variance) {
-            return Some(how);
+    let spared = chosen.fit.structure.terms.len() - terms.len();
+    let late = [Term::ReadoutDelay(ReadoutDelay), Term::InputLag(InputLag)].map(Some);
+    for added in [None].into_iter().chain(late) {
+        // With fewer terms it does as well, with as many it does better.
+        let most = match spared.cmp(&usize::from(added.is_some())) {
+            Ordering::Greater => chosen.fit.variance * ALIKE,
+            Ordering::Equal if added.is_some() => chosen.fit.variance / ALIKE,
+            _ => continue,
+        };
+        let structure = ModelStructure::new(&terms.iter().copied().chain(added).collect::<Vec<Term>>());
+        let start: Vec<f64> = point.iter().copied().chain(added.map(|_| 0.0)).collect();
+        for how in [Interpolation::Hold, Interpolation::Linear] {
+            let kept = data.input.take()?;
+            data.input = Some(kept.clone().gone(how));
+            let other = fit(data, &structure, &start, scales, 25);
+            if other.is_some_and(|other| other.variance < most) {
+                return Some(how);
+            }
+            data.input = Some(kept);
         }
-        data.input = Some(kept);
     }
     None
 }

@@ -15,9 +15,9 @@ use crate::model::Output;
 use crate::physics::law::Role;
 use crate::physics::state::{Instants, LANES, Lanes};
 
+use super::acting::Acting;
 use super::force::Force;
 use super::mover::{MOST_STATES, Mover, movers};
-use super::propagator::Shift;
 use super::step::{Parts, Plan, StepState, together};
 
 /// Specification of one pass of a simulation.
@@ -117,6 +117,7 @@ impl Pass<'_> {
     fn by<K: Keep>(&self, force: Force, keep: &mut K) -> Vec<Lanes> {
         let Parts { steps, interval_s, .. } = self.parts;
         let plan = Plan::of(&self.parts, force);
+        let acting = Acting::new(self.grid, self.grid_end, steps, interval_s, plan.late_s.as_ref());
         let [begin, later @ ..] = self.beginnings.as_slice() else { return Vec::new() };
         let (mut later, mut offset, mut motion) = (later.iter(), begin.offset, self.beginning(&plan, begin));
         let mut next = later.next();
@@ -130,13 +131,13 @@ impl Pass<'_> {
             let mut at = Instants {
                 time: self.clock_s.get(k).copied().unwrap_or(k as f64 * interval_s),
                 step: plan.step_s,
-                input: self.input(2 * k * steps, None),
+                input: acting.recorded(k),
                 x: motion.x,
                 v: motion.v,
                 base: &self.parts.base,
                 environment,
             };
-            let y = self.expected(&plan, &at, self.input(2 * k * steps, plan.delay.as_ref()), &offset, &motion);
+            let y = self.expected(&plan, &at, acting.at(k), &offset, &motion);
             keep.keep(k, &motion.x, &motion.v);
             let reading = self.reading[k];
             let mut e = [0.0; LANES];
@@ -147,12 +148,7 @@ impl Pass<'_> {
             self.correct(&plan, &e, &mut motion);
             let begin = at.time;
             for step in 0..steps {
-                let index = 2 * (k * steps + step);
-                let u = [
-                    self.input(index, plan.delay.as_ref()),
-                    self.input(index + 1, plan.delay.as_ref()),
-                    self.input(index + 2 - self.grid_end, plan.delay.as_ref()),
-                ];
+                let u = acting.over(k, step);
                 let stride = if plan.linear {
                     plan.swing(u, &mut motion)
                 } else {
@@ -228,28 +224,6 @@ impl Pass<'_> {
         if let Some(state) = plan.lagging {
             for l in 0..LANES {
                 motion.own[state][l] += gains[3][l] * e[l];
-            }
-        }
-    }
-
-    /// The input at a point of the grid, late where the reading is late.
-    #[inline(always)]
-    fn input(&self, index: usize, delay: Option<&Shift>) -> Lanes {
-        if self.grid.is_empty() {
-            return [0.0; LANES];
-        }
-        let last = self.grid.len() as isize - 1;
-        match delay {
-            None => [self.grid[index.min(last as usize)]; LANES],
-            Some(shift) => {
-                let mut u = [0.0; LANES];
-                for (j, weight) in shift.weights.iter().enumerate() {
-                    let i = (index as isize - shift.whole + j as isize - 1).clamp(0, last);
-                    for l in 0..LANES {
-                        u[l] += weight[l] * self.grid[i as usize];
-                    }
-                }
-                u
             }
         }
     }

@@ -4,7 +4,6 @@
 // Lanes are indexed alike in many arrays at once; iterators over one of them would hide that.
 #![allow(clippy::needless_range_loop)]
 
-use crate::numerics::lagrange;
 use crate::physics::free_oscillator::transition;
 use crate::physics::state::{LANES, Lanes};
 
@@ -42,27 +41,5 @@ impl Transition {
             nv[l] = self.vx[l] * x[l] + self.vv[l] * v[l];
         }
         (nx, nv)
-    }
-}
-
-/// A delay in grid points: a whole part, and cubic Lagrange weights for the rest.
-pub(super) struct Shift {
-    pub whole: isize,
-    /// Weights of the four nodes around the rest.
-    pub weights: [Lanes; 4],
-}
-
-impl Shift {
-    /// Builds the shift of a delay on a grid of this spacing.
-    pub(super) fn new(delay_s: &Lanes, spacing_s: f64) -> Self {
-        let whole = (delay_s[0] / spacing_s).ceil();
-        let mut weights = [[0.0; LANES]; 4];
-        for l in 0..LANES {
-            // Position right of the node `index − whole`, normally in [0, 1).
-            let t = whole - delay_s[l] / spacing_s;
-            let nodes = lagrange::cubic(t);
-            (0..4).for_each(|node| weights[node][l] = nodes[node]);
-        }
-        Self { whole: whole as isize, weights }
     }
 }

@@ -15,7 +15,7 @@ use crate::physics::state::{BaseLanes, Constants, Instants, LANES, Lanes, MOST_S
 
 use super::force::Force;
 use super::mover::{MOST_STATES, Mover, movers};
-use super::propagator::{Shift, Transition};
+use super::propagator::Transition;
 
 /// Rows that hold the states of all terms that act on the mass and, from each term's first one on, as
 /// many as a law is given.
@@ -106,8 +106,8 @@ pub(super) struct Plan<'a> {
     pub adding: Vec<Mover<'a>>,
     /// States of what moves next to the mass.
     pub modes: Vec<usize>,
-    /// Delay of the input.
-    pub delay: Option<Shift>,
+    /// By how much the input acts later than it was recorded, s.
+    pub late_s: Option<Lanes>,
     friction: Option<[Lanes; 2]>,
     /// State of a low-pass.
     pub lagging: Option<usize>,
@@ -154,8 +154,7 @@ impl<'a> Plan<'a> {
             modes: sensing.iter().filter(|m| m.role == Role::Mode).map(|m| m.state).collect(),
             sensing,
             adding,
-            delay: delay(of(Role::InputDelay), of(Role::InputLead))
-                .map(|d| Shift::new(&d, parts.interval_s / (2 * parts.steps) as f64)),
+            late_s: delay(of(Role::InputDelay), of(Role::InputLead)),
             friction: rubbing.map(|(t, first)| coulomb_friction::resistance(&parameters[*first..first + t.values()])),
             lagging: placed(|t| t.role() == Role::LowPass).first().map(|m| m.state),
         }
