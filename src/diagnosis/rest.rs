@@ -108,12 +108,14 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
         .iter()
         .map(|n| Ok((n.clone(), Curve::new(reduce(columns.values(n)?)))))
         .collect::<Result<_>>()?;
+    let filled = columns.filled();
     let channels: Vec<Channel> = names
         .iter()
         .zip(&live)
         .map(|(name, values)| {
             let step = Watch::of(name, values).step();
             let mut values = values.to_vec();
+            disturbance::roughen(&mut values, &filled);
             let disturbances = disturbance::take_out(&mut values);
             let mut channel = Channel::new(name, &reduce(&values), rate_hz);
             channel.disturbances = disturbances;
@@ -157,7 +159,8 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
 /// # Errors
 /// As [`diagnose`].
 pub fn known(recording: &Recording, model: &model::Static, control: &Control) -> Result<Run> {
-    let live = Columns::of(recording, model)?.live(model)?;
+    let columns = Columns::of(recording, model)?;
+    let (live, filled) = (columns.live(model)?, columns.filled());
     let rate_hz = recording.rate_hz / recording.averaged.as_ref().map_or(1, |a| a.together) as f64;
     let _stage = control.stage("fitting the noise of the log and of its halves", 0);
     let mut findings = recording.sentences();
@@ -165,6 +168,7 @@ pub fn known(recording: &Recording, model: &model::Static, control: &Control) ->
     let mut left_out = Vec::new();
     for (name, values) in live {
         let mut values = values.to_vec();
+        disturbance::roughen(&mut values, &filled);
         let disturbances = disturbance::take_out(&mut values);
         match disturbances.knocks.len() + disturbances.bad.len() {
             0 => (),

@@ -7,6 +7,8 @@
 //! rest. Many alone of one size are spikes, which nothing in the library makes. Not for steps: a
 //! level that changes stays as it is (`jump`).
 
+use std::ops::Range;
+
 use crate::numerics::order::median;
 
 /// Readings in a block whose median stands for the level.
@@ -173,6 +175,37 @@ pub fn take_out(values: &mut [f64]) -> Disturbances {
     found
 }
 
+/// Lays noise as it is about them over samples that were not recorded, two in a row or more: a straight line from one
+/// noisy reading to the next is a level of its own to a search for drift.
+pub fn roughen(values: &mut [f64], filled: &[Range<usize>]) {
+    if filled.is_empty() || values.len() < 4 * BLOCK {
+        return;
+    }
+    let (off, level) = off_level(values);
+    let spread = spread(&off);
+    let count = values.len();
+    for gap in filled.iter().filter(|gap| gap.len() > 1 && gap.end <= count) {
+        let side = |from: usize, to: usize| median(values[from..to.max(from)].to_vec());
+        let before = side(gap.start.saturating_sub(BLOCK / 2), gap.start);
+        let after = side(gap.end, (gap.end + BLOCK / 2).min(count));
+        let ends = [before.unwrap_or(level[gap.start]), after.unwrap_or(level[gap.end - 1])];
+        lay(values, gap.clone(), ends, &off, spread);
+    }
+}
+
+/// Puts a line between two levels in a stretch's place, with the noise of the readings before it (after it, at the
+/// beginning).
+fn lay(values: &mut [f64], stretch: Range<usize>, [start, end]: [f64; 2], off: &[f64], spread: f64) {
+    let Range { start: from, end: to } = stretch;
+    let (width, count) = ((to - from) as f64, off.len());
+    for n in from..to {
+        let noise =
+            if 2 * from >= to { off[2 * from - 1 - n.min(2 * from - 1)] } else { off[(2 * to - 1 - n).min(count - 1)] };
+        let noise = noise.clamp(-3.0 * spread, 3.0 * spread);
+        values[n] = start + (end - start) * (n - from) as f64 / width + noise;
+    }
+}
+
 /// Takes one knock out, with the stretch in which it still rings; `None` where the level is another
 /// one afterwards, which is a step.
 fn knock(run: &[usize], values: &mut [f64], level: &[f64], off: &[f64], spread: f64) -> Option<Knock> {
@@ -194,14 +227,8 @@ fn knock(run: &[usize], values: &mut [f64], level: &[f64], off: &[f64], spread: 
     if steps || to - from > count / 20 {
         return None;
     }
-    let (start, end) = (before.unwrap_or(level[from]), after.unwrap_or(level[to - 1]));
-    let width = (to - from) as f64;
-    for n in from..to {
-        let noise =
-            if 2 * from >= to { off[2 * from - 1 - n.min(2 * from - 1)] } else { off[(2 * to - 1 - n).min(count - 1)] };
-        let noise = noise.clamp(-3.0 * spread, 3.0 * spread);
-        values[n] = start + (end - start) * (n - from) as f64 / width + noise;
-    }
+    let ends = [before.unwrap_or(level[from]), after.unwrap_or(level[to - 1])];
+    lay(values, from..to, ends, off, spread);
     Some(Knock { from, to, deviations: largest / spread })
 }
 
@@ -213,6 +240,27 @@ mod tests {
     fn noise(count: usize, member: u64) -> Vec<f64> {
         let mut rng = Philox::new(17, member, Stream::Host);
         (0..count).map(|_| rng.normal()).collect()
+    }
+
+    #[test]
+    fn a_gap_that_was_filled_is_as_noisy_as_what_is_about_it() {
+        for gap in [1000..1500usize, 20..320, 5600..5900] {
+            let mut values = noise(6000, 3);
+            // From one reading to the next, which may be two standard deviations off.
+            for n in gap.clone() {
+                values[n] = 2.0;
+            }
+            roughen(&mut values, std::slice::from_ref(&gap));
+            let there = &values[gap.clone()];
+            let mean = there.iter().sum::<f64>() / there.len() as f64;
+            let variance = there.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / there.len() as f64;
+            // Levels are medians of half a block, noise that of as many readings.
+            assert!(mean.abs() < 0.5 && (0.7..1.4).contains(&variance), "{gap:?}: {mean} {variance}");
+        }
+        let mut values = noise(6000, 3);
+        let before = values.clone();
+        roughen(&mut values, std::slice::from_ref(&(7..8)));
+        assert_eq!(values, before, "control: one reading has no level");
     }
 
     #[test]

@@ -252,7 +252,7 @@ pub fn alone(name: &str) -> Option<Unit> {
 pub fn alone_without_unit(name: &str) -> Option<Quantity> {
     let Heading { stem, unit: None | Some(Stated::Counts) } = taken_apart(name) else { return None };
     let is_force = stem == "fx" || stem == "fy" || stem == "fz" || stem.starts_with("f_") || stem.starts_with("force");
-    named(name).filter(|_| !is_force && stem.len() > 1)
+    named(name).filter(|_| !is_force && !stem.ends_with("rate") && stem.len() > 1)
 }
 
 /// The sensor whose name this is, with an axis, a sensor's number or neither.
@@ -263,7 +263,7 @@ fn named(name: &str) -> Option<Quantity> {
     let among = |names: &[&str]| names.contains(&of);
     match role(name) {
         Some((quantity, _)) => Some(quantity),
-        None if among(&GYRO) => Some(Quantity::Gyro),
+        None if among(&GYRO) || of == "rate" || of.ends_with("_rate") => Some(Quantity::Gyro),
         None => among(&ACCELEROMETER).then_some(Quantity::Accelerometer),
     }
 }
@@ -311,6 +311,7 @@ mod tests {
         assert_eq!(quantity("gyro_12_rad_s"), Some(Quantity::Gyro));
         assert_eq!(quantity("accelerometer_m_s2"), Some(Quantity::Accelerometer));
         assert_eq!(quantity("gz_rad_s"), Some(Quantity::Gyro));
+        assert_eq!((quantity("rate_dps"), quantity("yaw_rate_deg_s")), (Some(Quantity::Gyro), Some(Quantity::Gyro)));
         assert_eq!(quantity("accel_x_g"), Some(Quantity::Accelerometer));
         for other in ["gyro_1", "t_s", "temperature_1_g", "gyro_m_s2", "x_mg"] {
             assert_eq!(quantity(other), None, "{other}");
@@ -319,7 +320,22 @@ mod tests {
         {
             assert_eq!(alone_without_unit(name), Some(known), "{name}");
         }
-        for other in ["fx", "force", "force_x", "f_x", "x", "a", "w", "ax_V", "gz_rad_s", "velocity", "u", "ay_N"] {
+        for other in [
+            "fx",
+            "force",
+            "force_x",
+            "f_x",
+            "x",
+            "a",
+            "w",
+            "ax_V",
+            "gz_rad_s",
+            "velocity",
+            "u",
+            "ay_N",
+            "rate",
+            "flow_rate",
+        ] {
             assert_eq!(alone_without_unit(other), None, "{other}");
         }
     }

@@ -284,6 +284,15 @@ fn unmodelled() -> Result<(), Failed> {
     has(&named, "output = \\\"V2_V\\\"")?;
     let moving = table("t_s,gx,gy,gz,ax,ay,az", &inertial(&flight()), SI, false, "");
     has(&diagnosed(&moving, &[])?.0, "[reference]")?;
+    // Hum on a sensor whose heading says nothing is no decay; a decay, the control, is.
+    let mut rng = Philox::new(35, 0, Stream::Host);
+    let hum = |k: usize| (314.0 * 0.002 * k as f64).sin();
+    let rows =
+        (0..4000).map(|k| format!("{:.3},{:.5}\n", k as f64 * 0.002, hum(k) + rng.sample::<f64, _>(StandardNormal)));
+    let (steady, _) = diagnosed(&(String::from("t_s,output_V\n") + &rows.collect::<String>()), &[])?;
+    has(&steady, "kind = \\\"static\\\"")?;
+    let (decay, _) = diagnosed(&driven("t_s,output_V", false), &[])?;
+    check(!decay.contains("picks up hum"), decay)?;
     // Control: with a model of one's own nothing is chosen.
     let folder = tempfile::tempdir()?;
     std::fs::write(folder.path().join("file.csv"), &circuit)?;

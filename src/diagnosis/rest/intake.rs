@@ -42,6 +42,14 @@ impl<'a> Columns<'a> {
         })
     }
 
+    /// Samples of the rows used that were not recorded, from the first row used.
+    pub(super) fn filled(&self) -> Vec<Range<usize>> {
+        let Range { start, end } = self.rows;
+        // Means of neighbours are as noisy as what is in them.
+        let filled = self.recording.filled.iter().filter(|_| self.recording.averaged.is_none());
+        filled.filter(|gap| start < gap.start && gap.end < end).map(|gap| gap.start - start..gap.end - start).collect()
+    }
+
     /// The step that a column was rounded to before neighbours were averaged.
     pub(super) fn step_before(&self, name: &str) -> Option<f64> {
         let steps = &self.recording.averaged.as_ref()?.steps;

@@ -180,6 +180,12 @@ pub(crate) fn other_input(data: &mut Data, chosen: &Judged, scales: &Scales) -> 
     }
     let spared = chosen.fit.structure.terms.len() - terms.len();
     let late = [Term::ReadoutDelay(ReadoutDelay), Term::InputLag(InputLag)].map(Some);
+    // As late as it is in the model chosen, or as its phase looks.
+    let of = |term: Term| {
+        let place = chosen.fit.structure.terms.iter().position(|t| t.id() == term.id());
+        let known = place.map(|i| chosen.fit.structure.of(i, &chosen.fit.point).to_vec());
+        known.or_else(|| term.starts(scales).pop()).unwrap_or_default()
+    };
     for added in [None].into_iter().chain(late) {
         // With fewer terms it does as well, with as many it does better.
         let most = match spared.cmp(&usize::from(added.is_some())) {
@@ -188,7 +194,7 @@ pub(crate) fn other_input(data: &mut Data, chosen: &Judged, scales: &Scales) -> 
             _ => continue,
         };
         let structure = ModelStructure::new(&terms.iter().copied().chain(added).collect::<Vec<Term>>());
-        let start: Vec<f64> = point.iter().copied().chain(added.map(|_| 0.0)).collect();
+        let start: Vec<f64> = point.iter().copied().chain(added.map(of).into_iter().flatten()).collect();
         for how in [Interpolation::Hold, Interpolation::Linear] {
             let kept = data.input.take()?;
             data.input = Some(kept.clone().gone(how));

@@ -16,13 +16,13 @@ pub(super) struct Acting<'a> {
     /// Empty without an input.
     grid: &'a [f64],
     steps: usize,
-    /// How far before the end of a step its last value is read.
+    /// Grid points before the end of a step at which its last value is read.
     end: usize,
     delay: Option<Delay>,
 }
 
 enum Delay {
-    Smooth(Shift),
+    Smooth(Box<Shift>),
     /// Step by step of a sample.
     Held(Vec<Jump>),
 }
@@ -81,7 +81,7 @@ impl<'a> Acting<'a> {
     /// read, 1 for a held input; `late_s` may be less than nothing.
     pub(super) fn new(grid: &'a [f64], end: usize, steps: usize, interval_s: f64, late_s: Option<&Lanes>) -> Self {
         let delay = |late_s: &Lanes| match end {
-            0 => Delay::Smooth(Shift::new(late_s, interval_s / (2 * steps) as f64)),
+            0 => Delay::Smooth(Box::new(Shift::new(late_s, interval_s / (2 * steps) as f64))),
             _ => {
                 let samples = late_s.map(|s| s / interval_s);
                 Delay::Held((0..steps).map(|step| Jump::new(&samples, step, steps)).collect())
@@ -96,7 +96,7 @@ impl<'a> Acting<'a> {
         [self.point((2 * k * self.steps) as isize); LANES]
     }
 
-    /// What acts at a sample.
+    /// Returns what acts at a sample.
     #[inline(always)]
     pub(super) fn at(&self, k: usize) -> Lanes {
         match &self.delay {
@@ -106,7 +106,7 @@ impl<'a> Acting<'a> {
         }
     }
 
-    /// What acts at the beginning, in the middle and at the end of a step after a sample.
+    /// Returns what acts at the beginning, in the middle and at the end of a step after a sample.
     #[inline(always)]
     pub(super) fn over(&self, k: usize, step: usize) -> [Lanes; 3] {
         let index = 2 * (k * self.steps + step);
