@@ -81,7 +81,7 @@ pub(crate) fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, co
     let trace = taken.prepared.data.trace.clone();
     let answer = match decayed(recording, &taken, model) {
         None if model.output_is != model::Output::Displacement => {
-            return Err(Refusal::Cause(NOT_SIMULATED.to_owned()).of(recording));
+            return Err(Refusal::Cause(NOT_SIMULATED.to_owned()).of(recording, &model.columns));
         }
         None => by_likelihood(recording, taken, model, control)?,
         Some((answer, false)) => answer,
@@ -122,7 +122,7 @@ fn names_noise_alone(answer: &Answer) -> bool {
 fn by_likelihood(recording: &Recording, taken: Taken, model: &model::Driven, control: &Control) -> Result<Answer> {
     let Taken { prepared, pieces, judging } = taken;
     let mut diagnosis = Diagnosis::begin(prepared);
-    let (base, scales) = diagnosis.base(control).map_err(|refusal| refusal.of(recording))?;
+    let (base, scales) = diagnosis.base(control).map_err(|refusal| refusal.of(recording, &model.columns))?;
     let asked =
         Asked { recording, pieces: &pieces, judging: &judging, columns: &model.columns, unit: model.unit.as_deref() };
     if diagnosis.follows
@@ -135,7 +135,8 @@ fn by_likelihood(recording: &Recording, taken: Taken, model: &model::Driven, con
     {
         return Ok(answer);
     }
-    let selection = diagnosis.select(base, &scales, control).map_err(|s| Refusal::from(s).of(recording))?;
+    let selection =
+        diagnosis.select(base, &scales, control).map_err(|s| Refusal::from(s).of(recording, &model.columns))?;
     let _stage = control.stage("intervals, forms and limits of detection", 0);
     let conclusion = diagnosis.conclude(&selection, &scales);
     let (selection, conclusion, simulation) = diagnosis.simulated(selection, conclusion, &scales);

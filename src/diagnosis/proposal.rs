@@ -272,7 +272,8 @@ fn driven(file: &str, rows: &Rows, named: &Named) -> Result<String> {
                 file,
                 format!("`{a}` and `{b}` may each be the input: neither heading says so"),
                 format!(
-                    "proofmass diagnose {file} --input {a} --output {b}, or proofmass diagnose {file} --input {b} --output {a}"
+                    "proofmass diagnose {file} --input {a} --output {b}, or proofmass diagnose {file} --input {b} --output {a}; \
+                     of a sensor at rest, neither: --model with kind = \"static\" (`proofmass template static`)"
                 ),
             ))
         }

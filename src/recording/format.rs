@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::cells::Cells;
 use super::decimal;
+use super::roles;
 use super::time_unit::TimeUnit;
 use crate::error::{Error, Result};
 
@@ -204,6 +205,9 @@ pub(super) fn was_rounded(cell: &[u8], value: f64) -> bool {
 
 /// Returns whether a heading names a clock, so that it is no channel.
 pub(super) fn names_a_clock(heading: &str) -> bool {
+    if roles::has_unit_of_surroundings(heading) {
+        return false;
+    }
     let heading = heading.to_ascii_lowercase();
     let stem = heading.split(['_', ' ', '(', '[', '/', '.']).next().unwrap_or_default();
     let stem = stem.trim_start_matches(['#', '%']);
@@ -320,7 +324,7 @@ mod tests {
     #[test]
     fn clocks_are_recognised_by_name() {
         assert!(["t", "t_s", "Time [s]", "timestamp"].into_iter().all(names_a_clock));
-        assert!(!["temp", "ax", "tilt", "temperature_c"].into_iter().any(names_a_clock));
+        assert!(!["temp", "ax", "tilt", "temperature_c", "T [°C]", "T_C", "T (K)"].into_iter().any(names_a_clock));
         assert!(["Second", "s", "ms"].into_iter().all(is_unit_of_time) && !is_unit_of_time("x_s"));
     }
 }

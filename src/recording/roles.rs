@@ -188,6 +188,12 @@ const SURROUNDINGS: [&str; 6] = ["temp", "press", "baro", "humid", "supply", "vb
 /// Units in which those are measured.
 const SURROUNDING_UNITS: [&str; 9] = ["degc", "°c", "c", "k", "kelvin", "pa", "hpa", "kpa", "mbar"];
 
+/// Returns whether a heading states a unit of a sensor's surroundings: `T [°C]` is no time.
+pub(super) fn has_unit_of_surroundings(name: &str) -> bool {
+    let inside = name.split_once(['[', '(']).map(|(_, rest)| rest.trim_end_matches([']', ')', ' ']));
+    unit_words(name, inside).is_some_and(|unit| SURROUNDING_UNITS.contains(&unit.to_lowercase().as_str()))
+}
+
 /// Tells a column of a sensor's surroundings, as temperature is, from one of its readings.
 pub(crate) fn is_environment(name: &str, stated: Option<&str>) -> bool {
     let lower = name.trim().to_lowercase();

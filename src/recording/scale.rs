@@ -122,8 +122,22 @@ impl Named<'_> {
     }
 }
 
+/// Specific force at rest is below this in every unit but counts and mg, m/s².
+const MOST_M_S2: f64 = 25.0;
+
+/// The unit of counts of an accelerometer, by how many of them gravity is long, with what is to be reported.
+pub fn counted(columns: Vec<String>, per_g: f64) -> (Unit, Finding) {
+    let (quantity, si) = (Quantity::Accelerometer, STANDARD_GRAVITY_M_S2 / per_g);
+    (Unit { quantity, si, name: "count".to_owned() }, Finding::CountsScaled { columns, per_g })
+}
+
 /// The unit taken for columns that measure a quantity and state none, with what is to be reported.
 pub fn assumed(columns: Vec<String>, quantity: Quantity, option: &'static str, size: &Measured) -> (Unit, Finding) {
+    let is_counted =
+        |length: f64| matches!(of_force(Some(length)), ("m/s2", Size::NotGravity { .. }) if length > MOST_M_S2);
+    if let Some(length) = size.length.filter(|l| quantity == Quantity::Accelerometer && is_counted(*l)) {
+        return counted(columns, length);
+    }
     let (word, size) = match quantity {
         Quantity::Gyro => ("rad/s", of_rate(size.walk)),
         _ => of_force(size.length),

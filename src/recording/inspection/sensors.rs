@@ -6,10 +6,6 @@ use crate::finding::Finding;
 use crate::roles::{self, Stated};
 use crate::scale::{self, Measured};
 use crate::unit::Quantity;
-use crate::units::STANDARD_GRAVITY_M_S2;
-
-/// Specific force at rest is below this in every unit but counts and mg, m/s².
-const MOST_M_S2: f64 = 25.0;
 
 /// Gyros and accelerometers among the columns.
 pub(super) struct Sensors {
@@ -72,28 +68,24 @@ impl Sensors {
         for (sensor, (kind, option)) in KINDS.into_iter().enumerate() {
             let columns = || self.places[sensor].iter().map(|place| names[*place].clone()).collect::<Vec<String>>();
             let Some(first) = self.places[sensor].first() else { continue };
-            // By gravity's length where a count, or a number without a unit, is none of a known
-            // size.
+            // By gravity's length where a count is of no known size.
             let by_gravity = measured.length.filter(|_| kind == Quantity::Accelerometer).filter(|l| *l > 0.0);
-            let counted = |counts: f64, scaled: &mut Scaled| {
-                scaled.si[sensor] = Some(STANDARD_GRAVITY_M_S2 / counts);
-                scaled.findings.push(Finding::CountsScaled { columns: columns(), per_g: counts });
-            };
             match &self.stated[*first] {
                 Some(Stated::Inertial(unit)) if unit.quantity == kind => scaled.si[sensor] = Some(unit.si),
-                Some(Stated::Counts) => by_gravity.iter().for_each(|counts| counted(*counts, &mut scaled)),
+                Some(Stated::Counts) => {
+                    if let Some(per_g) = by_gravity {
+                        let (unit, finding) = scale::counted(columns(), per_g);
+                        scaled.si[sensor] = Some(unit.si);
+                        scaled.findings.push(finding);
+                    }
+                }
                 Some(_) => {}
                 None => {
                     let (unit, finding) = scale::assumed(columns(), kind, option, &measured);
-                    match by_gravity.filter(|length| length * unit.si > MOST_M_S2) {
-                        Some(counts) => counted(counts, &mut scaled),
-                        None => {
-                            // Degrees for radians would make rest look like motion.
-                            let is_sure = !finding.is_questionable();
-                            scaled.si[sensor] = Some(unit.si).filter(|_| is_sure);
-                            scaled.findings.push(finding);
-                        }
-                    }
+                    // Degrees for radians would make rest look like motion.
+                    let is_sure = !finding.is_questionable();
+                    scaled.si[sensor] = Some(unit.si).filter(|_| is_sure);
+                    scaled.findings.push(finding);
                 }
             }
         }

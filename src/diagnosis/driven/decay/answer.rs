@@ -88,6 +88,10 @@ pub(crate) fn answer(asked: &Asked<'_>, decay: &Decay, mut notes: Notes) -> Answ
     }
     let argument =
         found.rest.first().map(|rest| DependsOn { name: rest.argument.word().to_owned(), share: share(rest.gain) });
+    let base = effects::base(decay, &read);
+    if data.input.is_none() && named.is_empty() {
+        notes.may_be_steady(&base);
+    }
     notes.findings.extend(findings::findings(decay, data, &unit));
     let rest = decay.structure(&after);
     let [before, after] = [before, after].map(|errors| errors.iter().map(|e| decay.reading(*e)).collect::<Vec<f64>>());
@@ -130,7 +134,7 @@ pub(crate) fn answer(asked: &Asked<'_>, decay: &Decay, mut notes: Notes) -> Answ
         kind: Recorded::Driven,
         outcome,
         recording: RecordingInfo::of(asked.recording),
-        base: effects::base(decay, &read),
+        base,
         effects: named,
         places: Places { state_cells: detail.surfaces[0].strongest(CELLS), argument, ..places },
         fit: decay.score(asked, &unit, remainder),

@@ -1,5 +1,8 @@
 //! Notes on a recording apart from its physics.
 
+use crate::driven::base::ZETAS;
+use crate::verdict::Estimate;
+
 use super::data::Data;
 use super::defects;
 use super::input::Input;
@@ -58,6 +61,17 @@ impl Notes {
         let more = ", which neither its own past nor the input nor the model predicts: lost or repeated samples, or a \
                     knock? A time column would tell";
         self.doubt(clause, more);
+    }
+
+    /// Says of an oscillation that may not decay, by its base model's numbers, what else it may be.
+    pub fn may_be_steady(&mut self, base: &[Estimate]) {
+        // A tenth of the value is where ± 90 % of it ends.
+        let is_steady = |number: &Estimate| number.name == "zeta" && number.ci95[0] <= ZETAS[0].max(0.1 * number.value);
+        if base.iter().any(is_steady) {
+            let clause = "the damping may be none at all; a sensor at rest that picks up hum or vibration shows such a line \
+                          too, and is diagnosed with kind = \"static\"";
+            self.doubt(clause.to_owned(), "");
+        }
     }
 
     /// Something that a reader of the verdict must know: as a clause, and with what follows from

@@ -96,7 +96,9 @@ pub fn prepare(recording: &Recording, model: &model::Driven, control: &Control) 
             );
         } else {
             let columns = Columns { model, reading: &reading, control };
-            shift = columns.together(&mut values, &mut ends, &mut notes).map_err(|refusal| refusal.of(recording))?;
+            shift = columns
+                .together(&mut values, &mut ends, &mut notes)
+                .map_err(|refusal| refusal.of(recording, &model.columns))?;
             input = Some(Input::new(values, Interpolation::BandLimited));
         }
     }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::answer::{self, Answer, Places};
 use crate::candidate::Kind;
-use crate::driven::base::{OMEGA, ZETA, ZETAS};
+use crate::driven::base::{OMEGA, ZETA};
 use crate::driven::identification::fit::Fit;
 use crate::driven::identification::profile;
 use crate::driven::intake::data::Data;
@@ -54,7 +54,7 @@ pub fn answer(
     scales: &Scales,
     selection: &Selection,
     c: &Conclusion,
-    notes: Notes,
+    mut notes: Notes,
 ) -> Answer {
     let Asked { recording, pieces, judging, columns, unit } = *asked;
     let output = columns.output.clone();
@@ -79,15 +79,11 @@ pub fn answer(
     let errors = [before.as_slice(), after.as_slice()];
     let noise = reading_noise(&Sample::of(data));
     let (places, place, at_noise) = located(data, errors, noise, &states.x, &surfaces[0], &output_unit);
-    let Notes { mut findings, mut doubts, broken, .. } = notes;
     let base = effects::base(c, scales, &channels);
-    // A tenth of the value is where ± 90 % of it ends.
-    let is_steady =
-        |number: &crate::verdict::Estimate| number.name == "zeta" && number.ci95[0] <= ZETAS[0].max(0.1 * number.value);
-    if data.input.is_none() && c.named.is_empty() && base.iter().any(is_steady) {
-        findings.push(STEADY.to_owned());
-        doubts.push(STEADY.to_owned());
+    if data.input.is_none() && c.named.is_empty() {
+        notes.may_be_steady(&base);
     }
+    let Notes { mut findings, doubts, broken, .. } = notes;
     findings.extend(doubtful(c));
     findings.extend(findings::noise(&c.noise, data.rate_hz));
     findings.extend(findings::reach(&selection.reach));
@@ -156,10 +152,6 @@ pub fn answer(
         detail: answer::Detail::Driven(Box::new(detail)),
     }
 }
-
-/// Says of an oscillation that may not decay what else it may be.
-const STEADY: &str = "the damping may be none at all; a sensor at rest that picks up hum or vibration shows such a line \
-                      too, and is diagnosed with kind = \"static\"";
 
 /// Returns how far each named law departs from its stated form, by its place in the model, as far
 /// as the work for it reaches.
