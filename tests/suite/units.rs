@@ -179,6 +179,9 @@ fn sizes() -> Result<(), Failed> {
     near("N of a log in m/s²", n, 1e-3, 1e-4)?;
     let (_, words) = said("ax,ay,az", 1e-2, [0.1, 0.0, 0.2])?;
     check(words.contains("gravity's in no unit"), &words)?;
+    let (n, words) = said("ax,ay,az", 4.0, [9600.0, 0.0, 12800.0])?;
+    check(words.contains("counts: gravity's length is 16000 of them"), &words)?;
+    near("N of a log in counts", n, 4.0 * 9.80665 / 16000.0 / 10.0, 2e-5)?;
     // 0.2 °/√h: 0.0333 °/s at 100 Hz; as rad/s it is noisier than any gyro.
     let (_, words) = said("gx,gy,gz", 0.0333, [0.0; 3])?;
     check(words.contains("are they in deg/s?"), &words)?;
