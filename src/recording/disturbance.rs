@@ -175,8 +175,8 @@ pub fn take_out(values: &mut [f64]) -> Disturbances {
     found
 }
 
-/// Lays noise as it is about them over samples that were not recorded, two in a row or more: a straight line from one
-/// noisy reading to the next is a level of its own to a search for drift.
+/// Adds noise like that of the neighbouring readings to gaps that were filled, of two samples or
+/// more: without it a straight line between two noisy readings looks like a shift of the bias.
 pub fn roughen(values: &mut [f64], filled: &[Range<usize>]) {
     if filled.is_empty() || values.len() < 4 * BLOCK {
         return;

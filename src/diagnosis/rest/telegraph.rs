@@ -69,7 +69,7 @@ fn contest(own: &Channel, terms: Vec<Term>) -> Option<Telegraph> {
     Some(Telegraph { p_value: (TRIED * (known - gain).exp()).min(1.0), ..best })
 }
 
-/// The likeliest chain of so many levels and its log-likelihood, less what its numbers cost.
+/// Fits a chain with this number of levels; returns it with its log-likelihood, less the penalty for its parameters.
 fn hopping<const LEVELS: usize>(values: &[f64], course: &[f64], white: f64) -> Option<(f64, Telegraph)> {
     let mut sorted = course.to_vec();
     order::sort(&mut sorted);

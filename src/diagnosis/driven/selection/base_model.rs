@@ -28,10 +28,10 @@ use super::held_out::held_out;
 use super::judged::Judged;
 use super::residual_structure::residual_structure_of_noise;
 
-/// Share of the reading's power that an oscillator must explain to be one.
-const LEAST_SHARE: f64 = 0.02;
 /// Fits whose mean squares differ by a smaller factor are alike.
 const ALIKE: f64 = 1.01;
+/// Share of the reading's power that an oscillator must explain to be one.
+const LEAST_SHARE: f64 = 0.02;
 /// Log-likelihood that it must gain in a ring-down, whose later part may be nothing but noise.
 const LEAST_GAIN: f64 = 20.0;
 /// Share of what it leaves that may be predictable before that is more than noise.

@@ -58,7 +58,7 @@ struct Jump {
 }
 
 impl Jump {
-    /// Builds the jump in this step of so many in a sample.
+    /// Builds it for one of the steps that make a sample.
     fn new(delay_samples: &Lanes, step: usize, steps: usize) -> Self {
         let (mut before, mut rise) = ([0; LANES], [[0.0; LANES]; 3]);
         for l in 0..LANES {
