@@ -327,4 +327,31 @@ mod tests {
             assert!(root.exponent.is_some_and(|e| (e.value - 0.5).abs() < 0.1), "{root:?}");
         }
     }
+
+    // A slow sine 0.4 of the noise high is all that moves next to the warm-up: no walk by itself. A
+    // walk that ends at some five standard deviations has a hundred coefficients above the noise,
+    // which no course of a few numbers follows.
+    #[test]
+    fn a_slow_cause_next_to_a_warm_up_is_doubted_as_a_walk_and_a_walk_is_not() {
+        let doubted = |is_walk: bool, member: u64| {
+            let mut rng = Philox::new(34, member, Stream::Host);
+            let mut state = 0.0;
+            let values: Vec<f64> = (0..4000)
+                .map(|n| {
+                    let u = f64::from(n) / 4000.0;
+                    state += if is_walk { 0.08 * rng.normal() } else { 0.0 };
+                    let slow = if is_walk { state } else { 0.4 * (9.0 * u).sin() };
+                    5.0 * (1.0 - (-10.0 * u).exp()) + slow + rng.normal()
+                })
+                .collect();
+            let channel = Channel::new("x", &values, 1.0);
+            let warm = term(Cause::WarmUp, vec![course(4000, |u| 1.0 - (-10.0 * u).exp())]);
+            let law = Addition::Law(Law::Walk);
+            let walk = Term { cause: Cause::RandomWalk, addition: law, searched: 0.0, column: None };
+            in_time(&channel, &channel.fit(vec![warm, walk])).is_some_and(|d| d.concerns(Cause::RandomWalk))
+        };
+        let count = |is_walk: bool| (0..10).filter(|member| doubted(is_walk, *member)).count();
+        assert!(count(false) >= 8, "{} of 10 slow sines are doubted", count(false));
+        assert_eq!(count(true), 0, "control: a walk is doubted");
+    }
 }
