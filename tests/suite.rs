@@ -39,6 +39,7 @@ mod suite {
     pub mod following;
     pub mod formats;
     pub mod fuzz;
+    pub mod held_inputs;
     pub mod hostile_names;
     pub mod instruments;
     pub mod invariance;
@@ -137,6 +138,7 @@ fn main() {
         // colours: inks differ for every reader.
         suite::colours::tests(),
         // hostile_names: headings, units and paths of any text are written so that they can be read back.
+        suite::held_inputs::tests(),
         suite::hostile_names::tests(),
         // mistakes: what a newcomer does wrong is refused in a sentence.
         suite::mistakes::tests(),

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::chosen::{Asked, Part, model_for};
+use super::chosen::{Asked, Clock, Part, model_for};
 use super::numbers;
 use super::output::{remark, sayln, screen};
 use proofmass_base::document::to_json;
@@ -24,9 +24,9 @@ pub struct Arguments {
     /// Description of the recordings (model.toml); absent: chosen by the headings of the first
     #[arg(long)]
     model: Option<PathBuf>,
-    /// Sampling rate of a recording without a clock, where no model is given, Hz
-    #[arg(long, value_name = "F", conflicts_with = "model", allow_negative_numbers = true)]
-    rate_hz: Option<f64>,
+    /// Clock of each recording, where no model is given
+    #[command(flatten)]
+    clock: Clock,
     /// Part of each recording that is used
     #[command(flatten)]
     part: Part,
@@ -63,7 +63,7 @@ const SENSOR: &str = "sensor.toml";
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let control = progress::terminal();
     let seconds = arguments.part.seconds();
-    let asked = Asked { part: arguments.part.clone(), rate_hz: arguments.rate_hz, ..Asked::default() };
+    let asked = Asked { part: arguments.part.clone(), clock: arguments.clock.clone(), ..Asked::default() };
     let (model, _) = model_for(&arguments.recordings[0], arguments.model.as_deref(), &asked, &control)?;
     let read = |path: &PathBuf| model::read_part(path, &model, seconds, &control);
     let recordings: Vec<Recording> = arguments.recordings.iter().map(read).collect::<Result<_>>()?;

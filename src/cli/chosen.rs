@@ -34,6 +34,18 @@ pub struct Headings {
     pub output: Option<String>,
 }
 
+/// Arguments that say when the rows of a recording were taken, where no model does.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct Clock {
+    /// Sampling rate of a recording without a clock, where no model is given, Hz
+    #[arg(long, value_name = "F", conflicts_with = "model", allow_negative_numbers = true)]
+    pub rate_hz: Option<f64>,
+    /// Column that holds the time, where no model is given; its heading may name the unit: t_s, t_ms,
+    /// t_us, t_ns
+    #[arg(long, value_name = "COLUMN", conflicts_with = "model")]
+    pub time: Option<String>,
+}
+
 /// Requests of a command line on recordings, next to their model.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Asked {
@@ -41,8 +53,8 @@ pub(super) struct Asked {
     pub part: Part,
     /// Headings of a driven recording.
     pub headings: Headings,
-    /// Sampling rate of a recording without a clock, Hz.
-    pub rate_hz: Option<f64>,
+    /// Clock of each recording.
+    pub clock: Clock,
 }
 
 impl Part {
@@ -59,7 +71,8 @@ impl Asked {
             topic: self.part.topic.clone(),
             from_s: self.part.from_s,
             to_s: self.part.to_s,
-            rate_hz: self.rate_hz,
+            rate_hz: self.clock.rate_hz,
+            time: self.clock.time.clone(),
             control: control.clone(),
             ..Request::default()
         }
@@ -92,6 +105,7 @@ fn proposed(path: &Path, asked: &Asked, control: &Control) -> Result<String> {
     let seen = inspection::inspect(path, &asked.request(control))?;
     let Headings { input, output } = asked.headings.clone();
     let is_cut = asked.part.seconds() != Seconds::default();
-    let named = proposal::Named { input, output, rate_hz: asked.rate_hz, is_cut };
+    let Clock { rate_hz, time } = asked.clock.clone();
+    let named = proposal::Named { input, output, rate_hz, time, is_cut };
     proposal::proposed(&path.display().to_string(), &seen, &named)
 }

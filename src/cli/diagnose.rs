@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::chosen::{Asked, Headings, Part, model_for};
+use super::chosen::{Asked, Clock, Headings, Part, model_for};
 use super::numbers;
 use super::output::{remark, sayln, screen};
 use proofmass_base::document::to_json;
@@ -34,9 +34,9 @@ pub struct Arguments {
     /// Columns of a driven recording, where no model is given
     #[command(flatten)]
     pub headings: Headings,
-    /// Sampling rate of a recording without a clock, where no model is given, Hz
-    #[arg(long, value_name = "F", conflicts_with = "model", allow_negative_numbers = true)]
-    pub rate_hz: Option<f64>,
+    /// Clock of each recording, where no model is given
+    #[command(flatten)]
+    pub clock: Clock,
     /// Part of each recording that is used
     #[command(flatten)]
     pub part: Part,
@@ -78,8 +78,8 @@ pub(super) fn gate(id: &str) -> std::result::Result<Gate, String> {
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let control = progress::terminal();
     let seconds = arguments.part.seconds();
-    let Arguments { part, headings, rate_hz, .. } = arguments;
-    let asked = Asked { part: part.clone(), headings: headings.clone(), rate_hz: *rate_hz };
+    let Arguments { part, headings, clock, .. } = arguments;
+    let asked = Asked { part: part.clone(), headings: headings.clone(), clock: clock.clone() };
     let (mut model, proposal) = model_for(&arguments.recordings[0], arguments.model.as_deref(), &asked, &control)?;
     if arguments.force_rate {
         model = model.with_forced_rate();

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::allan::{self, Scales};
-use super::chosen::{Asked, Headings, Part, model_for};
+use super::chosen::{Asked, Clock, Headings, Part, model_for};
 use super::numbers;
 use super::output::{remark, sayln, screen};
 use proofmass_base::control::Control;
@@ -37,9 +37,9 @@ pub struct Arguments {
     /// Columns of a driven recording, where no model is given
     #[command(flatten)]
     headings: Headings,
-    /// Sampling rate of a recording without a clock, where no model is given, Hz
-    #[arg(long, value_name = "F", conflicts_with = "model", allow_negative_numbers = true)]
-    rate_hz: Option<f64>,
+    /// Clock of the recording, where no model is given
+    #[command(flatten)]
+    clock: Clock,
     /// Part of the recording that is used
     #[command(flatten)]
     part: Part,
@@ -151,7 +151,7 @@ fn at_rest(recording: &Path, mut look: Request, seen: &Inspection, model: &Model
 
 impl Arguments {
     fn asked(&self) -> Asked {
-        Asked { part: self.part.clone(), headings: self.headings.clone(), rate_hz: self.rate_hz }
+        Asked { part: self.part.clone(), headings: self.headings.clone(), clock: self.clock.clone() }
     }
 
     /// Returns how the file is looked at: by the clock and in the part that the model states, or as was asked.

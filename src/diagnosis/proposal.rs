@@ -49,6 +49,8 @@ pub struct Named {
     pub output: Option<String>,
     /// Sampling rate of a recording without a clock, Hz.
     pub rate_hz: Option<f64>,
+    /// Heading of the clock.
+    pub time: Option<String>,
     /// States that a part of the recording was cut out: of a sensor that mostly rests in it, its rest.
     pub is_cut: bool,
 }
@@ -100,17 +102,21 @@ fn refused(file: &str, cause: String, hint: String) -> Error {
 /// A file without rows or clock, poses, a sensor in motion, and columns of which nothing says which
 /// is the input.
 pub fn proposed(file: &str, seen: &Inspection, named: &Named) -> Result<String> {
-    let text = of_kind(file, seen, named)?;
-    Ok(match (named.rate_hz, text.split_once('\n')) {
-        // Steps have no rate.
-        (Some(rate_hz), Some((kind, rest))) if !kind.contains("response") => {
-            format!("{kind}\nrate_hz = {rate_hz:?}\n{rest}")
-        }
-        _ => text,
-    })
+    let mut text = of_kind(file, seen, named)?;
+    // Steps have neither rate nor clock.
+    if text.starts_with("kind = \"response\"") {
+        return Ok(text);
+    }
+    if let (Some(rate_hz), Some((kind, rest))) = (named.rate_hz, text.split_once('\n')) {
+        text = format!("{kind}\nrate_hz = {rate_hz:?}\n{rest}");
+    }
+    if let Some(time) = &named.time {
+        text = text.replacen("[columns]\n", &format!("[columns]\ntime = {}\n", toml_string(time)), 1);
+    }
+    Ok(text)
 }
 
-/// The same without a rate.
+/// The same without rate and clock.
 fn of_kind(file: &str, seen: &Inspection, named: &Named) -> Result<String> {
     let fail = |cause: String, hint: String| Err(refused(file, cause, hint));
     // A sweep's steps need no clock.

@@ -53,6 +53,8 @@ pub struct Evidence {
     /// Fraction of the base model's held-out error variance that is gone with the named effects;
     /// zero where unknown.
     pub removed: f64,
+    /// Part of what all effects remove of that error that those without a name remove.
+    pub carried: f64,
     /// States whether a model with a named law errs more on held-out data than the base model.
     pub predicts_worse: bool,
     /// Root-mean-square error on held-out data with the named effects over that of the base model,
@@ -69,7 +71,7 @@ const NAMELESS: f64 = 0.05;
 /// simulation by a few per cent.
 const WORSE: f64 = 1.05;
 /// Fraction of the held-out error that must be gone before a structured residual counts as a
-/// detail.
+/// detail, and of what goes that must have a name.
 const NEARLY_ALL: f64 = 0.99;
 
 impl Default for Evidence {
@@ -86,6 +88,7 @@ impl Default for Evidence {
             nameless: 0.0,
             remainder: Size::Negligible,
             removed: 0.0,
+            carried: 0.0,
             predicts_worse: false,
             held_out_ratio: 1.0,
             search_complete: true,
@@ -128,7 +131,13 @@ fn accounts_for_all(evidence: &Evidence) -> bool {
     // Of the error of a base model that the recording does not follow, any law absorbs most.
     let a_detail = evidence.base_follows && evidence.search_complete && evidence.removed > NEARLY_ALL;
     let noise = evidence.remainder == Size::Negligible || a_detail;
-    noise && !evidence.departs && !evidence.stand_ins && !evidence.predicts_worse && evidence.held_out_ratio <= WORSE
+    let by_name = evidence.carried < 1.0 - NEARLY_ALL;
+    noise
+        && by_name
+        && !evidence.departs
+        && !evidence.stand_ins
+        && !evidence.predicts_worse
+        && evidence.held_out_ratio <= WORSE
 }
 
 #[cfg(test)]
@@ -190,6 +199,8 @@ mod tests {
                 Unexplained,
             ),
             ("… but for the few per cent of noise terms", Evidence { held_out_ratio: 1.03, ..one }, Explained),
+            ("what goes with nameless effects is not explained", Evidence { carried: 0.98, ..one }, Unexplained),
+            ("… but for a detail", Evidence { carried: 0.002, ..one }, Explained),
             ("names beside a series of stand-ins", Evidence { stand_ins: true, ..one }, Unexplained),
             // Named, with rivals.
             ("undecidable: two candidates fit equally", Evidence { tied: 1, ..one }, Undecidable),
@@ -234,6 +245,7 @@ mod tests {
                                 nameless,
                                 remainder,
                                 removed,
+                                carried: 0.0,
                                 predicts_worse: false,
                                 held_out_ratio,
                                 search_complete: true,

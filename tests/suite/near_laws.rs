@@ -162,7 +162,7 @@ fn soft_stop() -> Result<(), Failed> {
 }
 
 /// Verdict, what it names and the oscillator, of a case of the second generator.
-fn told(seed: u32, number: u32) -> Result<(String, Vec<Vec<String>>, serde_json::Value), Failed> {
+pub(super) fn told(seed: u32, number: u32) -> Result<(String, Vec<Vec<String>>, serde_json::Value), Failed> {
     let folder = tempfile::tempdir()?;
     let (seed, number) = (seed.to_string(), number.to_string());
     let case = ["--json", "trial", "--independent", "--seed", &seed, "--case", &number, "--out"];

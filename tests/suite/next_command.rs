@@ -15,6 +15,7 @@ pub fn tests() -> Vec<Trial> {
         test("inspect: what is no table of numbers is named, with a cell as example", no_table),
         test("inspect: what was assumed of units and surroundings is reported", assumed),
         test("diagnose: without a model a recording is read by its headings, and two readings are refused", unmodelled),
+        test("diagnose, report, check: of two clocks --time names the one that is used", two_clocks),
     ]
 }
 
@@ -301,6 +302,32 @@ fn unmodelled() -> Result<(), Failed> {
     let command = ["diagnose", "file.csv", "--model", "model.toml"];
     let output = program().current_dir(folder.path()).args(command).output()?;
     check(!String::from_utf8_lossy(&output.stderr).contains("no model was given"), "a model was chosen")
+}
+
+/// A file stamped by its host and by the sensor: refused with the option that chooses, which each
+/// command takes.
+fn two_clocks() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let rows = inertial(&still()).into_iter().enumerate();
+    let stamp = |(k, row): (usize, [f64; 6])| {
+        let t = k as f64 / RATE_HZ;
+        format!("{},{t},{},{},{}\n", t * 1.0001 + 0.3, row[0], row[1], row[2])
+    };
+    let text: String = rows.map(stamp).collect();
+    let heading = "host_time_s,sensor_time_s,gx_rad_s,gy_rad_s,gz_rad_s\n";
+    std::fs::write(folder.path().join("file.csv"), format!("{heading}{text}"))?;
+    let said = |arguments: &[&str]| -> Result<[String; 2], Failed> {
+        let output = program().current_dir(folder.path()).args(arguments).output()?;
+        Ok([output.stdout, output.stderr].map(|words| String::from_utf8_lossy(&words).into_owned()))
+    };
+    let [_, refused] = said(&["diagnose", "file.csv"])?;
+    check(refused.contains("--time NAME"), &refused)?;
+    for command in ["diagnose", "report", "check"] {
+        let [answer, model] = said(&[command, "file.csv", "--time", "sensor_time_s"])?;
+        check(model.contains("time = \"sensor_time_s\"") && !answer.is_empty(), format!("{command}: {answer}{model}"))?;
+    }
+    let [_, absent] = said(&["diagnose", "file.csv", "--time", "time"])?;
+    check(absent.contains("there is no column `time`") && absent.contains("sensor_time_s"), absent)
 }
 
 fn inspected(text: &str) -> Result<(String, Value), Failed> {

@@ -53,13 +53,21 @@ pub(super) fn glitches(values: &mut [f64]) -> Vec<usize> {
     let usual = typical((1..n - 1).map(|k| off(values, k)));
     let mut sorted = values.to_vec();
     order::sort(&mut sorted);
+    // About it, a stray value finds what is usual; the peak of a ringing finds others.
+    let about = |k: usize| {
+        let near = k.saturating_sub(LAGS).max(1)..(k + LAGS + 1).min(n - 1);
+        typical(near.filter(|i| i.abs_diff(k) > 1).map(|i| off(values, i)))
+    };
     // A wave as large as the signal, and far from smooth.
-    let least = FAR_OFF * usual + 0.5 * (sorted[n - 1 - n / 100] - sorted[n / 100]);
+    let wave = 0.5 * (sorted[n - 1 - n / 100] - sorted[n / 100]);
     let found: Vec<usize> = (2..n - 2)
         .filter(|k| {
             let here = off(values, *k).abs();
             // A step bends two neighbouring places alike, a single stray value bends its own most.
-            here > least && here > 1.8 * off(values, k - 1).abs() && here > 1.8 * off(values, k + 1).abs()
+            here > FAR_OFF * usual + wave
+                && here > FAR_OFF * about(*k)
+                && here > 1.8 * off(values, k - 1).abs()
+                && here > 1.8 * off(values, k + 1).abs()
         })
         .collect();
     if found.len() as f64 > (RARE * n as f64).max(1.0) {
@@ -188,6 +196,18 @@ mod tests {
         assert!((values[700] - truth).abs() < 0.1);
         let mut square: Vec<f64> = (0..2000).map(|k| if k / 50 % 2 == 0 { 1.0 } else { -1.0 }).collect();
         assert!(glitches(&mut square).is_empty() && glitches(&mut sine(2000)).is_empty());
+    }
+
+    #[test]
+    fn the_ringing_after_a_blow_in_a_long_silence_is_no_stray_value() {
+        let rough = |k: usize| ((k * 7919) % 1013) as f64 / 1013.0 - 0.5;
+        // Some 3.4 samples a cycle.
+        let ring = |k: usize| if k < 900 { 0.0 } else { (1.85 * (k - 900) as f64).sin() };
+        let decayed = |k: usize| 70.0 * ring(k) * (-(k as f64 - 900.0) / 85.0).exp();
+        let mut values: Vec<f64> = (0..17_000).map(|k| decayed(k) + rough(k)).collect();
+        assert!(glitches(&mut values).is_empty());
+        values[5000] += 1000.0;
+        assert_eq!(glitches(&mut values), [5000]);
     }
 
     #[test]

@@ -21,6 +21,7 @@ use crate::numerics::moments::mean_sd;
 use crate::physics::input_lag::InputLag;
 use crate::physics::library::Term;
 use crate::physics::readout_delay::ReadoutDelay;
+use crate::physics::readout_lowpass::{Poles, ReadoutLowpass};
 use crate::physics::scales::Scales;
 use crate::remainder::REAL;
 
@@ -75,9 +76,10 @@ pub(crate) fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Resu
     let rows: Vec<f64> = data.train.iter().flat_map(|r| &data.reading[r.clone()]).copied().collect();
     let residual = fit.variance / mean_sd(&rows).1.powi(2).max(1e-300);
     let gain = -0.5 * rows.len() as f64 * residual.min(1.0).ln();
-    let unseen: Vec<f64> = data.validation.iter().flat_map(|r| &data.reading[r.clone()]).copied().collect();
-    let predicted =
-        1.0 - held_out(data, fit, &best.1, &data.validation).free() / mean_sd(&unseen).1.powi(2).max(1e-300);
+    // Of the power of both: after a single blow little moves where it was not fitted.
+    let unseen = data.validation.iter().flat_map(|r| &data.reading[r.clone()]);
+    let power = mean_sd(&rows.iter().chain(unseen).copied().collect::<Vec<f64>>()).1.powi(2);
+    let predicted = 1.0 - held_out(data, fit, &best.1, &data.validation).free() / power.max(1e-300);
     if gain < LEAST_GAIN || (data.input.is_some() && (1.0 - residual).min(predicted) < LEAST_SHARE) {
         let explains = format!(
             "explains {} % of the output's power where it was fitted and {} % elsewhere",
@@ -157,21 +159,16 @@ pub(crate) fn interpolated(how: Interpolation) -> String {
     format!("the input is best interpolated by {} between samples", how.words())
 }
 
-/// Returns which of steps and straight lines between the samples of the input, perhaps with a
-/// reading that is late or an input that is, does as well as the linear terms of `chosen` that it
-/// could be mistaken for, if one does: a held input looks late by half a sample, straight lines look
-/// like a weak low-pass.
+/// Returns which of steps and straight lines between the samples of the input, perhaps with a reading
+/// that is late or smoothed, an input that is late, or the modes found, does as well as the linear
+/// terms of `chosen` that it could be mistaken for, if one does: a held input looks late by half a
+/// sample, straight lines look like a weak low-pass.
 pub(crate) fn other_input(data: &mut Data, chosen: &Judged, scales: &Scales) -> Option<Interpolation> {
+    let is_mode = |t: &Term| matches!(t, Term::ParasiticMode(_) | Term::CoupledMode(_));
     let mistaken = |t: &Term| {
-        matches!(
-            t,
-            Term::ReadoutDelay(_)
-                | Term::InputLag(_)
-                | Term::ReadoutLowpass(_)
-                | Term::Feedthrough(_)
-                | Term::ParasiticMode(_)
-                | Term::CoupledMode(_)
-        )
+        let is_late =
+            matches!(t, Term::ReadoutDelay(_) | Term::InputLag(_) | Term::ReadoutLowpass(_) | Term::Feedthrough(_));
+        is_late || is_mode(t)
     };
     let (mut terms, mut point) = (Vec::new(), chosen.fit.point[..BASE].to_vec());
     for (i, term) in chosen.fit.structure.terms.iter().enumerate().filter(|(_, t)| !mistaken(t)) {
@@ -179,22 +176,28 @@ pub(crate) fn other_input(data: &mut Data, chosen: &Judged, scales: &Scales) -> 
         point.extend_from_slice(chosen.fit.structure.of(i, &chosen.fit.point));
     }
     let spared = chosen.fit.structure.terms.len() - terms.len();
-    let late = [Term::ReadoutDelay(ReadoutDelay), Term::InputLag(InputLag)].map(Some);
+    let [delay, lag, smoothed] =
+        [Term::ReadoutDelay(ReadoutDelay), Term::InputLag(InputLag), Term::ReadoutLowpass(ReadoutLowpass(Poles::One))];
+    let late: [&[Term]; 6] = [&[], &[delay], &[lag], &[smoothed], &[smoothed, delay], &[smoothed, lag]];
+    let modes: Vec<Term> = chosen.fit.structure.terms.iter().copied().filter(is_mode).collect();
+    let with_modes = late.iter().filter(|_| !modes.is_empty()).map(|late| [&modes, *late].concat());
+    let instead: Vec<Vec<Term>> = late.iter().map(|late| late.to_vec()).chain(with_modes).collect();
     // As late as it is in the model chosen, or as its phase looks.
     let of = |term: Term| {
         let place = chosen.fit.structure.terms.iter().position(|t| t.id() == term.id());
         let known = place.map(|i| chosen.fit.structure.of(i, &chosen.fit.point).to_vec());
         known.or_else(|| term.starts(scales).pop()).unwrap_or_default()
     };
-    for added in [None].into_iter().chain(late) {
+    for added in &instead {
         // With fewer terms it does as well, with as many it does better.
-        let most = match spared.cmp(&usize::from(added.is_some())) {
+        let most = match spared.cmp(&added.len()) {
             Ordering::Greater => chosen.fit.variance * ALIKE,
-            Ordering::Equal if added.is_some() => chosen.fit.variance / ALIKE,
+            Ordering::Equal if !added.is_empty() => chosen.fit.variance / ALIKE,
             _ => continue,
         };
-        let structure = ModelStructure::new(&terms.iter().copied().chain(added).collect::<Vec<Term>>());
-        let start: Vec<f64> = point.iter().copied().chain(added.map(of).into_iter().flatten()).collect();
+        let all: Vec<Term> = terms.iter().chain(added).copied().collect();
+        let structure = ModelStructure::new(&all);
+        let start: Vec<f64> = point.iter().copied().chain(added.iter().copied().flat_map(of)).collect();
         for how in [Interpolation::Hold, Interpolation::Linear] {
             let kept = data.input.take()?;
             data.input = Some(kept.clone().gone(how));

@@ -50,6 +50,13 @@ pub(crate) fn rounding(data: &Data, model: &Judged) -> Option<QuantisationGrid> 
     lattice(&data.reading[data.hull.clone()], &model.fit.linear.residual).filter(|l| l.gain > LEAST_ROUNDING_GAIN)
 }
 
+/// Returns by what fraction the error of another model is larger: of the innovations' variance, or of
+/// free simulation on the test samples if that is more.
+pub(crate) fn growth(model: &Judged, other: &Judged) -> f64 {
+    let fitted = other.fit.variance / model.fit.variance.max(1e-300);
+    fitted.max(other.held_out.free() / model.held_out.free().max(1e-300)) - 1.0
+}
+
 /// Returns whether the samples that chose the terms have been fitted since.
 fn validation_is_fitted(data: &Data) -> bool {
     data.validation.iter().any(|v| data.train.iter().any(|t| t.start < v.end && v.start < t.end))
@@ -67,20 +74,18 @@ pub(crate) fn weighed(
     base: &Judged,
 ) -> Vec<Named> {
     let weigh = |index: usize| {
-        let reduced = without(data, model, index, scales).unwrap_or_else(|| base.clone());
+        let mut reduced = without(data, model, index, scales).unwrap_or_else(|| base.clone());
         let unseen = if validation_is_fitted(data) { &data.test } else { &data.validation };
         let mut comparison =
             compare(&held_out(data, &reduced.fit, scales, unseen), &held_out(data, &model.fit, scales, unseen));
         comparison.p_value = (comparison.p_value * selection.tried as f64).min(1.0);
-        let judged = held_out(data, &reduced.fit, scales, &data.test);
+        reduced.held_out = held_out(data, &reduced.fit, scales, &data.test);
         Named {
             index,
-            growth: (reduced.fit.variance / model.fit.variance.max(1e-300))
-                .max(judged.free() / model.held_out.free().max(1e-300))
-                - 1.0,
+            growth: growth(model, &reduced),
             comparison,
-            log_score_without: judged.log_score(reduced.fit.variance),
-            without: judged,
+            log_score_without: reduced.held_out.log_score(reduced.fit.variance),
+            without: reduced.held_out,
             rivals: rivals.get(index).cloned().unwrap_or_default(),
         }
     };

@@ -77,7 +77,7 @@ pub(crate) fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> C
     let r_squared = draft.structured(LEVEL);
     draft.weigh();
     draft.drop_what_cannot_stay();
-    let nameless = draft.carry_what_is_small();
+    let carried = draft.carry_what_is_small();
     let followed = draft.drop_noise_that_follows() | draft.drop_walk_that_is_smooth();
     let twins = draft.drop_twins();
     order::sort_by_key(&mut draft.named, |n| -n.growth);
@@ -90,7 +90,7 @@ pub(crate) fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> C
     let left = draft.departing.as_ref().map_or(&draft.model, |d| &d.judged);
     let elsewhere = residual_tests::of_what_was_not(data, &left.fit, &draft.scales);
     let remainder = residual_tests::of_what_was_fitted(data, left, &draft.after).and(elsewhere);
-    let outcome = rule(&draft.evidence(nameless, followed || twins, lattice.is_some(), remainder));
+    let outcome = rule(&draft.evidence(carried, followed || twins, lattice.is_some(), remainder));
     if outcome == Outcome::Unexplained {
         draft.settle_unexplained(r_squared, WHITE);
     }

@@ -10,7 +10,7 @@ use crate::driven::selection::held_out::{held_out, ratio_interval};
 use crate::driven::selection::identifiability::FEWEST_CYCLES;
 use crate::driven::selection::judged::{Departing, Judged, Rival, Selection};
 use crate::driven::selection::residual_structure::{Residual, residual_structure_of_noise};
-use crate::driven::selection::term_worth::{Named, weighed};
+use crate::driven::selection::term_worth::{Named, growth, weighed};
 use crate::driven::verdict::dropped::{Dropped, LeftOut};
 use crate::gate::Gate;
 use crate::parallel;
@@ -162,10 +162,11 @@ impl<'a> Draft<'a> {
         !self.selection.reach.few_cycles.is_some_and(acts)
     }
 
-    /// Collects the evidence of the verdict; `nameless` is what is carried without a name, in
-    /// variances of the final model.
-    pub(super) fn evidence(&self, nameless: f64, stand_ins: bool, rounded: bool, remainder: Remainder) -> Evidence {
+    /// Collects the evidence of the verdict; `carried` is what the error grows by without
+    /// the laws carried without a name.
+    pub(super) fn evidence(&self, carried: f64, stand_ins: bool, rounded: bool, remainder: Remainder) -> Evidence {
         let (model, base) = (&self.model, &self.base);
+        let [after, before] = [model, base].map(|j| j.held_out.free());
         Evidence {
             named: self.named.len() + usize::from(rounded),
             departs: self.departing.is_some(),
@@ -175,11 +176,11 @@ impl<'a> Draft<'a> {
             nameless: self.removed(),
             remainder: remainder.size,
             // By what has a name: what is carried without one does not explain.
-            removed: 1.0 - model.held_out.free() * (1.0 + nameless) / base.held_out.free().max(1e-300),
+            removed: 1.0 - after * (1.0 + carried) / before.max(1e-300),
+            carried: carried / growth(model, base).max(1e-300),
             search_complete: !self.selection.cut_short,
             has_power: self.after.structure.detectable_r_squared < 1.0,
-            predicts_worse: model.held_out.free() > base.held_out.free()
-                && self.named.iter().any(|n| !self.is_noise(n)),
+            predicts_worse: after > before && self.named.iter().any(|n| !self.is_noise(n)),
             held_out_ratio: ratio_interval(&base.held_out, &model.held_out)[0],
             base_determined: self.is_base_determined(),
             base_follows: self.selection.base_follows,

@@ -2,10 +2,12 @@
 
 use crate::driven::identification::fit::{Fit, fit as refitted};
 use crate::driven::selection::earned::{ITERATIONS, without};
+use crate::driven::selection::held_out::held_out;
 use crate::driven::selection::independence::{Explained, explained_by_known};
+use crate::driven::selection::judged::Judged;
 use crate::driven::selection::rivals::alike;
 use crate::driven::selection::smooth_course::is_smooth;
-use crate::driven::selection::term_worth::Named;
+use crate::driven::selection::term_worth::{Named, growth};
 use crate::driven::verdict::dropped::Dropped;
 use crate::gate::Gate;
 use crate::physics::law::Noise;
@@ -73,8 +75,13 @@ impl Draft<'_> {
     /// The model with its named terms alone, fitted. What is carried without a name bears on the
     /// noise too, and is not what the verdict states.
     fn only_named(&self) -> Fit {
+        self.keeping(|index| self.named.iter().any(|n| n.index == index))
+    }
+
+    /// The model with these of its terms alone, fitted.
+    fn keeping(&self, keeps: impl Fn(usize) -> bool) -> Fit {
         let mut fit = self.model.fit.clone();
-        for index in (0..fit.structure.terms.len()).rev().filter(|i| self.named.iter().all(|n| n.index != *i)) {
+        for index in (0..fit.structure.terms.len()).rev().filter(|i| !keeps(*i)) {
             let (structure, point) = fit.without(index);
             let Some(found) = refitted(self.data, &structure, &point, &self.scales, ITERATIONS) else { continue };
             fit = found;
@@ -83,7 +90,8 @@ impl Draft<'_> {
     }
 
     /// Takes the name from what lies within the modelling error of the other laws; it stays in the model, so that
-    /// it does not bias them. Returns how much of the variance these laws carry together.
+    /// it does not bias them. Returns by how much the error grows without all of them: what each adds to
+    /// the others says little of that.
     pub(super) fn carry_what_is_small(&mut self) -> f64 {
         let removed = self.removed();
         let inexactness = self.inexactness();
@@ -96,7 +104,7 @@ impl Draft<'_> {
             is_detail().then_some(Dropped::WithinInexactness)
         };
         let reasons: Vec<Option<Dropped>> = self.named.iter().map(reason).collect();
-        let (mut carried, mut laws) = (Vec::new(), 0.0);
+        let (mut carried, mut laws) = (Vec::new(), Vec::new());
         for (n, reason) in std::mem::take(&mut self.named).into_iter().zip(reasons) {
             match reason {
                 None => self.named.push(n),
@@ -105,9 +113,16 @@ impl Draft<'_> {
         }
         for (n, reason) in carried {
             self.drop_term(n.index, reason);
-            laws += if self.is_noise(&n) { 0.0 } else { n.growth };
+            if !self.is_noise(&n) {
+                laws.push(n.index);
+            }
         }
-        laws
+        if laws.is_empty() {
+            return 0.0;
+        }
+        let without = self.keeping(|index| !laws.contains(&index));
+        let held_out = held_out(self.data, &without, &self.scales, &self.data.test);
+        growth(&self.model, &Judged { fit: without, held_out }).max(0.0)
     }
 
     /// Returns what the named laws may leave because they are not quite what their names state, in

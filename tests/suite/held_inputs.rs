@@ -1,0 +1,94 @@
+//! Inputs that are held between their samples: what the reading does behind them keeps its name and
+//! its value. A smooth input is the control.
+//!
+//! Motion is integrated here, by the classic Runge–Kutta method, not by the solver that is judged.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use libtest_mimic::{Failed, Trial};
+use proofmass::rng::{Philox, Stream};
+use rand_distr::{Distribution, StandardNormal, Uniform};
+
+use super::bench::{Bench, run};
+use super::near_laws::told;
+use super::world::{check, program, test};
+
+/// Tests of this module.
+pub fn tests() -> Vec<Trial> {
+    vec![
+        test("held inputs: a low-pass next to a cubic spring has its value, as behind a smooth input", low_pass),
+        test("held inputs: a second resonance is no delay, low-pass and feedthrough next to it", mode),
+        test("held inputs: a blow in a long silence shows what its ringing shows", blow),
+    ]
+}
+
+const INTERVAL_S: f64 = 0.002;
+const ROWS: usize = 4000;
+const STEPS: usize = 16;
+/// Time constant of the reading, s, and cubic stiffness, 1/(m² s²).
+const LOW_PASS_S: f64 = 0.0012;
+const CUBIC: f64 = 4e6;
+
+/// Force and noisy, smoothed reading of a Duffing oscillator of 12 Hz, Q 20, under 40 lines.
+fn recording(is_held: bool) -> String {
+    let mut rng = Philox::new(3, 0, Stream::Host);
+    let mut line = |from: f64, to: f64| Uniform::new(from, to).expect("from below to").sample(&mut rng);
+    let lines: Vec<[f64; 3]> = (0..40).map(|_| [line(-12.0, 12.0), line(1.0, 60.0), line(0.0, TAU)]).collect();
+    let force = |t: f64| lines.iter().map(|[a, hz, phase]| a * (TAU * hz * t + phase).sin()).sum::<f64>();
+    let (omega, h) = (TAU * 12.0, INTERVAL_S / STEPS as f64);
+    let slope = |u: f64, [x, v, y]: [f64; 3]| {
+        [v, u - omega / 20.0 * v - omega * omega * x - CUBIC * x.powi(3), (x - y) / LOW_PASS_S]
+    };
+    let add = |s: [f64; 3], k: [f64; 3], by: f64| -> [f64; 3] { std::array::from_fn(|i| s[i] + by * k[i]) };
+    let (mut state, mut csv) = ([0.0; 3], String::from("t_s,force_m_s2,displacement_m\n"));
+    for k in 0..ROWS {
+        let t = k as f64 * INTERVAL_S;
+        let noise: f64 = StandardNormal.sample(&mut rng);
+        let _ = writeln!(csv, "{t:.3},{:.7},{:.9}", force(t), state[2] + 2e-6 * noise);
+        for n in 0..STEPS {
+            let at = |part: f64| force(if is_held { t } else { t + (n as f64 + part) * h });
+            let k1 = slope(at(0.0), state);
+            let k2 = slope(at(0.5), add(state, k1, 0.5 * h));
+            let k3 = slope(at(0.5), add(state, k2, 0.5 * h));
+            let k4 = slope(at(1.0), add(state, k3, h));
+            state = std::array::from_fn(|i| state[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+        }
+    }
+    csv
+}
+
+fn low_pass() -> Result<(), Failed> {
+    let bench = Bench::new()?;
+    for is_held in [true, false] {
+        let file = bench.file("log.csv", &recording(is_held))?;
+        let answer = run(program().arg("diagnose").arg(file).arg("--json"))?;
+        let verdict: serde_json::Value = serde_json::from_str(&answer.stdout)?;
+        let effects = verdict["effects"].as_array().cloned().unwrap_or_default();
+        let value = |id: &str| {
+            let effect = effects.iter().find(|e| e["id"] == id)?;
+            effect["parameters"][0]["value"].as_f64()
+        };
+        let said = format!("held {is_held}: {} {}", verdict["verdict"], verdict["sentence"]);
+        let near = |id: &str, truth: f64| value(id).is_some_and(|v| (v / truth - 1.0).abs() < 0.01);
+        let both = near("readout-lowpass", LOW_PASS_S) && near("cubic-stiffness", CUBIC);
+        check(verdict["verdict"] == "explained" && effects.len() == 2 && both, said)?;
+    }
+    Ok(())
+}
+
+/// The mode is found on a smooth input too, next to three stand-ins, and with another frequency.
+fn mode() -> Result<(), Failed> {
+    let (verdict, groups, mass) = told(1, 465)?;
+    let is_meant = mass["held"] == true && mass["laws"][0]["law"] == "beside";
+    check(is_meant, format!("another case stands under this number: {mass}"))?;
+    check(verdict == "explained" && groups == [["parasitic-mode"]], format!("{verdict} {groups:?}"))
+}
+
+/// A twelfth of the recording moves; the peaks of its ringing are no stray readings.
+fn blow() -> Result<(), Failed> {
+    let (verdict, groups, mass) = told(1, 530)?;
+    let lag_s = mass["input_lag_s"].as_f64().unwrap_or_default();
+    check(lag_s < 0.0, format!("another case stands under this number: {mass}"))?;
+    check(verdict == "explained" && groups == [["readout-delay"]], format!("{verdict} {groups:?}"))
+}
