@@ -86,6 +86,7 @@ mod suite {
     pub mod shards_map_trial;
     pub mod shares;
     pub mod single_sine;
+    pub mod slow_columns;
     pub mod slow_in_motion;
     pub mod start_search;
     pub mod still_start;
@@ -266,6 +267,7 @@ fn main() {
     // T2: campaigns of verdicts.
     let campaigns = [
         // start search: it finds the local minima that a few starts miss; profiles are what refits give.
+        suite::slow_columns::tests(),
         suite::start_search::tests(),
         suite::single_sine::tests(),
         // static: each effect at rest is found alone, nothing where nothing is.

@@ -118,6 +118,7 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
             disturbance::roughen(&mut values, &filled);
             let disturbances = disturbance::take_out(&mut values);
             let mut channel = Channel::new(name, &reduce(&values), rate_hz);
+            channel.unit = stated_units::words(recording, name, model).unwrap_or(channel.unit);
             channel.disturbances = disturbances;
             channel.promised = describe::promised(&channel, model.noise.as_ref());
             let step = if averaged.is_some() { columns.step_before(name) } else { step };

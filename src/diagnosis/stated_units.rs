@@ -51,12 +51,18 @@ pub(super) fn of(recording: &Recording, name: &str, model: &Static) -> Unit {
     Unit::of_file(&model.unit).or_else(stated).unwrap_or_else(Unit::unknown)
 }
 
-/// The model with the unit that the file states for all of its channels, where the model has none.
-pub(super) fn settled<'a>(recording: &Recording, model: &'a Static) -> Cow<'a, Static> {
-    let mut units = model.columns.channels.iter().map(|name| match roles::stated(name, recording.stated(name)) {
+/// Words for it, where model or file state one.
+pub(super) fn words(recording: &Recording, name: &str, model: &Static) -> Option<String> {
+    let of_file = || match roles::stated(name, recording.stated(name)) {
         Some(Stated::Inertial(_)) => recording.unit_words(name),
         _ => None,
-    });
+    };
+    Some(&model.unit).filter(|unit| !unit.is_empty()).cloned().or_else(of_file)
+}
+
+/// The model with the unit that the file states for all of its channels, where the model has none.
+pub(super) fn settled<'a>(recording: &Recording, model: &'a Static) -> Cow<'a, Static> {
+    let mut units = model.columns.channels.iter().map(|name| words(recording, name, model));
     let first = units.next().flatten();
     match first {
         Some(unit) if model.unit.is_empty() && units.all(|other| other.as_ref() == Some(&unit)) => {

@@ -198,6 +198,15 @@ pub enum Finding {
         /// Most in a row.
         longest: usize,
     },
+    /// A column that is written in a few rows, and taken to go straight in between.
+    WrittenInFew {
+        /// Heading of the column.
+        column: String,
+        /// Rows that hold a value of it.
+        readings: usize,
+        /// Rows that were used.
+        rows: usize,
+    },
     /// A column without any change.
     Constant {
         /// Heading of the column.

@@ -136,10 +136,20 @@ fn rows(path: &Path, request: &Request) -> Result<(Rows, Option<String>)> {
     let sensors = Sensors::of(&names, &stated);
     let mut meters: Vec<Meter> = names.iter().map(|n| Meter::new(n)).collect();
     let mut rest = Rest::default();
-    let mut streamed = stream::read(path, request, |block| {
+    let is_slow = |place: &usize| {
+        let beside_a_sensor = sensors.places.iter().any(|places| !places.is_empty());
+        let is_reading = sensors.places.iter().any(|places| places.contains(place));
+        roles::is_environment(&names[*place], stated[*place].as_deref()) || beside_a_sensor && !is_reading
+    };
+    let slow: Vec<String> = (0..names.len()).filter(is_slow).map(|place| names[place].clone()).collect();
+    // A column alone is what there is to look at.
+    let slow = if slow.len() < names.len() { slow } else { Vec::new() };
+    let mut streamed = stream::read(path, &Request { slow, ..request.clone() }, |block| {
         meters.iter_mut().zip(&block.columns).for_each(|(meter, values)| meter.push(values));
         rest.push(block, &sensors.places);
     })?;
+    let used = meters.iter().map(|meter| meter.count).fold(0.0, f64::max);
+    streamed.findings.extend(meters.iter().filter_map(|meter| meter.written_in_few(used)));
     streamed.findings.extend(meters.iter().flat_map(|m| m.watch.findings()));
     finding::settle(&mut streamed.findings);
     let clock = streamed.findings.iter().find_map(|f| match f {
@@ -188,7 +198,7 @@ impl Meter {
     }
 
     fn push(&mut self, values: &[f64]) {
-        for value in values {
+        for value in values.iter().filter(|value| !value.is_nan()) {
             if self.count == 0.0 {
                 self.origin = *value;
             }
@@ -200,6 +210,12 @@ impl Meter {
             self.lowest = self.lowest.min(*value);
             self.highest = self.highest.max(*value);
         }
+    }
+
+    fn written_in_few(&self, used: f64) -> Option<Finding> {
+        let few =
+            || Finding::WrittenInFew { column: self.name.clone(), readings: self.count as usize, rows: used as usize };
+        (self.count < used).then(few)
     }
 
     fn column(self) -> Column {

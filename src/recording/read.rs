@@ -161,7 +161,7 @@ impl Gathered {
         let keep = Keep { window, together, expected };
         let uneven = matches!(plan.clock, Some(Clock { kind: Kind::Uneven { .. }, .. }));
         Self {
-            series: names.iter().map(|n| Series::new(n, &keep)).collect(),
+            series: names.iter().map(|n| Series::new(n, &keep).slow(request.slow.contains(n))).collect(),
             keep,
             dropped: Tally::default(),
             samples: 0,
@@ -222,8 +222,9 @@ impl Gathered {
         Ok(self.series)
     }
 
-    fn even_out(&mut self, times_s: &[f64], columns: Vec<Vec<f64>>, clock: &Clock, findings: &mut Vec<Finding>) {
+    fn even_out(&mut self, times_s: &[f64], mut columns: Vec<Vec<f64>>, clock: &Clock, findings: &mut Vec<Finding>) {
         let tick_s = 1.0 / clock.rate_hz;
+        self.series.iter_mut().zip(&mut columns).for_each(|(series, column)| series.bridge(column));
         let even = resample::near_even(times_s, tick_s) && resample::samples_are_even(times_s, tick_s, &columns);
         let treatment = if even { Uneven::SamplesEven } else { Uneven::Resampled };
         if let Kind::Uneven { share } = clock.kind {

@@ -14,6 +14,9 @@ pub struct Request {
     /// Headings, in the order wanted; without a header, "1", "2", … Empty: every column but the
     /// clock.
     pub columns: Vec<String>,
+    /// Headings of columns that may be written in a few rows only, as a temperature often is: a row
+    /// without them is one nevertheless, and they are taken to go straight in between.
+    pub slow: Vec<String>,
     /// Sampling rate, where rows are evenly spaced by construction.
     pub rate_hz: Option<f64>,
     /// Use that rate against the file's own clock, where the two contradict each other.

@@ -24,12 +24,14 @@ pub(crate) struct Keep {
 pub(crate) struct Series {
     keep: Keep,
     pub values: Vec<f64>,
-    /// Looks at every sample kept, before it is averaged.
+    /// Looks at every sample kept, before it is averaged; of a slow column, at what was written.
     pub watch: Watch,
     /// Runs of samples that were not recorded, counted from the first sample; not where neighbours
     /// are averaged.
     pub filled: Vec<Range<usize>>,
     name: String,
+    /// Written in a few rows only: what stands between was not lost.
+    is_slow: bool,
     samples: usize,
     sum: f64,
     summed: usize,
@@ -50,6 +52,7 @@ impl Series {
             watch: Watch::new(name),
             filled: Vec::new(),
             name: name.into(),
+            is_slow: false,
             samples: 0,
             sum: 0.0,
             summed: 0,
@@ -60,6 +63,11 @@ impl Series {
             run: 0,
             longest: 0,
         }
+    }
+
+    /// The same of a column that may be written in a few rows only.
+    pub(crate) fn slow(self, is_slow: bool) -> Self {
+        Self { is_slow, ..self }
     }
 
     /// The next reading; NaN where it is missing.
@@ -77,6 +85,9 @@ impl Series {
             self.fill(Some(value));
         }
         self.last = Some(value);
+        if self.is_slow && self.keep.window.contains(&self.samples) {
+            self.watch.push(value);
+        }
         self.emit(value);
     }
 
@@ -87,7 +98,7 @@ impl Series {
 
     fn fill(&mut self, next: Option<f64>) {
         let count = std::mem::take(&mut self.pending);
-        if self.keep.together == 1 {
+        if self.keep.together == 1 && !self.is_slow {
             self.filled.push(self.samples..self.samples + count);
         }
         let left = self.last.or(next).unwrap_or(0.0);
@@ -102,7 +113,9 @@ impl Series {
         if !self.keep.window.contains(&(self.samples - 1)) {
             return;
         }
-        self.watch.push(value);
+        if !self.is_slow {
+            self.watch.push(value);
+        }
         if self.keep.together == 1 {
             self.values.push(value);
             return;
@@ -130,23 +143,52 @@ impl Series {
         self.samples.min(self.keep.window.end).saturating_sub(self.keep.window.start)
     }
 
+    /// Puts straight lines where a column that may be written in a few rows holds nothing, and counts
+    /// them: on an uneven clock, samples are made of rows.
+    pub(crate) fn bridge(&mut self, rows: &mut [f64]) {
+        if !self.is_slow {
+            return;
+        }
+        let mut lines = Self::new(&self.name, &Keep { window: 0..usize::MAX, together: 1, expected: rows.len() });
+        rows.iter().for_each(|value| lines.push(*value));
+        if lines.pending > 0 {
+            lines.fill(None);
+        }
+        rows.copy_from_slice(&lines.values);
+        (self.missing, self.longest) = (lines.missing, lines.longest);
+        self.readings = 0;
+    }
+
     /// Nothing follows. What a person should know of the missing readings.
     ///
     /// # Errors
-    /// When more than 5 % of the readings are missing.
+    /// When more than 5 % of the readings are missing; of a slow column, where it was not written
+    /// for as long.
     pub(crate) fn finish(&mut self, path: &Path) -> Result<Option<Finding>> {
         if self.pending > 0 {
             self.fill(None);
         }
-        if self.missing as f64 > FILL_LIMIT * self.readings as f64 {
+        let (readings, missing, longest) = (self.readings, self.missing, self.longest);
+        let most = FILL_LIMIT * readings as f64;
+        let there = readings.saturating_sub(missing);
+        let is_lost = if self.is_slow {
+            there == 0 || longest as f64 > most && longest > 2 * readings / there
+        } else {
+            missing as f64 > most
+        };
+        if is_lost {
             return Err(Error::new(
                 format!("could not use column `{}` of {}", self.name, path.display()),
-                format!("{} of {} values are missing", self.missing, self.readings),
+                format!("{missing} of {readings} values are missing"),
                 "leave the column out, or cut the recording to a stretch where it was logged",
             ));
         }
-        let (readings, longest) = (self.missing, self.longest);
-        Ok((readings > 0).then(|| Finding::MissingReadings { column: self.name.clone(), readings, longest }))
+        let column = self.name.clone();
+        Ok(match missing {
+            0 => None,
+            _ if self.is_slow => Some(Finding::WrittenInFew { column, readings: there, rows: readings }),
+            _ => Some(Finding::MissingReadings { column, readings: missing, longest }),
+        })
     }
 }
 
@@ -171,6 +213,23 @@ mod tests {
         let column = "x".to_owned();
         assert_eq!(said, Ok(Some(Finding::MissingReadings { column, readings: 3, longest: 2 })));
         assert!(series(&[nan, 1.0, 2.0], 1).1.is_err());
+    }
+
+    #[test]
+    fn a_slow_column_goes_straight_between_its_rows_and_one_that_ends_midway_is_refused() {
+        let keep = Keep { window: 0..usize::MAX, together: 1, expected: 0 };
+        let read = |written: &dyn Fn(usize) -> bool, is_slow: bool| {
+            let mut series = Series::new("x", &keep).slow(is_slow);
+            (0..1000).for_each(|k| series.push(if written(k) { k as f64 } else { f64::NAN }));
+            let said = series.finish(Path::new("log.csv"));
+            (series, said)
+        };
+        let (series, said) = read(&|k| k % 100 == 0, true);
+        assert_eq!(said, Ok(Some(Finding::WrittenInFew { column: "x".into(), readings: 10, rows: 1000 })));
+        assert!(series.filled.is_empty(), "nothing was lost");
+        assert!(series.values[..=900].iter().enumerate().all(|(k, v)| (v - k as f64).abs() < 1e-9));
+        assert!(read(&|k| k % 10 == 0 && k < 500, true).1.is_err() && read(&|_| false, true).1.is_err());
+        assert!(read(&|k| k % 100 == 0, false).1.is_err(), "control: a reading is no slow column");
     }
 
     #[test]

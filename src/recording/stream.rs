@@ -30,7 +30,7 @@ const AHEAD: usize = 2;
 /// Samples in a row, none missing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
-    /// One per column, all of one length.
+    /// One per column, all of one length; NaN where a slow column holds nothing.
     pub columns: Vec<Vec<f64>>,
     /// Per sample the row of the file that holds it, counted from zero after the header; `None`
     /// where a straight line stands in for a row.
@@ -91,7 +91,8 @@ fn hand_on(path: &Path, request: &Request, plan: Plan, send: &SyncSender<Block>)
     let mut table = plan::open(path, request)?;
     let heading = table.time().unwrap_or_default().to_owned();
     let question = Question { path, heading: &heading, rate_hz: request.rate_hz };
-    let mut bridge = Bridge::new(table.names().len(), send);
+    let is_slow: Vec<bool> = table.names().iter().map(|name| request.slow.contains(name)).collect();
+    let mut bridge = Bridge::new(is_slow, send);
     let mut placer = plan.clock.as_ref().map(Placer::new);
     let mut row = vec![0.0; table.names().len()];
     let mut dropped = Tally::default();
@@ -174,6 +175,8 @@ fn pass(
 struct Bridge<'a> {
     send: &'a SyncSender<Block>,
     columns: Vec<Vec<f64>>,
+    /// Columns that may be written in a few rows only.
+    is_slow: Vec<bool>,
     rows: Vec<Option<usize>>,
     last: Vec<f64>,
     missing: usize,
@@ -184,14 +187,14 @@ struct Bridge<'a> {
 }
 
 impl<'a> Bridge<'a> {
-    fn new(width: usize, send: &'a SyncSender<Block>) -> Self {
-        let (columns, last) = (vec![Vec::new(); width], vec![0.0; width]);
-        Self { send, columns, rows: Vec::new(), last, missing: 0, given: 0, filled: 0, bridges: 0, breaks: 0 }
+    fn new(is_slow: Vec<bool>, send: &'a SyncSender<Block>) -> Self {
+        let (columns, last) = (vec![Vec::new(); is_slow.len()], vec![0.0; is_slow.len()]);
+        Self { send, columns, is_slow, rows: Vec::new(), last, missing: 0, given: 0, filled: 0, bridges: 0, breaks: 0 }
     }
 
     /// The next row and its number; false where it lacks a reading and was not used.
     fn push(&mut self, values: &[f64], row: usize) -> bool {
-        if values.iter().any(|v| v.is_nan()) {
+        if values.iter().zip(&self.is_slow).any(|(v, slow)| v.is_nan() && !slow) {
             self.missing = self.missing.saturating_add(1);
             return false;
         }
@@ -225,7 +228,8 @@ impl<'a> Bridge<'a> {
         let mut from = part.start;
         while from < part.end {
             let to = part.end.min(from + BLOCK - self.columns.first().map_or(0, Vec::len));
-            let is_whole = |row: &usize| run.columns.iter().all(|column| !column[*row].is_nan());
+            let needed = || run.columns.iter().zip(&self.is_slow).filter(|(_, slow)| !**slow);
+            let is_whole = |row: &usize| needed().all(|(column, _)| !column[*row].is_nan());
             let to = if self.missing == 0 { (from..to).find(|row| !is_whole(row)).unwrap_or(to) } else { from };
             if to > from {
                 for ((column, last), values) in self.columns.iter_mut().zip(&mut self.last).zip(run.columns) {

@@ -90,7 +90,13 @@ pub fn requested(path: &Path, model: &Model, seconds: Seconds) -> Result<Request
         }
     };
     let columns = columns.into_iter().cloned().collect();
-    let mut request = Request { columns, rate_hz, time: time.clone(), rows, ..Request::default() };
+    let slow = match model {
+        Model::Driven(m) => m.columns.environment.clone(),
+        Model::Static(m) => m.columns.environment.clone(),
+        Model::Tumble(m) => m.columns.environment.clone(),
+        Model::Response(_) | Model::Trajectory(_) => Vec::new(),
+    };
+    let mut request = Request { columns, slow, rate_hz, time: time.clone(), rows, ..Request::default() };
     (request.from_s, request.to_s) = (seconds.from_s, seconds.to_s);
     request.topic = model.topic().cloned();
     request.force_rate = match model {

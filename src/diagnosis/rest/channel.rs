@@ -21,6 +21,8 @@ const LEAKAGE: f64 = 0.05;
 #[derive(Debug, Clone)]
 pub(super) struct Channel {
     pub(super) name: String,
+    /// Words for its unit; "unit" where nothing states one.
+    pub(super) unit: String,
     /// Uniform samples, mean removed, over `scale`.
     pub(super) values: Vec<f64>,
     /// Holds what was removed, in file units.
@@ -219,6 +221,7 @@ impl Channel {
         let coefficients = cosine::transform(&values).into();
         Self {
             name: name.into(),
+            unit: "unit".into(),
             mean,
             values,
             scale,

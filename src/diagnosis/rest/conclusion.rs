@@ -103,9 +103,9 @@ impl<'a> Draft<'a> {
         }
         let noise = self.model.noise.as_ref();
         for (i, channel) in self.channels.iter().enumerate() {
-            let own = effects::of_terms(i, channel, &self.selected[i], self.is_common(i), self.unit);
+            let own = effects::of_terms(i, channel, &self.selected[i], self.is_common(i));
             self.effects.extend(own);
-            self.effects.extend(effects::of_level(i, channel, &self.finals[i], noise, self.unit));
+            self.effects.extend(effects::of_level(i, channel, &self.finals[i], noise));
             self.findings.extend(plausible::level(channel, &self.finals[i], noise));
         }
     }
@@ -167,7 +167,7 @@ impl<'a> Draft<'a> {
         for place in 0..count {
             let Some(departure) = self.departures[place] else { continue };
             let (channel, selection) = (&self.channels[place], &self.selected[place]);
-            let judged = Judged { place, channel, selection, departure: &departure, count, unit: self.unit };
+            let judged = Judged { place, channel, selection, departure: &departure, count };
             let Some(one) = near_law::one_for_all(&judged) else {
                 if let Some((own, ties)) = near_law::ties(&selection.chosen, &departure) {
                     self.effects.iter_mut().filter(|e| e.is(own, place)).for_each(|e| e.tie(&ties));
@@ -342,7 +342,7 @@ impl<'a> Draft<'a> {
             ..describe::detail(&channels[i], &before[i], &self.finals[i])
         };
         let means = self.means();
-        let base: Vec<Estimate> = means.iter().map(|m| m.estimate(self.unit)).collect();
+        let base: Vec<Estimate> = means.iter().map(|m| m.estimate()).collect();
         let reference = earth::reference(self.model, &base);
         let mut ranking = ranking(channels, self.selected, &self.effects);
         let names = || channels.iter().map(|c| c.name.clone()).collect();

@@ -97,7 +97,7 @@ impl Found {
 
 /// Returns what a channel's own terms amount to; slow ones are left to the common cause where it
 /// has one.
-pub(super) fn of_terms(place: usize, channel: &Channel, selection: &Selection, shared: bool, unit: &str) -> Vec<Found> {
+pub(super) fn of_terms(place: usize, channel: &Channel, selection: &Selection, shared: bool) -> Vec<Found> {
     let fitted = &selection.chosen;
     let terms = fitted.terms.iter().zip(&selection.named).enumerate();
     terms
@@ -105,7 +105,7 @@ pub(super) fn of_terms(place: usize, channel: &Channel, selection: &Selection, s
         .map(|(index, (term, named))| Found {
             cause: term.cause,
             channels: vec![place],
-            parameters: (row(term.cause).parameters)(&Placed { channel, fitted, index, unit }),
+            parameters: (row(term.cause).parameters)(&Placed { channel, fitted, index }),
             evidence: Evidence { held_out_gain: named.held_out_gain, p_value: named.p_value },
             rivals: named.rivals.iter().take(1).copied().collect(),
             basis: if term.cause == Cause::TemperatureSensitivity { Basis::Witness } else { Basis::Shape },
@@ -140,7 +140,7 @@ pub(super) fn of_common(common: &Common, channels: &[Channel], finals: &mut [Fit
         places.push(follower.channel);
         p_value = p_value.max(follower.p_value);
         r_squared = r_squared.min(follower.r_squared);
-        let last = Placed { channel, fitted, index: fitted.terms.len() - 1, unit: "" };
+        let last = Placed { channel, fitted, index: fitted.terms.len() - 1 };
         let slope = (row(Cause::TemperatureSensitivity).parameters)(&last);
         parameters.extend(slope.into_iter().map(|e| Estimate {
             name: format!("{} over {}", channel.name, leader.name),
@@ -169,13 +169,7 @@ fn folded(fitted: &Fitted) -> f64 {
 }
 
 /// Rounding as coarse as the noise, and a white level other than promised.
-pub(super) fn of_level(
-    place: usize,
-    channel: &Channel,
-    fitted: &Fitted,
-    noise: Option<&model::Noise>,
-    unit: &str,
-) -> Vec<Found> {
+pub(super) fn of_level(place: usize, channel: &Channel, fitted: &Fitted, noise: Option<&model::Noise>) -> Vec<Found> {
     let mut out = Vec::new();
     let (white, error) = fitted.white();
     let rounding = channel.rounding();
@@ -190,7 +184,7 @@ pub(super) fn of_level(
         basis: Basis::Witness,
     };
     if let Some(step) = coarse.map(|q| q * channel.scale) {
-        let parameter = Estimate { name: "step".into(), value: step, unit: unit.into(), ci95: [step, step] };
+        let parameter = Estimate { name: "step".into(), value: step, unit: channel.unit.clone(), ci95: [step, step] };
         // A smooth reading would not fall on a grid once.
         out.push(of(
             Cause::QuantisationNoise,
@@ -223,7 +217,7 @@ pub(super) fn of_level(
     if p_value < ALPHA && ((own.max(0.0) / promised).sqrt() - 1.0).abs() > LEVEL {
         let density = |v: f64| describe::density_of_white(channel, v);
         let (value, ci95) = (density(own.max(0.0)), interval.map(density));
-        let parameter = Estimate { name: "density".into(), value, unit: format!("{unit}/√Hz"), ci95 };
+        let parameter = Estimate { name: "density".into(), value, unit: format!("{}/√Hz", channel.unit), ci95 };
         let gain = 1.0 - (promised / own).min(own.max(0.0) / promised);
         out.push(of(Cause::WhiteNoise, parameter, Evidence { held_out_gain: gain, p_value }));
     }

@@ -27,6 +27,7 @@ const APART: f64 = 2.25;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Mean {
     pub(super) channel: String,
+    pub(super) unit: String,
     pub(super) value: f64,
     /// By noise that averages out: how well the recording's own mean is known.
     pub(super) of_recording: f64,
@@ -59,6 +60,7 @@ impl Mean {
         let of_recording = passing * scale;
         Self {
             channel: channel.name.clone(),
+            unit: channel.unit.clone(),
             value: channel.mean,
             of_recording,
             of_bias: of_recording + lasting * scale,
@@ -66,12 +68,12 @@ impl Mean {
     }
 
     /// Returns it as a base model's number.
-    pub(super) fn estimate(&self, unit: &str) -> Estimate {
+    pub(super) fn estimate(&self) -> Estimate {
         let half = half_width(self.of_bias);
         Estimate {
             name: format!("mean of {}", self.channel),
             value: self.value,
-            unit: unit.into(),
+            unit: self.unit.clone(),
             ci95: [self.value - half, self.value + half],
         }
     }

@@ -65,12 +65,11 @@ pub(super) struct Judged<'a> {
     pub(super) departure: &'a Departure,
     /// Of all channels.
     pub(super) count: usize,
-    pub(super) unit: &'a str,
 }
 
 /// The one effect that stands for all slow laws of a channel; `None` where they stand as they are.
 pub(super) fn one_for_all(of: &Judged<'_>) -> Option<Found> {
-    let Judged { place, channel, selection, departure, count, unit } = *of;
+    let Judged { place, channel, selection, departure, count } = *of;
     let chosen = &selection.chosen;
     let exponent = departure.exponent.filter(|_| departure.of == Of::Spectrum)?;
     let (cause, law) = nearest(exponent.value)?;
@@ -100,7 +99,7 @@ pub(super) fn one_for_all(of: &Judged<'_>) -> Option<Found> {
     let index = rest.len();
     let without = channel.fit(rest.clone());
     let whole = with(law);
-    let mut parameters = (row(cause).parameters)(&Placed { channel, fitted: &whole, index, unit });
+    let mut parameters = (row(cause).parameters)(&Placed { channel, fitted: &whole, index });
     let ci95 = exponent.ci95;
     parameters.push(Estimate { name: "exponent".into(), value: exponent.value, unit: "1".into(), ci95 });
     let all = free.held_out(&channel.promised);

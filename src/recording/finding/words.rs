@@ -180,6 +180,9 @@ impl fmt::Display for Finding {
                 f,
                 "`{column}`: {readings} missing values were filled by linear interpolation, at most {longest} in a row"
             ),
+            Self::WrittenInFew { column, readings, rows } => {
+                write!(f, "`{column}` is written in {readings} of {rows} rows, and taken to go straight in between")
+            }
             Self::Constant { column, value } => write!(f, "`{column}` is constant ({value}): a dead channel?"),
             Self::BeyondDouble { column, first_row } => write!(
                 f,

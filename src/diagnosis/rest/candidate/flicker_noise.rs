@@ -26,5 +26,5 @@ pub(super) const ROW: Row = Row {
     chance: |gain, _| 0.5 * chi_squared_survival(gain, 1.0),
     imitates: &[],
     is_drift: true,
-    parameters: |of| vec![root("B", of.unit.into(), of.channel.scale, of.fitted.strength_of(of.index))],
+    parameters: |of| vec![root("B", of.channel.unit.clone(), of.channel.scale, of.fitted.strength_of(of.index))],
 };

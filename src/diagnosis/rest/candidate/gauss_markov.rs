@@ -59,7 +59,7 @@ pub(super) const ROW: Row = Row {
     parameters: |of| {
         let memory = |samples: f64| Addition::Law(Law::Markov(samples));
         let time = searched("T", of.channel, of.fitted, of.index, &memory);
-        let own = root("sigma", of.unit.into(), of.channel.scale, of.fitted.strength_of(of.index));
+        let own = root("sigma", of.channel.unit.clone(), of.channel.scale, of.fitted.strength_of(of.index));
         // What is known well is σ²/T, the power at high frequencies.
         let at = |time_s: f64| {
             let other = with_searched(of.channel, of.fitted, of.index, time_s * of.channel.rate_hz, &memory);

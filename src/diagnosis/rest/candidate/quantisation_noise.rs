@@ -39,6 +39,6 @@ pub(super) const ROW: Row = Row {
     is_drift: false,
     parameters: |of| {
         let factor = of.channel.scale * (1.0 / of.channel.rate_hz);
-        vec![root("Q", format!("{}·s", of.unit), factor, of.fitted.strength_of(of.index))]
+        vec![root("Q", format!("{}·s", of.channel.unit), factor, of.fitted.strength_of(of.index))]
     },
 };

@@ -28,6 +28,6 @@ pub(super) const ROW: Row = Row {
     is_drift: true,
     parameters: |of| {
         let factor = of.channel.scale * of.channel.rate_hz.sqrt();
-        vec![root("K", format!("{}/√s", of.unit), factor, of.fitted.strength_of(of.index))]
+        vec![root("K", format!("{}/√s", of.channel.unit), factor, of.fitted.strength_of(of.index))]
     },
 };

@@ -36,6 +36,6 @@ pub(super) const ROW: Row = Row {
     parameters: |of| {
         let duration_s = of.channel.values.len() as f64 * (1.0 / of.channel.rate_hz);
         let rise = of.fitted.amplitudes_of(of.index)[0];
-        vec![straight("rate", format!("{}/s", of.unit), of.channel.scale / duration_s, rise)]
+        vec![straight("rate", format!("{}/s", of.channel.unit), of.channel.scale / duration_s, rise)]
     },
 };

@@ -93,8 +93,6 @@ pub(in crate::rest) struct Placed<'a> {
     pub(in crate::rest) fitted: &'a Fitted,
     /// Among the model's terms.
     pub(in crate::rest) index: usize,
-    /// Of the channel's readings.
-    pub(in crate::rest) unit: &'a str,
 }
 
 impl Placed<'_> {

@@ -57,7 +57,7 @@ fn parameters(of: &Placed<'_>) -> Vec<Estimate> {
     let count = of.channel.values.len() as f64;
     let spread = (12.0f64).sqrt() * error / (amplitude * count) / TAU;
     vec![
-        straight("amplitude", of.unit.into(), of.channel.scale, (amplitude, error)),
+        straight("amplitude", of.channel.unit.clone(), of.channel.scale, (amplitude, error)),
         straight("frequency", "Hz".into(), of.channel.rate_hz, (of.term().searched, spread)),
     ]
 }

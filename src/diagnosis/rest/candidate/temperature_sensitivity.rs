@@ -58,7 +58,7 @@ pub(super) const ROW: Row = Row {
                 _ => ("cube", "cubed unit"),
             };
             let factor = of.channel.scale / unit.powi(*p);
-            straight(name, format!("{} per {of_column} of {column}", of.unit), factor, *amplitude)
+            straight(name, format!("{} per {of_column} of {column}", of.channel.unit), factor, *amplitude)
         };
         let step_s = 1.0 / of.channel.rate_hz;
         let delay = match delay {

@@ -48,7 +48,8 @@ pub(super) const ROW: Row = Row {
         let count = of.channel.values.len();
         let curve = |samples: f64| Addition::Curves(vec![settling(count, samples)]);
         let time = searched("T", of.channel, of.fitted, of.index, &curve);
-        let own = straight("amplitude", of.unit.into(), of.channel.scale, of.fitted.amplitudes_of(of.index)[0]);
+        let own =
+            straight("amplitude", of.channel.unit.clone(), of.channel.scale, of.fitted.amplitudes_of(of.index)[0]);
         let at = |time_s: f64| {
             let other = with_searched(of.channel, of.fitted, of.index, time_s * of.channel.rate_hz, &curve);
             other.amplitudes_of(of.index)[0].0 * of.channel.scale
