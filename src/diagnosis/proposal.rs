@@ -4,13 +4,19 @@
 //! `inspect` suggests the next command by it, and `diagnose` without a model runs on it. A proposal
 //! is withheld where two readings of the file are as likely; the error then names both.
 
+mod driven;
+mod parts;
 mod sweeps;
+
+pub use parts::Named;
 
 use super::model::{self, Model};
 use crate::document::toml_string;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::number::rounded;
-use crate::recording::inspection::{Column, Inspection, Rows, Stretch};
+use crate::recording::inspection::{Inspection, Rows, Stretch};
+use driven::driven;
+use parts::{environment, list, refused};
 
 /// Share of its time that a sensor at rest is still.
 const AT_REST: f64 = 0.8;
@@ -38,21 +44,6 @@ pub enum Suited {
     Reference,
     /// Stepped-sine sweeps of a resonator.
     Sweeps,
-}
-
-/// Choices of the user; what is left out is taken from the headings and the clock.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Named {
-    /// Heading of the force on the proof mass.
-    pub input: Option<String>,
-    /// Heading of its reading.
-    pub output: Option<String>,
-    /// Sampling rate of a recording without a clock, Hz.
-    pub rate_hz: Option<f64>,
-    /// Heading of the clock.
-    pub time: Option<String>,
-    /// States that a part of the recording was cut out: of a sensor that mostly rests in it, its rest.
-    pub is_cut: bool,
 }
 
 /// The time that a sensor lay still, s.
@@ -89,11 +80,6 @@ pub fn suited(rows: &Rows) -> Option<Suited> {
         _ if gyros + accelerometers == 1 => Some(Suited::Driven),
         _ => None,
     }
-}
-
-/// The refusal to choose.
-fn refused(file: &str, cause: String, hint: String) -> Error {
-    Error::new(format!("could not choose a model for {file}"), cause, hint)
 }
 
 /// Writes the model.toml that a recording suits; `file` stands for it in commands.
@@ -177,16 +163,6 @@ pub fn parsed(text: &str) -> Result<Model> {
     model::parse("the proposed model", text)
 }
 
-fn list<'a>(names: impl IntoIterator<Item = &'a Column>) -> String {
-    let names: Vec<String> = names.into_iter().map(|c| toml_string(&c.name)).collect();
-    format!("[{}]", names.join(", "))
-}
-
-fn environment(rows: &Rows) -> String {
-    let around: Vec<&Column> = rows.columns.iter().filter(|c| c.is_environment).collect();
-    if around.is_empty() { String::new() } else { format!("environment = {}\n", list(around)) }
-}
-
 fn at_rest(rows: &Rows) -> String {
     let channels = rows.sensors.iter().flatten().map(|place| &rows.columns[*place]);
     format!("kind = \"static\"\n[columns]\nchannels = {}\n{}", list(channels), environment(rows))
@@ -208,110 +184,10 @@ fn poses(file: &str, rows: &Rows) -> Result<String> {
     ))
 }
 
-/// Words in a heading that say which end of a proof mass it is.
-const INPUTS: [&str; 9] = ["input", "in", "u", "force", "drive", "excitation", "control", "command", "torque"];
-const OUTPUTS: [&str; 12] = [
-    "output",
-    "out",
-    "y",
-    "x",
-    "displacement",
-    "position",
-    "deflection",
-    "response",
-    "reading",
-    "angle",
-    "roll",
-    "velocity",
-];
-
-fn says(column: &Column, words: &[&str]) -> bool {
-    let lower = column.name.to_lowercase();
-    lower.split(|c: char| !c.is_alphanumeric()).any(|word| words.contains(&word))
-}
-
-/// The input and the output among these columns; no input where a single column decays.
-fn driven(file: &str, rows: &Rows, named: &Named) -> Result<String> {
-    let columns: Vec<&Column> = rows.columns.iter().filter(|c| !c.is_environment).collect();
-    let known = |name: &Option<String>| match name {
-        Some(name) => match rows.columns.iter().find(|c| c.name == *name) {
-            Some(column) => Ok(Some(column)),
-            None => {
-                let there: Vec<&str> = rows.columns.iter().map(|c| c.name.as_str()).collect();
-                Err(refused(
-                    file,
-                    format!("it has no column `{name}`"),
-                    format!("its columns of numbers are: {}", there.join(", ")),
-                ))
-            }
-        },
-        None => Ok(None),
-    };
-    let (input, output) = (known(&named.input)?, known(&named.output)?);
-    let one = |words: &[&str], taken: Option<&Column>| -> Option<&Column> {
-        let mut all = columns.iter().filter(|c| says(c, words) && taken != Some(**c));
-        all.next().filter(|_| all.next().is_none()).copied()
-    };
-    let other = |taken: &Column| columns.iter().find(|c| **c != taken).filter(|_| columns.len() == 2).copied();
-    let by_name = match (input, output) {
-        (None, None) if columns.len() == 1 => return Ok(of_driven(None, columns[0], rows)),
-        (None, None) => (one(&INPUTS, None), one(&OUTPUTS, None)),
-        (Some(input), None) => (Some(input), one(&OUTPUTS, Some(input))),
-        // An output alone, asked for as such, is a free decay unless a force is recorded with it.
-        (None, Some(output)) => match one(&INPUTS, Some(output)) {
-            None => return Ok(of_driven(None, output, rows)),
-            input => (input, Some(output)),
-        },
-        both => both,
-    };
-    let pair = match by_name {
-        (Some(input), Some(output)) if input != output => Some((input, output)),
-        (Some(input), None) => other(input).map(|output| (input, output)),
-        (None, Some(output)) => other(output).map(|input| (input, output)),
-        _ => None,
-    };
-    match (pair, &columns[..]) {
-        (Some((input, output)), _) => Ok(of_driven(Some(input), output, rows)),
-        (None, [first, second]) => {
-            let [a, b] = [&first.name, &second.name];
-            Err(refused(
-                file,
-                format!("`{a}` and `{b}` may each be the input: neither heading says so"),
-                format!(
-                    "proofmass diagnose {file} --input {a} --output {b}, or proofmass diagnose {file} --input {b} --output {a}; \
-                     of a sensor at rest, neither: --model with kind = \"static\" (`proofmass template static`)"
-                ),
-            ))
-        }
-        (None, []) => Err(refused(
-            file,
-            "its columns are the surroundings of a sensor, and none is a reading".into(),
-            "record these columns with the sensor's readings, and name them under environment in [columns] of its model".into(),
-        )),
-        (None, several) => {
-            let names: Vec<&str> = several.iter().map(|c| c.name.as_str()).collect();
-            Err(refused(
-                file,
-                format!("the headings of its {} columns do not say which are a sensor's readings", several.len()),
-                format!(
-                    "of a proof mass, name the force and the reading: proofmass diagnose {file} --input COLUMN --output \
-                     COLUMN; of an inertial sensor, its axes: proofmass allan {file} --gyro X,Y,Z --accelerometer X,Y,Z; \
-                     the columns are {}",
-                    names.join(", ")
-                ),
-            ))
-        }
-    }
-}
-
-fn of_driven(input: Option<&Column>, output: &Column, rows: &Rows) -> String {
-    let input = input.map_or(String::new(), |c| format!("input = {}\n", toml_string(&c.name)));
-    format!("kind = \"driven\"\n[columns]\n{input}output = {}\n{}", toml_string(&output.name), environment(rows))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recording::inspection::Column;
     use crate::recording::unit::Quantity;
 
     fn column(name: &str) -> Column {
@@ -362,6 +238,16 @@ mod tests {
         ] {
             let Ok(Model::Driven(found)) = model(names) else { panic!("{names:?}") };
             assert_eq!((found.columns.input.as_deref(), found.columns.output.as_str()), (input, output));
+        }
+        for (names, is) in [
+            (["force_N", "velocity_mm_s"], model::Output::Velocity),
+            (["force_N", "accel_out"], model::Output::Acceleration),
+            (["drive_V", "accel_out"], model::Output::Displacement),
+            (["force_N", "position_m"], model::Output::Displacement),
+            (["input_accel_m_s2", "output_accel"], model::Output::Displacement),
+        ] {
+            let Ok(Model::Driven(found)) = model(&names) else { panic!("{names:?}") };
+            assert_eq!(found.output_is, is, "{names:?}");
         }
         let refused = model(&["V1_V", "V2_V"]).expect_err("either may be the input").to_string();
         assert!(refused.contains("--input V1_V --output V2_V") && refused.contains("--input V2_V --output V1_V"));
