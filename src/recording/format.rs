@@ -215,6 +215,7 @@ pub(super) fn names_a_clock(heading: &str) -> bool {
         stem,
         "t" | "time"
             | "timestamp"
+            | "zeit"
             | "stamp"
             | "timeus"
             | "timems"
@@ -228,9 +229,11 @@ pub(super) fn names_a_clock(heading: &str) -> bool {
     )
 }
 
-/// Returns whether a heading is a unit of time and nothing else: `Second`.
-pub(super) fn is_unit_of_time(heading: &str) -> bool {
-    heading.chars().all(char::is_alphabetic) && TimeUnit::of_heading(heading).is_some()
+/// Returns whether a heading is the clock of an instrument: a unit of time and nothing else, as
+/// `Second`, or LabVIEW's `X_Value`.
+pub(super) fn is_clock_of_instruments(heading: &str) -> bool {
+    let is_unit = heading.chars().all(char::is_alphabetic) && TimeUnit::of_heading(heading).is_some();
+    is_unit || heading.eq_ignore_ascii_case("x_value")
 }
 
 /// Returns whether a heading that names a clock counts rows instead, or writes dates.
@@ -325,6 +328,7 @@ mod tests {
     fn clocks_are_recognised_by_name() {
         assert!(["t", "t_s", "Time [s]", "timestamp"].into_iter().all(names_a_clock));
         assert!(!["temp", "ax", "tilt", "temperature_c", "T [°C]", "T_C", "T (K)"].into_iter().any(names_a_clock));
-        assert!(["Second", "s", "ms"].into_iter().all(is_unit_of_time) && !is_unit_of_time("x_s"));
+        assert!(["Second", "s", "ms", "X_Value"].into_iter().all(is_clock_of_instruments));
+        assert!(!is_clock_of_instruments("x_s"));
     }
 }

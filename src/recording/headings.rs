@@ -22,15 +22,15 @@ pub struct Headings {
 }
 
 impl Headings {
-    /// The cells of a line.
-    pub fn new(cells: &Cells, line: &[u8]) -> Self {
+    /// The first cells of a line.
+    pub fn new(cells: &Cells, line: &[u8], width: usize) -> Self {
         let name = |i| {
             let text = text(cells.of(line, i));
             // Between quotation marks, a doubled one stands for itself.
             let quoted = cells.place(i).start.checked_sub(1).is_some_and(|before| line[before] == b'"');
             if quoted { text.replace("\"\"", "\"").trim().to_owned() } else { text.trim().trim_matches('"').to_owned() }
         };
-        Self::of((0..cells.len()).map(name).collect(), false)
+        Self::of((0..width).map(name).collect(), false)
     }
 
     /// 1, 2, 3, … for a file without a header.
@@ -142,7 +142,7 @@ mod tests {
         let mut cells = Cells::default();
         let line = b"timestamp [ns],w_x [rad s^-1], a ,\"b\",c,c";
         cells.cut(line, b',');
-        let headings = Headings::new(&cells, line);
+        let headings = Headings::new(&cells, line, cells.len());
         for (name, place) in
             [("timestamp [ns]", 0), ("timestamp", 0), ("#timestamp [ns]", 0), ("w_x", 1), ("a", 2), ("b", 3)]
         {

@@ -48,8 +48,8 @@ pub struct Text {
     /// Number of rows handed on.
     rows: usize,
     dropped: Tally,
-    /// States whether its headings stand below lines that were left out.
-    has_preamble: bool,
+    /// Cells of its rows, where its headings stand below lines that were left out.
+    table_width: Option<usize>,
     /// Per column, the first row with a whole number that was rounded.
     rounded: Vec<Option<usize>>,
     skipped: (u64, u64),
@@ -83,7 +83,7 @@ impl Text {
             width: 0,
             rows: 0,
             dropped: Tally::default(),
-            has_preamble: preamble.is_some(),
+            table_width: preamble.map(|p| p.width),
             rounded: Vec::new(),
             skipped: (0, 0),
             findings: Vec::new(),

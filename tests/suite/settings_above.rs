@@ -16,6 +16,7 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("formats: a network analyser's sweep below its settings is a response", sweep),
         test("formats: an oscilloscope's record below its settings is a series in time", record),
+        test("formats: LabVIEW's measurement files are read, with their clock and without their comments", measurement),
         test("formats: settings above the numbers without headings are refused with their line", unnamed),
     ]
 }
@@ -61,6 +62,30 @@ fn sweep() -> Result<(), Failed> {
     check(found.len() == wanted.len() && same, format!("{found:?} {wanted:?}"))?;
     // Control: the table alone is read as before, and nothing is said.
     check(!inspected(&alone)?["findings"].to_string().contains("before the headings"), "a table alone has settings")
+}
+
+/// LabVIEW writes a second head, decimal commas, tabs, and a heading for comments that its rows end
+/// without.
+fn measurement() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let head = "LabVIEW Measurement\t\r\nWriter_Version\t2\r\nReader_Version\t2\r\nSeparator\tTab\r\n\
+        Decimal_Separator\t,\r\nMulti_Headings\tNo\r\nX_Columns\tOne\r\nTime_Pref\tAbsolute\r\n\
+        ***End_of_Header***\t\t\t\r\nChannels\t2\t\t\r\nSamples\t2000\t2000\t\r\nX_Dimension\tTime\tTime\t\r\n\
+        Delta_X\t0,000500\t0,000500\t\r\n***End_of_Header***\t\t\t\r\n";
+    let value = |k: usize| ((k * k * 7919 + k * 104_729) % 10_007) as f64 / 2890.0 - 1.73;
+    let row = |k: usize| format!("{:.6}\t{:.6}\t{:.6}\r\n", k as f64 * 5e-4, value(k), value(k + 7)).replace('.', ",");
+    let rows: String = (0..2000).map(row).collect();
+    let path = folder.path().join("log.lvm");
+    std::fs::write(&path, format!("{head}X_Value\tForce\tLaser\tComment\r\n{rows}"))?;
+    let read = recording::read(&path, &Request::default())?;
+    let names: Vec<&str> = read.columns.iter().map(|c| c.name.as_str()).collect();
+    let said = format!("{names:?} {} Hz, {} rows", read.rate_hz, read.rows);
+    check(names == ["Force", "Laser"] && (read.rate_hz - 2000.0).abs() < 1e-6 && read.rows == 2000, said)?;
+    let far = (0..2000).map(|k| (read.columns[1].values[k] - value(k + 7)).abs()).fold(0.0, f64::max);
+    check(far < 1e-6, format!("{far}"))?;
+    // Control: another heading without a column is one too many.
+    std::fs::write(&path, format!("{head}X_Value\tForce\tLaser\tPosition\r\n{rows}"))?;
+    check(recording::read(&path, &Request::default()).is_err(), "four headings for three columns")
 }
 
 fn record() -> Result<(), Failed> {

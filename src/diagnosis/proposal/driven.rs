@@ -6,8 +6,9 @@ use crate::error::Result;
 use crate::recording::inspection::{Column, Rows};
 
 /// Words in a heading that say which end of a proof mass it is.
-const INPUTS: [&str; 9] = ["input", "in", "u", "force", "drive", "excitation", "control", "command", "torque"];
-const OUTPUTS: [&str; 12] = [
+const INPUTS: [&str; 10] =
+    ["input", "in", "u", "force", "drive", "excitation", "control", "command", "torque", "kraft"];
+const OUTPUTS: [&str; 13] = [
     "output",
     "out",
     "y",
@@ -20,6 +21,7 @@ const OUTPUTS: [&str; 12] = [
     "angle",
     "roll",
     "velocity",
+    "weg",
 ];
 
 fn says(column: &Column, words: &[&str]) -> bool {

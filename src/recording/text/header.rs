@@ -22,9 +22,9 @@ impl Text {
     }
 
     /// Returns whether a heading names a clock; below the settings of an instrument a unit of time
-    /// does too, as there the headings may be the units alone.
+    /// does too, as there the headings may be the units alone, and LabVIEW's `X_Value`.
     pub fn names_a_clock(&self, heading: &str) -> bool {
-        format::names_a_clock(heading) || self.has_preamble && format::is_unit_of_time(heading)
+        format::names_a_clock(heading) || self.table_width.is_some() && format::is_clock_of_instruments(heading)
     }
 
     /// The first line that is no comment names the columns; where it holds numbers, the comment
@@ -42,7 +42,7 @@ impl Text {
             }
         }
         self.cells.cut(self.lines.line(), self.separator);
-        self.width = self.cells.len();
+        self.width = self.table_width.unwrap_or(self.cells.len()).min(self.cells.len());
         if self.width > MOST_COLUMNS {
             return Err(self.fail(
                 format!("line {} has {} cells, more than {MOST_COLUMNS}", self.lines.number(), self.width),
@@ -61,14 +61,14 @@ impl Text {
             if (0..self.width).any(|i| self.cells.of(line, i).starts_with(b"\"")) {
                 return Err(self.open_quote());
             }
-            return Ok(Headings::new(&self.cells, self.lines.line()));
+            return Ok(Headings::new(&self.cells, self.lines.line(), self.width));
         }
         self.held = true;
         let comment = comment.trim_ascii().strip_prefix(b"#").unwrap_or_default();
         let mut cells = Cells::default();
         cells.cut(comment, self.separator);
         if cells.len() == self.width && self.width > 1 && !numbers(&cells, comment) {
-            return Ok(Headings::new(&cells, comment));
+            return Ok(Headings::new(&cells, comment, self.width));
         }
         let line = self.lines.line();
         let row: Vec<f64> = (0..self.width).map(|i| self.number(self.cells.of(line, i)).unwrap_or(f64::NAN)).collect();

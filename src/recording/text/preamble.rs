@@ -30,6 +30,8 @@ pub(super) struct Preamble {
     pub(super) headings: u64,
     /// Separator of the table.
     pub(super) separator: u8,
+    /// Cells of its lines of numbers.
+    pub(super) width: usize,
 }
 
 /// A line that is neither blank nor a comment, and its number.
@@ -87,6 +89,11 @@ pub(super) fn find(head: &[u8], separator: u8) -> Result<Option<Preamble>, (Stri
         ));
     }
     let names_all = |words: &[String]| {
+        // LabVIEW names a column of comments that its rows end without.
+        let words = match words {
+            [all @ .., last] if all.len() == run.width && last.eq_ignore_ascii_case("comment") => all,
+            all => all,
+        };
         words.len() == run.width && words.iter().all(|word| matches!(format::cell(word.as_bytes()), Cell::Text))
     };
     let last = words(run.first - 1);
@@ -104,7 +111,7 @@ pub(super) fn find(head: &[u8], separator: u8) -> Result<Option<Preamble>, (Stri
             "write one line right above the numbers that names every column",
         ));
     }
-    Ok(Some(Preamble { lines: place as u64, headings: number(place), separator: run.separator }))
+    Ok(Some(Preamble { lines: place as u64, headings: number(place), separator: run.separator, width: run.width }))
 }
 
 /// The lines of these bytes that are neither blank nor comments.
