@@ -31,6 +31,7 @@ pub fn tests() -> Vec<Trial> {
         test("near laws: a held input beside a spring of another power is no late reading", held),
         test("near laws: a readout with a dead zone is a readout that bends, and departs", dead_zone),
         test("near laws: a measured input that comes late is named as that", late),
+        test("near laws: cells of the input that were lost are no force noise, and force noise is", lost_cells),
         test("near laws: what a smoothed friction or a saturation leaves is not called noise", not_noise),
         test("near laws: a drift along a power of time is no random walk, and a walk is one", not_a_walk),
     ]
@@ -255,6 +256,21 @@ fn late() -> Result<(), Failed> {
         check(verdict == "explained" && names == [id], format!("{samples}: {verdict} {names:?}"))?;
     }
     Ok(())
+}
+
+/// A cell of the input lost in every 331 rows, of a linear mass and of one that noise moves too (control).
+fn lost_cells() -> Result<(), Failed> {
+    let lost = |csv: &str| -> String {
+        let cut = |(k, line): (usize, &str)| match line.split_once(',') {
+            Some((_, y)) if k % 331 == 200 => format!(",{y}\n"),
+            _ => format!("{line}\n"),
+        };
+        csv.lines().enumerate().map(cut).collect()
+    };
+    let (verdict, names, _) = diagnosed(&lost(&recording(|_, _| 0.0, 5, 0.0)))?;
+    check(verdict == "adequate", format!("linear: {verdict} {names:?}"))?;
+    let (verdict, names, _) = diagnosed(&lost(&pushed(9)?))?;
+    check(verdict == "explained" && names == ["force-noise"], format!("force noise: {verdict} {names:?}"))
 }
 
 /// Friction that is smooth where the velocity is near zero, and a readout that saturates smoothly,

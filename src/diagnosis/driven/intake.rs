@@ -6,6 +6,7 @@ pub mod data;
 mod defects;
 pub mod dependence;
 pub mod excerpt;
+mod holes;
 pub mod input;
 pub mod lines;
 pub mod notes;

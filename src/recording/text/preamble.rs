@@ -214,16 +214,16 @@ mod tests {
         for width in [2, 3, 5] {
             let names: Vec<String> = (0..width).map(|n| format!("column {n}")).collect();
             let text = format!("{SETTINGS}{}\n{}", names.join(","), rows(30, width));
-            let expected = Preamble { lines: 5, headings: 7, separator: b',' };
+            let expected = Preamble { lines: 5, headings: 7, separator: b',', width };
             assert_eq!(found(&text), Ok(Some(expected)), "{width} columns");
             assert_eq!(found(&text.replace('\n', "\r\n")), Ok(Some(expected)), "{width} columns");
             let semicolons = text.replace(',', ";").replace('.', ",");
             assert_eq!(find(semicolons.as_bytes(), b';'), Ok(Some(Preamble { separator: b';', ..expected })));
         }
         let units = format!("{SETTINGS}time,voltage\n(ms),(mV)\n{}", rows(9, 2));
-        assert_eq!(found(&units), Ok(Some(Preamble { lines: 5, headings: 7, separator: b',' })));
+        assert_eq!(found(&units), Ok(Some(Preamble { lines: 5, headings: 7, separator: b',', width: 2 })));
         let title = format!("Run of Friday\nf,x,y\n{}", rows(9, 3));
-        assert_eq!(found(&title), Ok(Some(Preamble { lines: 1, headings: 2, separator: b',' })));
+        assert_eq!(found(&title), Ok(Some(Preamble { lines: 1, headings: 2, separator: b',', width: 3 })));
     }
 
     #[test]

@@ -18,6 +18,7 @@ use super::alignment::{self, align};
 use super::data::{Data, Followed};
 use super::defects;
 use super::dependence::depends;
+use super::holes;
 use super::input::{Input, Interpolation, REACH};
 use super::lines;
 use super::notes::{Broken, Notes};
@@ -95,6 +96,11 @@ pub fn prepare(recording: &Recording, model: &model::Driven, control: &Control) 
                 ": a dead channel? The recording is treated as a free ring-down",
             );
         } else {
+            let holes = holes::refill(&mut values, &recording.filled);
+            if holes > 0 {
+                let said = format!("{holes} short holes of {name} were filled by prediction from both sides");
+                notes.findings.push(said);
+            }
             let columns = Columns { model, reading: &reading, control };
             shift = columns
                 .together(&mut values, &mut ends, &mut notes)
