@@ -240,13 +240,14 @@ mod tests {
             assert_eq!((found.columns.input.as_deref(), found.columns.output.as_str()), (input, output));
         }
         for (names, is) in [
-            (["force_N", "velocity_mm_s"], model::Output::Velocity),
-            (["force_N", "accel_out"], model::Output::Acceleration),
-            (["drive_V", "accel_out"], model::Output::Displacement),
-            (["force_N", "position_m"], model::Output::Displacement),
-            (["input_accel_m_s2", "output_accel"], model::Output::Displacement),
+            (&["force_N", "velocity_mm_s"][..], model::Output::Velocity),
+            (&["velocity_rad_s"], model::Output::Velocity),
+            (&["force_N", "accel_out"], model::Output::Acceleration),
+            (&["drive_V", "accel_out"], model::Output::Displacement),
+            (&["force_N", "position_m"], model::Output::Displacement),
+            (&["input_accel_m_s2", "output_accel"], model::Output::Displacement),
         ] {
-            let Ok(Model::Driven(found)) = model(&names) else { panic!("{names:?}") };
+            let Ok(Model::Driven(found)) = model(names) else { panic!("{names:?}") };
             assert_eq!(found.output_is, is, "{names:?}");
         }
         let refused = model(&["V1_V", "V2_V"]).expect_err("either may be the input").to_string();

@@ -104,19 +104,21 @@ pub(super) fn driven(file: &str, rows: &Rows, named: &Named) -> Result<String> {
 }
 
 /// Words and units of velocities and of accelerations.
-const VELOCITY: (&[&str], &[&str]) = (&["velocity", "vel", "speed"], &["m/s", "mm/s", "um/s", "µm/s", "in/s"]);
+const VELOCITY: (&[&str], &[&str]) =
+    (&["velocity", "vel", "speed"], &["m/s", "mm/s", "um/s", "µm/s", "in/s", "rad/s", "°/s"]);
 const ACCELERATION: (&[&str], &[&str]) = (&["acceleration", "accel", "acc"], &["m/s²", "mm/s²", "g", "mg"]);
 const FORCE: (&[&str], &[&str]) = (&["force"], &["N", "mN", "kN", "lbf"]);
 
 /// The key that states what is read of a mass, where the headings say it: its velocity, or next to a force
 /// its acceleration. An accelerometer's reading is its proof mass' displacement, whatever it is called.
-fn read_of_the_mass(input: &Column, output: &Column) -> &'static str {
+fn read_of_the_mass(input: Option<&Column>, output: &Column) -> &'static str {
     let is = |column: &Column, (words, units): (&[&str], &[&str])| {
         says(column, words) || column.stated.as_deref().is_some_and(|unit| units.contains(&unit))
     };
-    if is(output, VELOCITY) && !is(input, VELOCITY) {
+    let drives = |what: (&[&str], &[&str])| input.is_some_and(|input| is(input, what));
+    if is(output, VELOCITY) && !drives(VELOCITY) {
         "output_is = \"velocity\"\n"
-    } else if is(output, ACCELERATION) && is(input, FORCE) {
+    } else if is(output, ACCELERATION) && drives(FORCE) {
         "output_is = \"acceleration\"\n"
     } else {
         ""
@@ -124,7 +126,7 @@ fn read_of_the_mass(input: &Column, output: &Column) -> &'static str {
 }
 
 fn of_driven(input: Option<&Column>, output: &Column, rows: &Rows) -> String {
-    let is = input.map_or("", |input| read_of_the_mass(input, output));
+    let is = read_of_the_mass(input, output);
     let input = input.map_or(String::new(), |c| format!("input = {}\n", toml_string(&c.name)));
     format!("kind = \"driven\"\n{is}[columns]\n{input}output = {}\n{}", toml_string(&output.name), environment(rows))
 }

@@ -18,8 +18,6 @@ const LET_GO: f64 = 0.9;
 const KNOCKED: [f64; 2] = [1.5, 0.2];
 /// Swings of a stretch at least.
 const FEWEST: usize = 4;
-/// Cycles that are kept after the last swing: where the mass comes to rest shows friction.
-const CYCLES_AFTER: f64 = 4.0;
 
 /// One swing to one side.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,11 +67,12 @@ pub(crate) fn motion(reading: &[f64], rows: Range<usize>, noise: f64) -> Option<
             starts.push((i, swings[i].peak));
         }
     }
-    let last = swings.last()?.to as f64 + CYCLES_AFTER * 2.0 * half;
+    // Where a mass comes to rest, whether it sticks a swing earlier or later decides, and no fit follows that.
+    let last = swings.last()?.to + 1;
     let mut stretches = Vec::new();
     for (n, (first, from)) in starts.iter().enumerate() {
         let next = starts.get(n + 1);
-        let end = next.map_or((last as usize).min(z.len()), |(i, _)| swings[i - 1].peak);
+        let end = next.map_or(last, |(i, _)| swings[i - 1].peak);
         let count = next.map_or(swings.len(), |(i, _)| *i) - first;
         if count >= FEWEST && end > *from {
             stretches.push(rows.start + from..rows.start + end);
