@@ -235,6 +235,7 @@ mod tests {
             (&["drive", "V2_V"], Some("drive"), "V2_V"),
             (&["V1_V", "response_V", "temp_C"], Some("V1_V"), "response_V"),
             (&["roll_rad"], None, "roll_rad"),
+            (&["Kraft [N]", "Weg [mm]"], Some("Kraft [N]"), "Weg [mm]"),
         ] {
             let Ok(Model::Driven(found)) = model(names) else { panic!("{names:?}") };
             assert_eq!((found.columns.input.as_deref(), found.columns.output.as_str()), (input, output));

@@ -326,7 +326,7 @@ mod tests {
 
     #[test]
     fn clocks_are_recognised_by_name() {
-        assert!(["t", "t_s", "Time [s]", "timestamp"].into_iter().all(names_a_clock));
+        assert!(["t", "t_s", "Time [s]", "timestamp", "Zeit [s]"].into_iter().all(names_a_clock));
         assert!(!["temp", "ax", "tilt", "temperature_c", "T [°C]", "T_C", "T (K)"].into_iter().any(names_a_clock));
         assert!(["Second", "s", "ms", "X_Value"].into_iter().all(is_clock_of_instruments));
         assert!(!is_clock_of_instruments("x_s"));

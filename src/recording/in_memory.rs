@@ -45,6 +45,8 @@ pub struct Recording {
     pub findings: Vec<Finding>,
     /// Samples that were not recorded but filled in some column, ascending; they may overlap.
     pub filled: Vec<Range<usize>>,
+    /// The same by column; empty for columns that were never in a file.
+    pub filled_by_column: Vec<Vec<Range<usize>>>,
 }
 
 /// Neighbouring samples that were averaged as they were read.
@@ -62,6 +64,12 @@ impl Recording {
     /// Values of the column with this heading.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         self.columns.iter().find(|c| c.name == name).map(|c| c.values.as_slice())
+    }
+
+    /// Samples of the column with this heading that were not recorded but filled.
+    pub fn filled_of(&self, name: &str) -> &[Range<usize>] {
+        let place = self.columns.iter().position(|c| c.name == name);
+        place.and_then(|place| self.filled_by_column.get(place)).map_or(&[], Vec::as_slice)
     }
 
     /// The unit that the file states for this column, beyond the last words of its heading.

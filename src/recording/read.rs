@@ -92,9 +92,10 @@ pub fn read(path: &Path, request: &Request) -> Result<Recording> {
     let dropped = dropped.all();
     findings.extend(dropped.iter().filter(|d| plan::is_said(d)).map(|d| Finding::Dropped(*d)));
     let mut series = gathered.finish(path, &plan, &mut findings)?;
-    let mut filled: Vec<Range<usize>> = series.iter_mut().flat_map(|s| std::mem::take(&mut s.filled)).collect();
-    filled.dedup();
+    let filled_by_column: Vec<Vec<Range<usize>>> = series.iter_mut().map(|s| std::mem::take(&mut s.filled)).collect();
+    let mut filled = filled_by_column.concat();
     order::sort_by_key(&mut filled, |r| r.start as f64);
+    filled.dedup();
     for one in &series {
         findings.extend(one.watch.findings());
     }
@@ -119,6 +120,7 @@ pub fn read(path: &Path, request: &Request) -> Result<Recording> {
         averaged,
         findings,
         filled,
+        filled_by_column,
     })
 }
 

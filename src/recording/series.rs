@@ -162,8 +162,8 @@ impl Series {
     /// Nothing follows. What a person should know of the missing readings.
     ///
     /// # Errors
-    /// When more than 5 % of the readings are missing; of a slow column, where it was not written
-    /// for as long.
+    /// When more than 5 % of the readings are missing; of a slow column, where it was not written for as
+    /// long, and for more than twice as long as it usually is not.
     pub(crate) fn finish(&mut self, path: &Path) -> Result<Option<Finding>> {
         if self.pending > 0 {
             self.fill(None);

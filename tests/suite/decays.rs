@@ -26,6 +26,7 @@ pub fn tests() -> Vec<Trial> {
         test("decay: a spring and a drag are named together, each with its share", together),
         test("decay: a law of another power is named with its exponent, or as near a law", powers),
         test("decay: a pendulum is a softening spring, with its drag beside it and nothing else", pendulum),
+        test("decay: friction that holds the mass in the end is named with its number", held_by_friction),
         test("decay: physics that the library lacks is given no name", unmodelled),
         test("decay: a hold before the release and a knock are left out and said", released),
         data_test("decay: a ship's roll has a cubic spring and a velocity law, at 100, 50, 20 and 10 Hz", roll),
@@ -74,6 +75,28 @@ fn friction(size: f64, v: f64) -> f64 {
     -size * (v / 1e-3).clamp(-1.0, 1.0)
 }
 
+/// A decay under friction that holds the mass once it turns where the spring is the weaker, swing by swing
+/// in closed form: between two turns, x about ±f is a linear decay from rest.
+fn held(zeta: f64, friction: f64, seed: u64) -> Vec<f64> {
+    let damped = (1.0 - zeta * zeta).sqrt();
+    let (mut from, mut turned_at) = (1.0f64, 0.0);
+    let mut rng = Philox::new(seed, 0, Stream::Host);
+    let swing = |from: f64, t: f64| {
+        let centre = friction * from.signum();
+        let decayed = (damped * t).cos() + zeta / damped * (damped * t).sin();
+        centre + (from - centre) * (-zeta * t).exp() * decayed
+    };
+    let mut row = |k: usize| {
+        let t = TAU * k as f64 / PER_CYCLE as f64;
+        while from.abs() > friction && t - turned_at > TAU / 2.0 / damped {
+            (from, turned_at) = (swing(from, TAU / 2.0 / damped), turned_at + TAU / 2.0 / damped);
+        }
+        let x = if from.abs() > friction { swing(from, t - turned_at) } else { from };
+        x + 1e-3 * rng.normal()
+    };
+    (0..80 * PER_CYCLE).map(&mut row).collect()
+}
+
 fn diagnosed(reading: Vec<f64>, rate_hz: f64) -> Result<Verdict, Failed> {
     let recording = Recording {
         path: "decay.csv".into(),
@@ -116,6 +139,19 @@ fn names(verdict: &Verdict) -> Vec<&str> {
         }
     }
     first
+}
+
+fn held_by_friction() -> Result<(), Failed> {
+    for (seed, friction) in [(1, 0.002), (2, 0.002), (3, 0.004)] {
+        let verdict = decimated(&held(0.0025, friction, seed), 1)?;
+        let said = format!("{seed}: {:?} {}", verdict.verdict, verdict.sentence);
+        check(verdict.verdict == Outcome::Explained && ids(&verdict) == ["coulomb-friction"], &said)?;
+        let [low, high] = verdict.effects[0].parameters[0].ci95;
+        // Twice the 95 % interval: chance leaves it once in ten thousand.
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        check((middle - friction).abs() < 2.0 * half, format!("{said}: {low} to {high}"))?;
+    }
+    Ok(())
 }
 
 fn nulls() -> Result<(), Failed> {

@@ -65,12 +65,13 @@ fn low_pass() -> Result<(), Failed> {
         let answer = run(program().arg("diagnose").arg(file).arg("--json"))?;
         let verdict: serde_json::Value = serde_json::from_str(&answer.stdout)?;
         let effects = verdict["effects"].as_array().cloned().unwrap_or_default();
-        let value = |id: &str| {
-            let effect = effects.iter().find(|e| e["id"] == id)?;
-            effect["parameters"][0]["value"].as_f64()
+        // Twice the 95 % interval: chance leaves it once in ten thousand.
+        let near = |id: &str, truth: f64| {
+            let own = effects.iter().find(|e| e["id"] == id).map(|e| e["parameters"][0]["ci95"].clone());
+            let end = |i: usize| own.as_ref().and_then(|ci95| ci95[i].as_f64()).unwrap_or(f64::NAN);
+            (0.5 * (end(0) + end(1)) - truth).abs() < end(1) - end(0)
         };
         let said = format!("held {is_held}: {} {}", verdict["verdict"], verdict["sentence"]);
-        let near = |id: &str, truth: f64| value(id).is_some_and(|v| (v / truth - 1.0).abs() < 0.01);
         let both = near("readout-lowpass", LOW_PASS_S) && near("cubic-stiffness", CUBIC);
         check(verdict["verdict"] == "explained" && effects.len() == 2 && both, said)?;
     }

@@ -322,6 +322,12 @@ fn two_clocks() -> Result<(), Failed> {
     };
     let [_, refused] = said(&["diagnose", "file.csv"])?;
     check(refused.contains("--time NAME"), &refused)?;
+    for (clock, rate_hz) in [("sensor_time_s", RATE_HZ), ("host_time_s", RATE_HZ / 1.0001)] {
+        let [verdict, _] = said(&["diagnose", "file.csv", "--time", clock, "--json"])?;
+        let verdict: Value = serde_json::from_str(&verdict)?;
+        let used = verdict["recording"]["rate_hz"].as_f64().unwrap_or(f64::NAN);
+        check((used / rate_hz - 1.0).abs() < 1e-6, format!("{clock}: {used} Hz"))?;
+    }
     for command in ["diagnose", "report", "check"] {
         let [answer, model] = said(&[command, "file.csv", "--time", "sensor_time_s"])?;
         check(model.contains("time = \"sensor_time_s\"") && !answer.is_empty(), format!("{command}: {answer}{model}"))?;

@@ -70,9 +70,9 @@ impl<'a, K: Kind> Search<'a, K> {
         self.gain(without, with).holds()
     }
 
-    /// Returns whether a set is as good as the best one but for chance, or fits no worse with no more
-    /// coordinates: what it errs by where it was not fitted is told by a linear step, which a mass that comes
-    /// to rest does not follow.
+    /// Returns whether a set is as good as the best one but for chance, or fits no worse with as few
+    /// coordinates. The error on rows that were not fitted comes from a linear step, which is wrong where the
+    /// mass comes to rest.
     fn is_no_worse(&self, one: &Fitted, best: &Fitted) -> bool {
         let fits = one.variance <= best.variance && one.point.shared.len() <= best.point.shared.len();
         fits || self.gain(one, best).is_chance()

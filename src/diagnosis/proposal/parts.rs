@@ -4,7 +4,7 @@ use crate::document::toml_string;
 use crate::error::Error;
 use crate::recording::inspection::{Column, Rows};
 
-/// Choices of the user; what is left out is taken from the headings and the clock.
+/// Choices of the user, each taken from the headings or the clock where absent.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Named {
     /// Heading of the force on the proof mass.

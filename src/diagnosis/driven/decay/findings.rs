@@ -32,8 +32,8 @@ pub(super) fn findings(decay: &Decay, data: &Data, unit: &str) -> Vec<String> {
     }
     if last < data.hull.end {
         all.push(format!(
-            "the motion dies out at {} s: rows {last} to {} swing by less than a hundredth of the largest swing or five times the \
-             noise, and are not fitted",
+            "the motion dies out at {} s: rows {last} to {} swing by less than five times the noise or a hundredth of the \
+             largest swing, and are not fitted",
             second(last),
             data.hull.end - 1
         ));

@@ -67,8 +67,10 @@ pub(crate) fn motion(reading: &[f64], rows: Range<usize>, noise: f64) -> Option<
             starts.push((i, swings[i].peak));
         }
     }
-    // Where a mass comes to rest, whether it sticks a swing earlier or later decides, and no fit follows that.
+    // Where friction brings a mass to rest, it may stick a swing earlier or later: no fit follows that.
     let last = swings.last()?.to + 1;
+    // A recording that ends before another swing could begin ends with the motion.
+    let last = if ((z.len() - last) as f64) < half { z.len() } else { last };
     let mut stretches = Vec::new();
     for (n, (first, from)) in starts.iter().enumerate() {
         let next = starts.get(n + 1);
@@ -126,6 +128,16 @@ mod tests {
         let found = motion(&decay(1200, 1.0), 0..1200, 1e-4).expect("it swings");
         assert!((found.cycle - 40.0).abs() < 1.0 && !found.is_released && found.knocks.is_empty(), "{found:?}");
         assert_eq!(found.stretches.as_slice(), std::slice::from_ref(&(0..1200)));
+    }
+
+    #[test]
+    fn a_motion_ends_with_its_last_clear_swing_or_with_the_recording() {
+        // Below a hundredth of 1 after 400 · ln 100 = 1842 rows.
+        let found = motion(&decay(4000, 1.0), 0..4000, 1e-4).expect("it swings");
+        assert!((1800..1845).contains(&found.stretches[0].end), "{found:?}");
+        // Cut off where it passes through its place of rest: no row is left out.
+        let cut = motion(&decay(1210, 1.0), 0..1210, 1e-4).expect("it swings");
+        assert_eq!(cut.stretches[0].end, 1210, "{cut:?}");
     }
 
     // At rest, pushed aside within 100 rows, held for 90, let go at row 490.

@@ -135,8 +135,9 @@ fn within(all: &[Range<usize>], window: &Range<usize>) -> Stretches {
 
 fn cut(recording: &Recording, range: &Range<usize>) -> Recording {
     let of = |c: &Column| Column { name: c.name.clone(), values: c.values[range.clone()].to_vec() };
-    let filled =
-        within(&recording.filled, range).into_iter().map(|f| f.start - range.start..f.end - range.start).collect();
+    let part = |filled: &Vec<Range<usize>>| -> Stretches {
+        within(filled, range).into_iter().map(|f| f.start - range.start..f.end - range.start).collect()
+    };
     Recording {
         path: recording.path.clone(),
         sha256: recording.sha256.clone(),
@@ -149,7 +150,8 @@ fn cut(recording: &Recording, range: &Range<usize>) -> Recording {
         units: recording.units.clone(),
         averaged: None,
         findings: recording.findings.clone(),
-        filled,
+        filled: part(&recording.filled),
+        filled_by_column: recording.filled_by_column.iter().map(part).collect(),
     }
 }
 

@@ -96,9 +96,9 @@ pub fn prepare(recording: &Recording, model: &model::Driven, control: &Control) 
                 ": a dead channel? The recording is treated as a free ring-down",
             );
         } else {
-            let holes = holes::refill(&mut values, &recording.filled);
+            let holes = holes::refill(&mut values, recording.filled_of(name));
             if holes > 0 {
-                let said = format!("{holes} short holes of {name} were filled by prediction from both sides");
+                let said = format!("values of {name} filled again, by prediction from both sides: {holes} short holes");
                 notes.findings.push(said);
             }
             let columns = Columns { model, reading: &reading, control };
