@@ -149,6 +149,14 @@ fn rows(path: &Path, request: &Request) -> Result<(Rows, Option<String>)> {
         rest.push(block, &sensors.places);
     })?;
     let used = meters.iter().map(|meter| meter.count).fold(0.0, f64::max);
+    let written = |place: &usize| meters[*place].count > 0.0;
+    if !(0..names.len()).all(|place| written(&place)) {
+        let columns = (0..names.len()).filter(written).map(|place| names[place].clone()).collect();
+        let (mut rows, clock) = self::rows(path, &Request { columns, ..request.clone() })?;
+        let empty = meters.iter().filter(|meter| meter.count == 0.0);
+        rows.findings.extend(empty.filter_map(|meter| meter.written_in_few(used)));
+        return Ok((rows, clock));
+    }
     streamed.findings.extend(meters.iter().filter_map(|meter| meter.written_in_few(used)));
     streamed.findings.extend(meters.iter().flat_map(|m| m.watch.findings()));
     finding::settle(&mut streamed.findings);

@@ -55,6 +55,13 @@ fn used() -> Result<(), Failed> {
         check(said.contains("`temp_C` is written in 400 of 20000 rows"), &said)?;
         check(!said.contains("clipped") && !said.contains("stuck"), &said)?;
     }
+    // One that holds nothing is none of the columns.
+    let written = log(RATE_HZ, "", "temp_C");
+    let without = |line: &str| line.rsplit_once(',').map_or(String::new(), |(kept, _)| format!("{kept},\n"));
+    let empty: String = written.lines().skip(1).map(without).collect();
+    let seen = told("inspect", &format!("t_s,gx_rad_s,gy_rad_s,gz_rad_s,temp_C\n{empty}"))?;
+    let columns = seen["columns"].as_array().map_or(0, Vec::len);
+    check(columns == 3 && seen.to_string().contains("`temp_C` holds no value"), seen.to_string())?;
     // Control: of columns that may all be readings, one that is written in few rows lost the others.
     let lost = told("inspect", &log(RATE_HZ, "", "y").replace("gx_rad_s,gy_rad_s,gz_rad_s", "u,v,w"))?;
     check(lost["samples"] != ROWS, lost.to_string())

@@ -180,6 +180,7 @@ impl fmt::Display for Finding {
                 f,
                 "`{column}`: {readings} missing values were filled by linear interpolation, at most {longest} in a row"
             ),
+            Self::WrittenInFew { column, readings: 0, .. } => write!(f, "`{column}` holds no value, and is left out"),
             Self::WrittenInFew { column, readings, rows } => {
                 write!(f, "`{column}` is written in {readings} of {rows} rows, and taken to go straight in between")
             }

@@ -17,6 +17,9 @@ const ORDER: usize = 16;
 const LONGEST: usize = ORDER / 2;
 /// Values that the autoregression is fitted to.
 const FITTED: usize = 20_000;
+/// Values, evenly spaced, by which prediction is compared with straight lines.
+const COMPARED: usize = 400;
+
 /// Fills the short ones among the holes of these values; gives their number.
 pub(super) fn refill(values: &mut [f64], holes: &[Range<usize>]) -> usize {
     let inside = |hole: &&Range<usize>| hole.start >= ORDER && hole.end + ORDER <= values.len();
@@ -24,7 +27,8 @@ pub(super) fn refill(values: &mut [f64], holes: &[Range<usize>]) -> usize {
     // From the median: where an input is silent, nothing is predicted but that.
     let Some(middle) = (!short.is_empty()).then(|| order::median(values.to_vec())).flatten() else { return 0 };
     let mut off: Vec<f64> = values.iter().map(|value| value - middle).collect();
-    let Some(weights) = autoregression(&off, holes) else { return 0 };
+    let weights = autoregression(&off, holes).filter(|weights| is_nearer(&off, holes, weights));
+    let Some(weights) = weights else { return 0 };
     let mut count = 0;
     for hole in short {
         let Some(found) = predicted(&off, &hole, &weights) else { continue };
@@ -47,6 +51,21 @@ fn autoregression(values: &[f64], holes: &[Range<usize>]) -> Option<Vec<f64>> {
     let linear = Linear { residual: lag(0), columns: (1..=ORDER).map(lag).collect() };
     let step = linear.normal().step(1e-12);
     Some([1.0].into_iter().chain(step.iter().copied()).collect())
+}
+
+/// Returns whether prediction mostly comes as near to what was recorded as a straight line does: not where
+/// an input is held between its samples.
+fn is_nearer(values: &[f64], holes: &[Range<usize>], weights: &[f64]) -> bool {
+    let (count, mut off) = (values.len(), [Vec::new(), Vec::new()]);
+    let is_near_a_hole = |k: usize| holes.iter().any(|hole| hole.start <= k + ORDER && k < hole.end + ORDER);
+    for k in (ORDER..count - ORDER).step_by((count / COMPARED).max(1)).filter(|k| !is_near_a_hole(*k)) {
+        let Some(found) = predicted(values, &(k..k + 1), weights) else { continue };
+        let line = 0.5 * (values[k - 1] + values[k + 1]);
+        off[0].push((found[0] - values[k]).abs());
+        off[1].push((line - values[k]).abs());
+    }
+    let [prediction, line] = off.map(order::median);
+    prediction.zip(line).is_some_and(|(prediction, line)| prediction <= line)
 }
 
 /// The values in a hole that make the errors of prediction smallest in which they take part.
@@ -106,5 +125,8 @@ mod tests {
         let mut long = truth.clone();
         assert_eq!(refill(&mut long, &[3000..3000 + LONGEST + 1]), 0, "its sides know little of its middle");
         assert_eq!(refill(&mut long[..300], &[100..101]), 0, "too few values to learn from");
+        let switched = |k: usize| if (k / 6 * 7919) % 13 < 6 { 1.0 } else { -1.0 };
+        let mut held: Vec<f64> = (0..6000).map(switched).collect();
+        assert_eq!(refill(&mut held, &[3001..3002]), 0, "between equal values a line is exact");
     }
 }
