@@ -85,6 +85,8 @@ fn predicted(values: &[f64], hole: &Range<usize>, weights: &[f64]) -> Option<Vec
 
 #[cfg(test)]
 mod tests {
+    use std::slice::from_ref;
+
     use super::*;
 
     /// Lines of up to an eighth of the sampling rate, of unit power.
@@ -120,13 +122,13 @@ mod tests {
         // One blow of 40 samples in 6000 of silence, at a level of its own.
         let truth: Vec<f64> = (0..6000).map(|k| 2.5 + if k < 40 { smooth(k) } else { 0.0 }).collect();
         let mut filled = truth.clone();
-        assert_eq!(refill(&mut filled, &[3000..3002]), 1);
+        assert_eq!(refill(&mut filled, from_ref(&(3000..3002))), 1);
         assert_eq!(filled, truth);
         let mut long = truth.clone();
-        assert_eq!(refill(&mut long, &[3000..3000 + LONGEST + 1]), 0, "its sides know little of its middle");
-        assert_eq!(refill(&mut long[..300], &[100..101]), 0, "too few values to learn from");
+        assert_eq!(refill(&mut long, from_ref(&(3000..3001 + LONGEST))), 0, "its sides know little of its middle");
+        assert_eq!(refill(&mut long[..300], from_ref(&(100..101))), 0, "too few values to learn from");
         let switched = |k: usize| if (k / 6 * 7919) % 13 < 6 { 1.0 } else { -1.0 };
         let mut held: Vec<f64> = (0..6000).map(switched).collect();
-        assert_eq!(refill(&mut held, &[3001..3002]), 0, "between equal values a line is exact");
+        assert_eq!(refill(&mut held, from_ref(&(3001..3002))), 0, "between equal values a line is exact");
     }
 }
