@@ -162,8 +162,8 @@ impl<'a> Draft<'a> {
         !self.selection.reach.few_cycles.is_some_and(acts)
     }
 
-    /// Collects the evidence of the verdict; `carried` is what the error grows by without
-    /// the laws carried without a name.
+    /// Collects the evidence of the verdict; `carried` is the growth of the error without the
+    /// laws that stay in the model unnamed.
     pub(super) fn evidence(&self, carried: f64, stand_ins: bool, rounded: bool, remainder: Remainder) -> Evidence {
         let (model, base) = (&self.model, &self.base);
         let [after, before] = [model, base].map(|j| j.held_out.free());

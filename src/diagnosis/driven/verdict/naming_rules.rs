@@ -90,8 +90,8 @@ impl Draft<'_> {
     }
 
     /// Takes the name from what lies within the modelling error of the other laws; it stays in the model, so that
-    /// it does not bias them. Returns by how much the error grows without all of them: what each adds to
-    /// the others says little of that.
+    /// it does not bias them. Returns the growth of the error without all of them: laws that stand in
+    /// for each other each add little, and much together.
     pub(super) fn carry_what_is_small(&mut self) -> f64 {
         let removed = self.removed();
         let inexactness = self.inexactness();
