@@ -22,6 +22,7 @@ mod suite {
     pub mod colours;
     pub mod convergence;
     pub mod decays;
+    pub mod dense_decays;
     pub mod device_faults;
     pub mod diagnose_cli;
     pub mod diagnose_rest_cli;
@@ -292,6 +293,7 @@ fn main() {
         suite::diagnosis_driven::tests(),
         // decay: a free decay's laws are named together, with shares, at every rate.
         suite::decays::tests(),
+        suite::dense_decays::tests(),
         // shares: under an input, each name with the part of the error that it removes.
         suite::shares::tests(),
         // sweeps: planted laws are named, noise and a background are not.

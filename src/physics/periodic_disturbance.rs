@@ -37,10 +37,13 @@ impl Law for PeriodicDisturbance {
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
         let size = Coordinate::Linear(0.1 * s.output);
-        vec![size, size, Coordinate::Bounded(0.1 / s.duration_s, 0.5 / s.duration_s, 0.5 / s.interval_s)]
+        vec![size, size, Coordinate::Bounded(0.1 / s.duration_s, 0.5 / s.duration_s, s.highest_hz)]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
-        s.lines_hz.iter().take(4).map(|f| vec![0.0, 0.0, *f]).collect()
+        // In some of the samples alone a sine may be a constant.
+        let turns = |f: f64| (f * s.interval_s - (f * s.interval_s).round()).abs() * s.duration_s / s.interval_s;
+        let seen = s.lines_hz.iter().take(4).filter(|f| turns(**f) >= 0.5);
+        seen.map(|f| vec![0.0, 0.0, *f]).collect()
     }
     #[inline(always)]
     fn reading(&self, at: &Instant<'_, f64>, p: &[f64; MOST_VALUES], _: &[f64; MOST_STAGED], y: f64) -> f64 {

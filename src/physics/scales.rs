@@ -39,6 +39,8 @@ pub struct Scales {
     pub duration_s: f64,
     /// Standard deviation of the residual at hand.
     pub residual: f64,
+    /// Half the rate at which the reading was sampled, Hz.
+    pub highest_hz: f64,
     /// Frequencies at which the residual's spectrum stands out, strongest first, Hz.
     pub lines_hz: Vec<f64>,
     /// Standard deviation of each environment column.
@@ -75,6 +77,7 @@ impl Scales {
             interval_s: 0.1,
             duration_s: 100.0,
             residual: 0.1,
+            highest_hz: 5.0,
             lines_hz: Vec::new(),
             environment: Vec::new(),
             centre: 0.0,

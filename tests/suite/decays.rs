@@ -97,7 +97,7 @@ fn held(zeta: f64, friction: f64, seed: u64) -> Vec<f64> {
     (0..80 * PER_CYCLE).map(&mut row).collect()
 }
 
-fn diagnosed(reading: Vec<f64>, rate_hz: f64) -> Result<Verdict, Failed> {
+pub(super) fn diagnosed(reading: Vec<f64>, rate_hz: f64) -> Result<Verdict, Failed> {
     let recording = Recording {
         path: "decay.csv".into(),
         rows: reading.len(),
@@ -126,7 +126,7 @@ fn decimated(reading: &[f64], every: usize) -> Result<Verdict, Failed> {
     diagnosed(reading.iter().step_by(every).copied().collect(), PER_CYCLE as f64 / TAU / every as f64)
 }
 
-fn ids(verdict: &Verdict) -> Vec<&str> {
+pub(super) fn ids(verdict: &Verdict) -> Vec<&str> {
     verdict.effects.iter().map(|e| e.id.as_str()).collect()
 }
 

@@ -2,6 +2,7 @@
 //! recording (`system`, `rows`), and the search for those that a recording under an input follows
 //! (`under_input`, `search`).
 
+mod lines;
 pub(in crate::driven) mod rows;
 pub(in crate::driven) mod search;
 pub(in crate::driven) mod space;

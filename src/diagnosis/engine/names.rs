@@ -44,6 +44,8 @@ pub(crate) struct Found {
     pub together: Option<Gain>,
     /// Laws that hold one by one and remove too little together to be named.
     pub imitations: Vec<usize>,
+    /// The best set, named or not.
+    pub best: Arc<Fitted>,
     /// Holds what the rest depends on, the largest share first.
     pub rest: Vec<Dependence>,
     /// Each law alone over the base model, best first.
@@ -54,13 +56,37 @@ pub(crate) struct Found {
 /// already.
 pub(crate) fn names<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, known: Option<Arc<Fitted>>) -> Found {
     let found = search.run(&base, known);
-    let (best, mut named) = held(search, &base, &found);
+    let judged = judged(search, base, found, true);
+    let mut alone: Vec<(usize, Gain)> = search
+        .all()
+        .into_iter()
+        .filter_map(|f| Some((*f.set.first().filter(|_| f.set.len() == 1)?, search.gain(&judged.base, &f))))
+        .filter(|(law, _)| search.kind.form(*law) == Form::Stated)
+        .collect();
+    alone.sort_by(|a, b| b.1.removed.total_cmp(&a.1.removed));
+    Found { alone, ..judged }
+}
+
+/// Says what holds of the best set on rows that are finer than those it was found on, with the rivals found
+/// there, and with what only they show.
+pub(crate) fn again<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, found: &Found) -> Option<Found> {
+    let best = search.at(&found.best.set, &found.best.point)?;
+    for (_, rival) in found.named.iter().flat_map(|n| &n.rivals) {
+        search.at(&rival.set, &rival.point);
+    }
+    let best = search.grown(&base, best);
+    let judged = judged(search, base, best, false);
+    Some(Found { alone: found.alone.clone(), ..judged })
+}
+
+/// Says what holds of the best set; with `searches` rivals are looked for.
+fn judged<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, found: Arc<Fitted>, searches: bool) -> Found {
+    let (best, mut named) = held(search, &base, &found, searches);
     named.sort_by(|a, b| b.gain.removed.total_cmp(&a.gain.removed));
     let together = search.gain(&base, &best);
     let whole = !named.is_empty() && named.len() == best.set.len();
     let enough = together.share >= TOGETHER || excess(search, &best) < AT_NOISE;
-    let (model, imitations) =
-        if whole && enough { (best.clone(), Vec::new()) } else { (base.clone(), found.set.clone()) };
+    let (model, imitations) = if whole && enough { (best, Vec::new()) } else { (base.clone(), found.set.clone()) };
     if !imitations.is_empty() {
         named.clear();
     }
@@ -68,27 +94,30 @@ pub(crate) fn names<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, known: O
     for name in &mut named {
         name.departs = departs(search, &model, name.place);
     }
-    let mut alone: Vec<(usize, Gain)> = search
-        .all()
-        .into_iter()
-        .filter_map(|f| Some((*f.set.first().filter(|_| f.set.len() == 1)?, search.gain(&base, &f))))
-        .filter(|(law, _)| search.kind.form(*law) == Form::Stated)
-        .collect();
-    alone.sort_by(|a, b| b.1.removed.total_cmp(&a.1.removed));
     let together = (!named.is_empty()).then_some(together);
-    Found { base, model, named, together, imitations, rest, alone }
+    Found { base, model, named, together, imitations, best: found, rest, alone: Vec::new() }
 }
 
 /// The laws of a set that hold, and the set without those that do not: each is weighed without
 /// them.
-fn held<K: Kind>(search: &Search<'_, K>, base: &Fitted, found: &Arc<Fitted>) -> (Arc<Fitted>, Vec<Named>) {
+fn held<K: Kind>(
+    search: &Search<'_, K>,
+    base: &Fitted,
+    found: &Arc<Fitted>,
+    searches: bool,
+) -> (Arc<Fitted>, Vec<Named>) {
     let mut best = found.clone();
     loop {
         let all: Vec<Option<Named>> = (0..best.set.len()).map(|place| named(search, base, &best, place)).collect();
         // The one that was added last had the least to add.
         let idle = (0..best.set.len()).rev().filter(|place| all[*place].is_none());
         match idle.filter_map(|place| search.without(&best, place)).next() {
-            Some(without) => best = without,
+            Some(without) => {
+                best = without;
+                if searches {
+                    search.exchanged(&best);
+                }
+            }
             None => return (best, all.into_iter().flatten().collect()),
         }
     }
@@ -125,7 +154,6 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
         return None;
     }
     let law = best.set[place];
-    search.children(&without, false);
     let instead = |f: &Arc<Fitted>| {
         let same = f.set.len() == best.set.len() && sorted(&f.set) != sorted(&best.set);
         let kept = without.set.iter().all(|l| f.set.contains(l));

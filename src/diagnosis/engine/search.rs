@@ -10,8 +10,8 @@ use crate::parallel;
 use super::evidence::{Gain, gain};
 use super::fit::{Fitted, MOST_STEPS, fit};
 use super::kind::{Form, Kind, Point, Set};
-use super::levels::{AT_NOISE, EXACT, INEXACT, NAME};
-use super::linear::Products;
+use super::levels::{AT_NOISE, CLEAR, EXACT, INEXACT, NAME};
+use super::linear::{Products, Step};
 
 /// Sets that are followed in parallel.
 const BEAM: usize = 2;
@@ -22,12 +22,14 @@ const PAIRS: usize = 2;
 /// A pair helps together that promises this many times what its laws promise one by one.
 const TOGETHER: f64 = 1.5;
 /// Laws in a set at most.
-const MOST_LAWS: usize = 4;
+const MOST_LAWS: usize = 6;
 /// Beginnings from which a law is fitted.
 const BEGINNINGS: usize = 2;
 /// Log-likelihood ratio (twice) that a linear step must promise for a fit: of less no name can
 /// come.
 const PROMISE: f64 = NAME * NAME;
+/// Part of what a linear step promises that a fit from elsewhere must have found.
+const MISSED: f64 = 0.5;
 /// Part of the most that is promised by any law, or by any beginning of one, that is still
 /// followed.
 const FOLLOWED: [f64; 2] = [0.1, 0.6];
@@ -36,7 +38,7 @@ const FOLLOWED: [f64; 2] = [0.1, 0.6];
 #[derive(Debug, Clone)]
 struct Prospect {
     law: usize,
-    beginning: Point,
+    beginnings: Vec<Point>,
     /// Change of the prediction.
     direction: Vec<f64>,
     /// Fall of the sum of squares.
@@ -93,8 +95,40 @@ impl<'a, K: Kind> Search<'a, K> {
     /// The best set that the search finds; the base where none holds. It begins at the base model
     /// and at what is `known` already.
     pub(crate) fn run(&self, base: &Arc<Fitted>, known: Option<Arc<Fitted>>) -> Arc<Fitted> {
-        let mut frontier: Vec<Arc<Fitted>> = std::iter::once(base.clone()).chain(known).collect();
-        let mut held = frontier.clone();
+        let mut held: Vec<Arc<Fitted>> = std::iter::once(base.clone()).chain(known).collect();
+        self.grow(held.clone(), &mut held);
+        let mut chosen = self.simplest(base, &held);
+        loop {
+            let lowest = held.iter().min_by(|a, b| a.error.total_cmp(&b.error)).unwrap_or(&chosen);
+            let others = [&chosen, lowest].into_iter().flat_map(|f| self.exchanged(f));
+            let mut others: Vec<Arc<Fitted>> = others.filter(|f| is_new(&held, f)).collect();
+            order::sort_by_key(&mut others, |f| f.error);
+            others.dedup_by(|a, b| sorted(&a.set) == sorted(&b.set));
+            held.extend(others.iter().cloned());
+            let better = others.into_iter().filter(|f| self.holds(&chosen, f));
+            if let Some(best) = better.min_by(|a, b| a.error.total_cmp(&b.error)) {
+                self.grow(vec![best], &mut held);
+            }
+            let again = self.simplest(base, &held);
+            if sorted(&again.set) == sorted(&chosen.set) {
+                return again;
+            }
+            chosen = again;
+        }
+    }
+
+    /// The best set that growing one leads to on finer rows, where it leaves more than the noise there.
+    pub(crate) fn grown(&self, base: &Arc<Fitted>, found: Arc<Fitted>) -> Arc<Fitted> {
+        if self.is_at_noise(&found) {
+            return found;
+        }
+        let mut held = vec![base.clone(), found.clone()];
+        self.grow(vec![found], &mut held);
+        self.simplest(base, &held)
+    }
+
+    /// Adds laws to these sets as long as they hold.
+    fn grow(&self, mut frontier: Vec<Arc<Fitted>>, held: &mut Vec<Arc<Fitted>>) {
         frontier.retain(|f| f.set.len() < MOST_LAWS);
         while !frontier.is_empty() {
             // One parent after the other: a set that two of them lead to is fitted from the better
@@ -115,11 +149,38 @@ impl<'a, K: Kind> Search<'a, K> {
             order::sort_by_key(&mut next, |f| f.error);
             next.dedup_by(|a, b| sorted(&a.set) == sorted(&b.set));
             next.truncate(BEAM);
+            next = next.into_iter().map(|f| self.without_idle(f)).collect();
+            next.retain(|f| is_new(held, f));
             held.extend(next.iter().cloned());
             next.retain(|f| f.set.len() < MOST_LAWS);
             frontier = next;
         }
-        self.simplest(base, &held)
+    }
+
+    /// A set with another law in the place of one of its own: one that was added first may stand for two that
+    /// were added later, and take the place of one of them.
+    pub(crate) fn exchanged(&self, set: &Arc<Fitted>) -> Vec<Arc<Fitted>> {
+        let children = |without: Arc<Fitted>| -> Vec<Arc<Fitted>> {
+            let all = self.children(&without, false);
+            all.into_iter().filter(|child| self.holds(&without, child)).collect()
+        };
+        (0..set.set.len()).filter_map(|place| self.without(set, place)).flat_map(children).collect()
+    }
+
+    /// Without the laws that have no strength next to what was added later.
+    fn without_idle(&self, mut set: Arc<Fitted>) -> Arc<Fitted> {
+        let is_idle = |f: &Fitted, place: &usize| {
+            let strengths = self.kind.strengths(&f.set, *place);
+            let is_none = |i: &usize| f.at_bound[*i] || f.point.shared[*i].abs() < CLEAR * f.deviations[*i];
+            !strengths.is_empty() && strengths.iter().all(is_none)
+        };
+        while let Some(place) = (0..set.set.len()).find(|place| is_idle(&set, place)) {
+            match self.without(&set, place) {
+                Some(without) => set = without,
+                None => break,
+            }
+        }
+        set
     }
 
     /// With an exponent of its own for each law that it betters.
@@ -152,7 +213,7 @@ impl<'a, K: Kind> Search<'a, K> {
         let lowest = held.iter().min_by(|a, b| a.error.total_cmp(&b.error)).cloned();
         let best = lowest.unwrap_or_else(|| held[0].clone());
         let lacks = |f: &Fitted| held.iter().any(|g| f.set.iter().all(|l| g.set.contains(l)) && self.holds(f, g));
-        let size = |f: &Fitted| (f.set.len(), f.point.shared.len());
+        let size = |f: &Fitted| (f.point.shared.len(), f.set.len());
         // It lacks no more than laws are inexact by, leaves no more than the noise, or is as good
         // with one of its forms free: two of the three show that no law is missing.
         let is_near = |f: &Fitted| {
@@ -204,7 +265,7 @@ impl<'a, K: Kind> Search<'a, K> {
 
     /// A set, fitted from a point; `None` where no fit from there comes to rest.
     pub(crate) fn at(&self, set: &[usize], point: &Point) -> Option<Arc<Fitted>> {
-        self.remembered(set, || fit(self.kind, set, point, MOST_STEPS))
+        self.remembered(set, f64::INFINITY, || fit(self.kind, set, point, MOST_STEPS))
     }
 
     /// The set without the law at a place.
@@ -287,36 +348,57 @@ impl<'a, K: Kind> Search<'a, K> {
             let direction: Vec<f64> = pairs.map(|((a, b), c)| if *c { a - b } else { 0.0 }).collect();
             let with = products.with(layout, &parent.model, &[&direction]);
             let promise = Some(promise(&with)).filter(|p| p.is_finite())?;
-            let size = *with.steps(&[0.0])?[0].shared.iter().next_back()?;
-            let beginning = kind.strengthened(&set, &point, size)?;
-            Some(Prospect { law, beginning, direction, promise })
+            let step = with.steps(&[0.0])?.swap_remove(0);
+            let size = *step.shared.iter().next_back()?;
+            // Where a law takes over part of what others stand for, they make room for it: unless that is
+            // worse, as where a linear step is none.
+            let beginnings: Vec<Point> =
+                [shifted(&point, &step), point].iter().filter_map(|p| kind.strengthened(&set, p, size)).collect();
+            (!beginnings.is_empty()).then_some(Prospect { law, beginnings, direction, promise })
         };
         let mut all: Vec<Prospect> = points.into_iter().zip(residuals).filter_map(prospect).collect();
         order::sort_by_key(&mut all, |p| -p.promise);
         all
     }
 
+    /// Points by what they leave, the least first.
+    fn by_what_they_leave(&self, set: &[usize], points: &[Point]) -> Vec<Point> {
+        let counts = &self.kind.layout().counts;
+        let left =
+            |residual: Vec<f64>| -> f64 { residual.iter().zip(counts).filter(|(_, c)| **c).map(|(e, _)| e * e).sum() };
+        let all = self.kind.residuals(set, points).into_iter().zip(points);
+        let mut known: Vec<(f64, &Point)> = all.filter_map(|(r, point)| Some((left(r?), point))).collect();
+        known.retain(|(left, _)| left.is_finite());
+        order::sort_by_key(&mut known, |k| k.0);
+        known.into_iter().map(|(_, point)| point.clone()).collect()
+    }
+
     fn fitted(&self, parent: &Fitted, laws: &[usize], prospects: &[Prospect]) -> Option<Arc<Fitted>> {
         let mut set = parent.set.clone();
         set.extend(laws);
-        self.remembered(&set, || {
+        let promised = squares(&parent.model.residual) - prospects.first().map_or(0.0, |p| MISSED * p.promise);
+        self.remembered(&set, promised, || {
             let follows = |p: &&Prospect| p.promise >= FOLLOWED[1] * prospects[0].promise;
-            let fits = prospects
-                .iter()
-                .take(BEGINNINGS)
-                .filter(follows)
-                .filter_map(|p| fit(self.kind, &set, &p.beginning, MOST_STEPS));
+            let fits = prospects.iter().take(BEGINNINGS).filter(follows).filter_map(|p| {
+                let from = self.by_what_they_leave(&set, &p.beginnings);
+                from.iter().find_map(|point| fit(self.kind, &set, point, MOST_STEPS))
+            });
             fits.min_by(|a, b| a.error.total_cmp(&b.error))
         })
     }
 
-    fn remembered(&self, set: &[usize], fit: impl FnOnce() -> Option<Fitted>) -> Option<Arc<Fitted>> {
+    /// The fit of a set so far, where it leaves no more than is promised here; else the better one of it and of
+    /// a fit from here.
+    fn remembered(&self, set: &[usize], promised: f64, fit: impl FnOnce() -> Option<Fitted>) -> Option<Arc<Fitted>> {
         let key = sorted(set);
-        let known = |map: &HashMap<Set, Option<Arc<Fitted>>>| map.get(&key).cloned();
-        if let Some(found) = self.fitted.lock().ok().and_then(|map| known(&map)) {
-            return found;
+        let left = |f: &Arc<Fitted>| squares(&f.model.residual);
+        let known = self.fitted.lock().ok().and_then(|map| map.get(&key).cloned());
+        if let Some(known) = &known
+            && known.as_ref().is_none_or(|f| left(f) <= promised)
+        {
+            return known.clone();
         }
-        let found = fit().map(Arc::new);
+        let found = known.flatten().into_iter().chain(fit().map(Arc::new)).min_by(|a, b| left(a).total_cmp(&left(b)));
         if let Ok(mut map) = self.fitted.lock() {
             map.insert(key, found.clone());
         }
@@ -332,9 +414,30 @@ impl<'a, K: Kind> Search<'a, K> {
     }
 }
 
+/// Returns whether a set is none of these.
+fn is_new(held: &[Arc<Fitted>], set: &Fitted) -> bool {
+    held.iter().all(|h| sorted(&h.set) != sorted(&set.set))
+}
+
+/// A point to which a law was added, with the step of all that was there before: the law takes over part of
+/// what they stand for.
+fn shifted(point: &Point, step: &Step) -> Point {
+    let mut point = point.clone();
+    let before = step.shared.len() - 1;
+    point.shared.iter_mut().zip(step.shared.iter().take(before)).for_each(|(v, s)| *v += s);
+    for (start, step) in point.starts.iter_mut().zip(&step.starts) {
+        start.iter_mut().zip(step).for_each(|(v, s)| *v += s);
+    }
+    point
+}
+
 /// Fall of the sum of squares that a linear step promises.
 fn promise(products: &Products) -> f64 {
     products.sums().map_or(0.0, |[sum, promised]| sum - promised)
+}
+
+fn squares(values: &[f64]) -> f64 {
+    values.iter().map(|v| v * v).sum()
 }
 
 /// A set in the order of the space.

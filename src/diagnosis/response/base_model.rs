@@ -83,6 +83,7 @@ fn scales(sweeps: &Sweeps, omega_rad_s: f64, damping_per_s: f64, amplitude: f64)
         interval_s: 1.0 / (TAU * (high - low)),
         duration_s: duration_s.max(1.0),
         residual: 0.0,
+        highest_hz: high,
         lines_hz: Vec::new(),
         environment: Vec::new(),
         centre: 0.0,

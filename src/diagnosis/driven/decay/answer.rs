@@ -33,6 +33,7 @@ use super::effects::{self, share};
 use super::findings;
 use super::known;
 use super::read::Read;
+use super::rows::in_samples;
 use super::searched::Decay;
 
 /// Cycles that a look at both models spans.
@@ -307,7 +308,11 @@ impl Decay {
     /// reading.
     fn as_fit(&self, system: &System, model: &Fitted) -> Fit {
         let excess = (model.variance - self.variance).max(0.0);
-        let (structure, point) = (system.structure(&model.set), system.parameters(&model.set, &model.point));
+        let (structure, mut point) = (system.structure(&model.set), system.parameters(&model.set, &model.point));
+        for (term, first) in structure.terms.iter().zip(&structure.first) {
+            let own = point[*first..*first + term.values()].to_vec();
+            own.iter().enumerate().for_each(|(j, v)| point[first + j] = v * in_samples(&system.rows, term, &own, j));
+        }
         Fit {
             steps: structure.steps(&point, &system.scales),
             structure,

@@ -4,7 +4,6 @@ use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 use crate::driven::base::{GAIN, OMEGA, ZETA};
-use crate::driven::identification::refined_scales::lines;
 use crate::driven::identification::start::first_scales;
 use crate::driven::simulated::rows::Rows;
 use crate::driven::simulated::space;
@@ -39,6 +38,7 @@ pub(super) fn base(rows: Rows, cycle: f64, begins: &[[f64; 3]]) -> Option<(Syste
     scales.output_range = seen.iter().fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
     scales.duration_s = rows.data.clock_s.last().map_or(scales.duration_s, |last| last.max(scales.interval_s));
     scales.fineness = 1.0;
+    scales.highest_hz *= rows.step as f64;
     let mut system = System { rows, scales, members: Vec::new() };
     let fits = begins.iter().filter_map(|begin| {
         system.scales.begun(begin);
@@ -50,10 +50,11 @@ pub(super) fn base(rows: Rows, cycle: f64, begins: &[[f64; 3]]) -> Option<(Syste
     let fitted = fit(&system, &[], &fitted.point, MOST_STEPS)?;
     let values = system.shared_values(&[], &fitted.point);
     let [gain, omega, zeta] = [GAIN, OMEGA, ZETA].map(|place| system.own(place, &values));
+    let lines_hz = system.lines_hz(&[], &fitted.point);
     let (starts, scales) = (fitted.point.starts.clone(), &mut system.scales);
     scales.begun(&[if is_driven { gain } else { 1.0 }, omega, zeta.max(1e-4)]);
     scales.residual = rms(fitted.model.residual.iter().copied());
-    scales.lines_hz = lines(&fitted.model.residual, system.rows.data.rate_hz);
+    scales.lines_hz = lines_hz;
     system.members = space::members(system.rows.data.environments, is_driven, &system.scales);
     // A low-pass holds a displacement.
     if system.rows.data.observed.output != Output::Displacement {

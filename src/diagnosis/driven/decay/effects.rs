@@ -15,6 +15,7 @@ use crate::verdict::{Effect, Estimate, Evidence, Form, Share};
 
 use super::form::form;
 use super::read::Read;
+use super::rows::in_samples;
 use super::searched::Decay;
 
 /// 95 % of a normal distribution lie within this many standard deviations.
@@ -83,9 +84,11 @@ fn estimates(decay: &Decay, model: &Fitted, place: usize, read: &Read) -> Vec<Es
     // What changes the reading is measured by it, what moves the mass by its displacement.
     let is_readout = matches!(term.role(), Role::Readout(_));
     let channels = if is_readout { read.channels.clone() } else { read.of_displacement() };
+    let values = &decay.system.shared_values(&model.set, &model.point)[own.clone()];
     let one = |(j, i): (usize, usize)| {
         let power = if is_readout { power_of_reading(parameters[j].unit) } else { 0 };
-        let (value, ci95) = scaled(interval(decay, model, i), read.observed.per_displacement().powi(power));
+        let factor = read.observed.per_displacement().powi(power) * in_samples(&decay.system.rows, &term, values, j);
+        let (value, ci95) = scaled(interval(decay, model, i), factor);
         Estimate { name: parameters[j].name.to_owned(), value, unit: parameter_unit(&term, j, &channels), ci95 }
     };
     let mut all: Vec<Estimate> = own.enumerate().take(parameters.len()).map(one).collect();

@@ -4,18 +4,20 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::driven::identification::step_length::coarsest;
 use crate::driven::intake::data::Data;
 use crate::driven::intake::input::Interpolation;
 use crate::driven::intake::observed::Observed;
 use crate::driven::intake::reading_noise::{ReadingNoise, Sample, reading_noise};
 use crate::driven::simulated::rows::Rows;
 use crate::driven::simulated::system::System;
-use crate::driven::simulation::filter::States;
+use crate::driven::simulation::filter::{Nothing, States};
 use crate::engine::fit::{Fitted, MOST_STEPS, fit};
 use crate::engine::kind::Point;
 use crate::engine::levels::FOLLOWED;
 use crate::engine::names::{self, Found};
 use crate::engine::search::Search;
+use crate::physics::scales::Scales;
 
 use super::base_model::{self, base};
 use super::rows;
@@ -54,7 +56,15 @@ pub(crate) fn decay(data: &Data, filled: &[Range<usize>]) -> Option<Decay> {
     let data = seen(data, TAU * data.rate_hz / motion.cycle);
     let rows = rows::rows(&data, &motion, filled);
     let begins = base_model::free(data.rate_hz, motion.cycle);
-    searched(data, rows, motion, &begins, true)
+    let mut decay = searched(data, rows, motion, &begins, true)?;
+    if let Some(rows) = rows::finer(&decay.data, &decay.system.rows, &decay.motion, filled) {
+        decay = decay.at(rows, decay.system.scales.fineness).unwrap_or(decay);
+    }
+    let fineness = decay.fineness();
+    if fineness > decay.system.scales.fineness {
+        decay = decay.at(decay.system.rows.clone(), fineness).unwrap_or(decay);
+    }
+    Some(decay)
 }
 
 /// The recording with readings as the displacement that stands for them at this frequency.
@@ -75,14 +85,17 @@ pub(super) fn searched(data: Data, rows: Rows, motion: Motion, begins: &[[f64; 3
     if !tries_laws {
         system.members.clear();
     }
-    // What rounding adds is not smoothed away below a thousandth of the motion.
-    let least = 1e-6 * system.scales.output;
-    let variance = (noise.deviation * system.rows.noise_gain).max(least).powi(2);
+    let variance = variance(&noise, &system);
     let (search, base) = Search::begin(&system, variance, &base.point)?;
     let found = names::names(&search, base, None);
     drop(search);
     let numbers = numbers(&system, &found, variance);
     Some(Decay { data, motion, system, noise, variance, found, numbers, other_input: None })
+}
+
+/// Variance of a row. What rounding adds is not smoothed away below a thousandth of the motion.
+fn variance(noise: &ReadingNoise, system: &System) -> f64 {
+    (noise.deviation * system.rows.noise_gain).max(1e-6 * system.scales.output).powi(2)
 }
 
 /// Joins segments as long as the model follows the motion through the longer ones.
@@ -120,6 +133,32 @@ pub(super) fn begun(shorter: &System, longer: &System, point: &Point) -> Point {
 }
 
 impl Decay {
+    /// The laws that were found, judged and measured on more rows, which no parabola bends, or with shorter
+    /// steps; `None` where no fit comes to rest there.
+    fn at(&self, rows: Rows, fineness: f64) -> Option<Self> {
+        let scales = Scales { interval_s: rows.data.interval_s(), fineness, ..self.system.scales.clone() };
+        let system = System { rows, scales, ..self.system.clone() };
+        let variance = variance(&self.noise, &system);
+        let (search, base) = Search::begin(&system, variance, &self.found.base.point)?;
+        let found = names::again(&search, base, &self.found)?;
+        drop(search);
+        let numbers = numbers(&system, &found, variance);
+        Some(Self { system, variance, found, numbers, data: self.data.clone(), motion: self.motion.clone(), ..*self })
+    }
+
+    /// Fineness at which shorter steps change no number: the mass may pass a corner within a step.
+    fn fineness(&self) -> f64 {
+        let (system, model) = (&self.numbers.system, &self.numbers.model);
+        let (structure, point) = (system.structure(&model.set), system.parameters(&model.set, &model.point));
+        let scales = |fineness: f64| Scales { fineness, ..system.scales.clone() };
+        let steps = |fineness: f64| structure.free_steps(&point, &scales(fineness));
+        let errors = |fineness: f64| {
+            let system = System { scales: scales(fineness), ..system.clone() };
+            system.traced(&model.set, &model.point, &mut Nothing)
+        };
+        coarsest(&structure.terms, steps, errors, &model.model.shared, model.variance)
+    }
+
     /// States that a model passes through, row by row.
     pub(super) fn passed(&self, model: &Fitted) -> States {
         let mut states = States::default();

@@ -71,6 +71,7 @@ pub fn unaligned(data: &Data) -> Scales {
         interval_s: data.interval_s(),
         duration_s: data.hull.len() as f64 * data.interval_s(),
         residual: output.max(1e-300),
+        highest_hz: 0.5 * data.rate_hz,
         lines_hz: Vec::new(),
         environment,
         centre,

@@ -7,6 +7,7 @@
 //! rest of the motion there. Either errs upwards, so that the smaller is the better one; what
 //! repeats is believed while both agree. Coloured noise is measured by what repeats alone.
 
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use realfft::num_complex::Complex64;
@@ -27,6 +28,9 @@ const BLOCKS: usize = 32;
 const LOUDEST: f64 = 4.0;
 /// Bands of the spectrum, the quietest of which counts.
 const BANDS: usize = 12;
+/// Standard deviations by which the lowest of as many normal values lies below their mean (Tippett,
+/// Biometrika 17, 1925).
+const LOWEST: f64 = 1.629;
 /// Shortest period that is looked for, in samples.
 const SHORTEST: usize = 8;
 /// Periods of the input that are tried for being exact repetitions.
@@ -94,8 +98,7 @@ pub(crate) fn reading_noise(s: &Sample<'_>) -> Option<ReadingNoise> {
         return None;
     }
     let u = s.input.and_then(|u| u.get(range));
-    // The quietest of many bands lies a little low by chance: where both agree, differences are the
-    // surer measure.
+    // Where both agree, differences are the surer measure.
     let (by_differences, by_band) = (differences(y)?, quietest(y, s.rate_hz));
     let white = by_band.filter(|b| b.deviation < AGREE * by_differences.deviation).unwrap_or(by_differences);
     // Without an input nothing shows when the mass is still: the end of a decay may only seem so.
@@ -151,7 +154,10 @@ fn quietest(y: &[f64], rate_hz: f64) -> Option<ReadingNoise> {
             how: How::Spectrum { from_hz: density.frequency_hz[from], to_hz: density.frequency_hz[to - 1] },
         })
     };
-    (0..BANDS).filter_map(band).min_by(|a, b| a.deviation.total_cmp(&b.deviation))
+    let quietest = (0..BANDS).filter_map(band).min_by(|a, b| a.deviation.total_cmp(&b.deviation))?;
+    // Of bands that are all alike the quietest lies low by chance: a middle bin scatters by √(π/2) of a mean.
+    let scatter = (0.5 * PI * BANDS as f64 / (density.averages.max(1.0) * bins as f64)).sqrt();
+    Some(ReadingNoise { deviation: quietest.deviation / (1.0 - LOWEST * scatter).sqrt(), ..quietest })
 }
 
 /// Measures the noise by repetition: the scatter of the reading at equal phases of an input that
@@ -284,6 +290,16 @@ mod tests {
         let y: Vec<f64> = e.iter().enumerate().map(|(k, e)| motion(k) * (1.0 + 1e-4 * k as f64) + e).collect();
         assert!(periods(&u, &y).is_some_and(|p| p.deviation > 30.0), "the control has no force");
         assert!((of(Some(&u), &y).deviation - 1.0).abs() < 0.08, "{:?}", of(Some(&u), &y));
+    }
+
+    // White noise of unit size: over many recordings the quietest band shows 1 in the mean.
+    #[test]
+    fn the_quietest_of_bands_that_are_alike_is_no_quieter() {
+        for n in [2000, 9000, 20_000] {
+            let all = |seed| quietest(&noise(n, seed), 100.0).map_or(0.0, |q| q.deviation);
+            let middle = mean(&(0..200).map(all).collect::<Vec<f64>>());
+            assert!((middle - 1.0).abs() < 0.02, "{n}: {middle}");
+        }
     }
 
     // A step of 4 and noise of 0.01 below it: rounding leaves 4/√12.

@@ -1,6 +1,7 @@
 //! The rows that a set of laws is fitted to, as simulations see them, in segments and blocks.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use crate::driven::intake::data::Data;
 use crate::engine::kind::Layout;
@@ -25,6 +26,8 @@ pub(in crate::driven) struct Rows {
     pub of: usize,
     /// Standard deviation of white noise of unit size after the parabolas.
     pub noise_gain: f64,
+    /// Every sample of the segments, where not every one is a row.
+    pub samples: Option<Arc<Rows>>,
 }
 
 impl Rows {
@@ -33,13 +36,17 @@ impl Rows {
         &self.data.reading[self.data.hull.clone()]
     }
 
+    /// Returns whether one segment goes on where another one ends.
+    pub(in crate::driven) fn follows(&self, before: &Range<usize>, after: &Range<usize>) -> bool {
+        self.at[after.start] == self.at[before.end - 1] + self.step
+    }
+
     /// The same rows with each two segments that follow one another as one; `None` where none do.
     pub(in crate::driven) fn joined(&self) -> Option<Self> {
         let mut segments: Vec<Range<usize>> = Vec::new();
-        let follows = |a: &Range<usize>, b: &Range<usize>| self.at[b.start] == self.at[a.end - 1] + self.step;
         let mut is_pair = true;
         for segment in &self.layout.segments {
-            match segments.last_mut().filter(|last| !is_pair && follows(last, segment)) {
+            match segments.last_mut().filter(|last| !is_pair && self.follows(last, segment)) {
                 Some(last) => (last.end, is_pair) = (segment.end, true),
                 None => {
                     segments.push(segment.clone());
@@ -51,7 +58,7 @@ impl Rows {
             return None;
         }
         let block = self.layout.blocks.iter().map(Range::len).max().unwrap_or(LEAST_BLOCK);
-        let mut joined = self.clone();
+        let mut joined = Self { samples: None, ..self.clone() };
         let first = self.data.hull.start;
         joined.data.breaks = segments.iter().skip(1).map(|s| first + s.start).collect();
         joined.data.train = segments.iter().map(|s| first + s.start..first + s.end).collect();

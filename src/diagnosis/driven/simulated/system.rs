@@ -188,7 +188,7 @@ impl System {
 
     /// Returns where a law may begin: as its starts state, and where it has no strength there, with
     /// a little of each.
-    fn beginnings(&self, term: &Term) -> Vec<Vec<f64>> {
+    fn beginnings(&self, term: &Term, scales: &Scales) -> Vec<Vec<f64>> {
         let starts = match term {
             Term::FreeForm(form) => {
                 let none = vec![0.0; term.values()];
@@ -200,9 +200,9 @@ impl System {
                     _ => vec![none],
                 }
             }
-            _ => term.starts(&self.scales),
+            _ => term.starts(scales),
         };
-        let coordinates = term.coordinates(&self.scales);
+        let coordinates = term.coordinates(scales);
         let mut all = Vec::new();
         for start in starts {
             let silent =
@@ -294,7 +294,8 @@ impl Kind for System {
             point.starts.iter_mut().for_each(|s| s.extend_from_slice(&own[known..]));
             point
         };
-        self.beginnings(&term).into_iter().map(joined).collect()
+        let scales = self.scales_for(&term, set, point);
+        self.beginnings(&term, &scales).into_iter().map(joined).collect()
     }
 
     fn strengthened(&self, set: &[usize], point: &Point, factor: f64) -> Option<Point> {

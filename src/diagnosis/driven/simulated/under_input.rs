@@ -30,7 +30,7 @@ pub(in crate::driven) fn rows(data: &Data, cycle: f64, segment: Option<usize>) -
     }
     let block = (hull.len() / BLOCKS).max(cycle as usize).max(LEAST_BLOCK);
     let layout = Layout::new(segments, block, counts);
-    Rows { layout, own_offsets, at: hull.collect(), step: 1, of: 1, noise_gain: 1.0, data }
+    Rows { layout, own_offsets, at: hull.collect(), step: 1, of: 1, noise_gain: 1.0, samples: None, data }
 }
 
 /// Divides a part into pieces of about `segment` rows.

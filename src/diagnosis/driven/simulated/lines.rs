@@ -1,0 +1,38 @@
+//! Frequencies that stand out in what a model leaves of every sample: in some of the samples alone they are
+//! those of aliases.
+
+use crate::driven::identification::refined_scales::lines;
+use crate::driven::simulation::filter::Nothing;
+use crate::engine::kind::Point;
+use crate::physics::library::Term;
+use crate::physics::scales::Scales;
+
+use super::system::System;
+
+/// Times its length to which what is left is extended.
+const PADDED: usize = 4;
+
+impl System {
+    /// Sizes by which a law begins next to a set; what has a frequency of its own begins where one stands out
+    /// in what the set leaves.
+    pub(super) fn scales_for(&self, term: &Term, set: &[usize], point: &Point) -> Scales {
+        let lines_hz = match term {
+            Term::PeriodicDisturbance(_) => self.lines_hz(set, point),
+            _ => self.scales.lines_hz.clone(),
+        };
+        Scales { lines_hz, ..self.scales.clone() }
+    }
+
+    /// Frequencies that stand out in what a set leaves of every sample, strongest first.
+    pub(in crate::driven) fn lines_hz(&self, set: &[usize], point: &Point) -> Vec<f64> {
+        let rows = self.rows.samples.as_deref().unwrap_or(&self.rows);
+        let left = Self { rows: rows.clone(), ..self.clone() }.traced(set, point, &mut Nothing);
+        let at = &rows.at;
+        let [Some(first), Some(last)] = [at.first(), at.last()] else { return Vec::new() };
+        // Nothing where nothing is fitted, so that a line keeps its phase; and behind it, so that a frequency is
+        // met within a part of its width.
+        let mut over_time = vec![0.0; PADDED * (last + 1 - first)];
+        at.iter().zip(left).for_each(|(k, e)| over_time[k - first] = e);
+        lines(&over_time, rows.data.rate_hz)
+    }
+}
