@@ -36,6 +36,15 @@ pub fn line(text: &str) -> Cow<'_, str> {
     escaped(text, steers)
 }
 
+/// A word of a shell's command line, in quotes where a shell needs them.
+pub fn word(text: &str) -> Cow<'_, str> {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./,:+=@%".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        return Cow::Borrowed(text);
+    }
+    Cow::Owned(format!("'{}'", text.replace('\'', r"'\''")))
+}
+
 /// Text without the characters that XML 1.0 forbids even when escaped; each becomes U+FFFD.
 pub fn xml(text: &str) -> Cow<'_, str> {
     let forbidden =

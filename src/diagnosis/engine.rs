@@ -16,4 +16,5 @@ pub(crate) mod kind;
 pub(crate) mod levels;
 pub(crate) mod linear;
 pub(crate) mod names;
+mod prospects;
 pub(crate) mod search;

@@ -13,6 +13,7 @@ pub use parts::Named;
 use super::model::{self, Model};
 use crate::document::toml_string;
 use crate::error::Result;
+use crate::escape::word;
 use crate::number::rounded;
 use crate::recording::inspection::{Inspection, Rows, Stretch};
 use driven::driven;
@@ -116,8 +117,9 @@ fn of_kind(file: &str, seen: &Inspection, named: &Named) -> Result<String> {
     if named.input.is_some() || named.output.is_some() {
         return driven(file, rows, named);
     }
+    let subject = word(file);
     let trajectory = format!(
-        "proofmass diagnose {file} --model model.toml, with kind = \"trajectory\" and a [reference] (`proofmass template \
+        "proofmass diagnose {subject} --model model.toml, with kind = \"trajectory\" and a [reference] (`proofmass template \
          trajectory`)"
     );
     match suited(rows) {
@@ -129,13 +131,13 @@ fn of_kind(file: &str, seen: &Inspection, named: &Named) -> Result<String> {
         Some(Suited::RestFor(rest)) => {
             let [from, to] = [rest.from_s, rest.to_s].map(|t| rounded(t, 4));
             let motion = match rows.sensors.concat()[..] {
-                [one] => format!("a decay: proofmass diagnose {file} --output {}", rows.columns[one].name),
+                [one] => format!("a decay: proofmass diagnose {subject} --output {}", word(&rows.columns[one].name)),
                 _ => format!("its motion by a reference: {trajectory}"),
             };
             fail(
                 format!("the sensor lies still from {from} to {to} s and moves in the other time"),
                 format!(
-                    "judge its noise by the rest: proofmass diagnose {file} --from-s {from} --to-s {to}; or {motion}"
+                    "judge its noise by the rest: proofmass diagnose {subject} --from-s {from} --to-s {to}; or {motion}"
                 ),
             )
         }

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use super::table::Table;
 use proofmass_base::document::toml_string;
 use proofmass_base::error::Error;
+use proofmass_base::escape::word;
 use proofmass_base::number::{duration, rounded, short};
 use proofmass_diagnosis::proposal::{Named, Suited, is_turned, longest, proposed, suited, total_s};
 use proofmass_recording::finding::sentences;
@@ -92,16 +93,6 @@ pub fn notes(seen: &Inspection) -> Vec<String> {
     out
 }
 
-/// A word of a command line, quoted where a shell needs it.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./,:+=@%".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', "'\\''"))
-    }
-}
-
 /// The command that suits what was seen, or the choice that must come first; none where nothing
 /// suits.
 pub fn next(file: &str, seen: &Inspection) -> Option<String> {
@@ -133,8 +124,8 @@ pub fn next(file: &str, seen: &Inspection) -> Option<String> {
 /// The file, and its topic where it has several, as arguments.
 fn subject(file: &str, seen: &Inspection) -> String {
     let several = seen.parts.iter().filter(|p| p.is_imu).count() > 1 || seen.parts.iter().all(|p| !p.is_imu);
-    let topic = seen.part.as_ref().filter(|_| several).map_or(String::new(), |t| format!(" --topic {}", quoted(t)));
-    format!("{}{topic}", quoted(file))
+    let topic = seen.part.as_ref().filter(|_| several).map_or(String::new(), |t| format!(" --topic {}", word(t)));
+    format!("{}{topic}", word(file))
 }
 
 /// The command that says whether the recording is good enough, where `check` takes it as it is.

@@ -8,6 +8,7 @@ use clap::builder::PossibleValue;
 
 use crate::output::{say, sayln};
 use proofmass_base::error::Result;
+use proofmass_base::escape::word;
 use proofmass_base::output::{self, Folder};
 use proofmass_simulate::ensemble::Choice;
 use proofmass_study::Study;
@@ -93,11 +94,6 @@ fn object_name(name: &str) -> String {
     }
 }
 
-/// A word of a shell's command line.
-fn quoted(text: &str) -> String {
-    format!("'{}'", text.replace('\'', r"'\''"))
-}
-
 fn full(path: &Path) -> PathBuf {
     path.canonicalize().or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_path_buf())
 }
@@ -110,7 +106,7 @@ fn arguments(request: &Request<'_>) -> Vec<String> {
 
 fn slurm(name: &str, request: &Request<'_>) -> String {
     let study = request.input.map(|path| full(path).display().to_string());
-    let words: Vec<String> = study.into_iter().chain(arguments(request)).map(|word| quoted(&word)).collect();
+    let words: Vec<String> = study.into_iter().chain(arguments(request)).map(|text| word(&text).into_owned()).collect();
     format!(
         r#"#!/bin/bash
 # {name} in {shards} shards: a Slurm job array, and the merge after it. Written by proofmass {version}.
@@ -153,7 +149,7 @@ esac
 "#,
         version = env!("CARGO_PKG_VERSION"),
         shards = request.shards,
-        out = quoted(&full(request.out).display().to_string()),
+        out = word(&full(request.out).display().to_string()),
         words = words.join(" "),
     )
 }
@@ -163,7 +159,7 @@ fn kubernetes(name: &str, study: &Study, request: &Request<'_>) -> String {
     // The document holds the changes already, but for the two that have flags of their own.
     let backend = arguments(&Request { arguments: Vec::new(), ..*request });
     let numbers = ["--members".into(), study.members.to_string(), "--seed".into(), study.seed.to_string()];
-    let words: Vec<String> = backend.into_iter().chain(numbers).map(|word| quoted(&word)).collect();
+    let words: Vec<String> = backend.into_iter().chain(numbers).map(|text| word(&text).into_owned()).collect();
     let recordings: Vec<String> = study.reads.iter().map(|path| path.display().to_string()).collect();
     let recordings = match recordings.is_empty() {
         true => String::new(),
@@ -255,6 +251,6 @@ mod tests {
     fn names_suit_both_systems_and_words_any_shell() {
         assert_eq!(object_name("My Study_2."), "my-study-2");
         assert_eq!((object_name("…"), object_name("3x")), ("study".into(), "study-3x".into()));
-        assert_eq!(quoted("it's"), r"'it'\''s'");
+        assert_eq!(word("it's"), r"'it'\''s'");
     }
 }

@@ -72,7 +72,8 @@ pub(crate) fn fit<K: Kind>(kind: &K, set: &[usize], start: &Point, most: usize) 
     judged(kind, set, point, model)
 }
 
-fn squares(values: &[f64]) -> f64 {
+/// Sum of squares.
+pub(super) fn squares(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum()
 }
 

@@ -3,6 +3,7 @@
 use super::parts::{Named, environment, refused};
 use crate::document::toml_string;
 use crate::error::Result;
+use crate::escape::word;
 use crate::recording::inspection::{Column, Rows};
 
 /// Words in a heading that say which end of a proof mass it is.
@@ -72,12 +73,13 @@ pub(super) fn driven(file: &str, rows: &Rows, named: &Named) -> Result<String> {
     match (pair, &columns[..]) {
         (Some((input, output)), _) => Ok(of_driven(Some(input), output, rows)),
         (None, [first, second]) => {
-            let [a, b] = [&first.name, &second.name];
+            let said = format!("`{}` and `{}` may each be the input: neither heading says so", first.name, second.name);
+            let [a, b, subject] = [&first.name, &second.name, file].map(word);
             Err(refused(
                 file,
-                format!("`{a}` and `{b}` may each be the input: neither heading says so"),
+                said,
                 format!(
-                    "proofmass diagnose {file} --input {a} --output {b}, or proofmass diagnose {file} --input {b} --output {a}; \
+                    "proofmass diagnose {subject} --input {a} --output {b}, or proofmass diagnose {subject} --input {b} --output {a}; \
                      of a sensor at rest, neither: --model with kind = \"static\" (`proofmass template static`)"
                 ),
             ))
@@ -89,12 +91,13 @@ pub(super) fn driven(file: &str, rows: &Rows, named: &Named) -> Result<String> {
         )),
         (None, several) => {
             let names: Vec<&str> = several.iter().map(|c| c.name.as_str()).collect();
+            let subject = word(file);
             Err(refused(
                 file,
                 format!("the headings of its {} columns do not say which are a sensor's readings", several.len()),
                 format!(
-                    "of a proof mass, name the force and the reading: proofmass diagnose {file} --input COLUMN --output \
-                     COLUMN; of an inertial sensor, its axes: proofmass allan {file} --gyro X,Y,Z --accelerometer X,Y,Z; \
+                    "of a proof mass, name the force and the reading: proofmass diagnose {subject} --input COLUMN --output \
+                     COLUMN; of an inertial sensor, its axes: proofmass allan {subject} --gyro X,Y,Z --accelerometer X,Y,Z; \
                      the columns are {}",
                     names.join(", ")
                 ),
