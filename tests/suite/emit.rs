@@ -109,7 +109,7 @@ fn kubernetes() -> Result<(), Failed> {
         "--shard \"$shard/64\"",
         "JOB_COMPLETION_INDEX + 1",
         "proofmass merge /data/changed --out /data/changed",
-        "'--backend' 'cpu' '--members' '1100' '--seed' '5'",
+        "--backend cpu --members 1100 --seed 5",
     ];
     for part in wanted {
         check(text.contains(part), format!("no {part} in\n{text}"))?;

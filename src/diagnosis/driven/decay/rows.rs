@@ -1,5 +1,6 @@
-//! The rows that a decay is fitted to: at most forty a cycle, each the value of a parabola through
-//! its neighbours, so that neither the fineness of sampling nor decimation matters.
+//! The rows that a decay is fitted to. Laws are searched on at most forty a cycle, each the value of a parabola
+//! through its neighbours, so that the search does not depend on the fineness of sampling; what is found is
+//! judged and measured on every sample, up to as many as a fit takes.
 
 use std::f64::consts::TAU;
 use std::ops::Range;

@@ -7,8 +7,11 @@ use crate::engine::kind::Point;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 
+use super::rows::Rows;
 use super::system::System;
 
+/// Samples up to which lines are looked for next to each set; of more, those of the base model do.
+const MOST: usize = 300_000;
 /// Times its length to which what is left is extended.
 const PADDED: usize = 4;
 
@@ -17,15 +20,19 @@ impl System {
     /// in what the set leaves.
     pub(super) fn scales_for(&self, term: &Term, set: &[usize], point: &Point) -> Scales {
         let lines_hz = match term {
-            Term::PeriodicDisturbance(_) => self.lines_hz(set, point),
+            Term::PeriodicDisturbance(_) if self.samples().at.len() <= MOST => self.lines_hz(set, point),
             _ => self.scales.lines_hz.clone(),
         };
         Scales { lines_hz, ..self.scales.clone() }
     }
 
+    fn samples(&self) -> &Rows {
+        self.rows.samples.as_deref().unwrap_or(&self.rows)
+    }
+
     /// Frequencies that stand out in what a set leaves of every sample, strongest first.
     pub(in crate::driven) fn lines_hz(&self, set: &[usize], point: &Point) -> Vec<f64> {
-        let rows = self.rows.samples.as_deref().unwrap_or(&self.rows);
+        let rows = self.samples();
         let left = Self { rows: rows.clone(), ..self.clone() }.traced(set, point, &mut Nothing);
         let at = &rows.at;
         let [Some(first), Some(last)] = [at.first(), at.last()] else { return Vec::new() };
