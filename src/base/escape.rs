@@ -1,5 +1,5 @@
 //! Foreign text (headings, names, paths) made harmless for the place it is written to: terminal,
-//! comment, XML, file name.
+//! shell, comment, XML, file name.
 //!
 //! Strings in TOML and JSON are not here: their own crates write them.
 

@@ -36,8 +36,8 @@ pub(crate) fn enough(data: &Data, fit: &Fit, scales: &Scales) -> f64 {
     coarsest(&fit.structure.terms, steps, errors, &fit.linear.columns, fit.variance)
 }
 
-/// The same of a simulation that takes so many `steps` to a sample and leaves such `errors` at a measure; by
-/// the derivatives of the errors, and their variance.
+/// The same for any simulation of these terms: `steps` and `errors` give its steps per sample and its residual
+/// at a measure, `columns` the derivatives of the residual, `variance` its mean square.
 pub(crate) fn coarsest(
     terms: &[Term],
     steps: impl Fn(f64) -> usize,

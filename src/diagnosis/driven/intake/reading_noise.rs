@@ -292,7 +292,8 @@ mod tests {
         assert!((of(Some(&u), &y).deviation - 1.0).abs() < 0.08, "{:?}", of(Some(&u), &y));
     }
 
-    // White noise of unit size: over many recordings the quietest band shows 1 in the mean.
+    // White noise of unit size: over many recordings the quietest band shows 1 in the mean, but for what the
+    // expansion about many averages leaves out, 1 %. Without the correction it is 5 % low at 9000 samples.
     #[test]
     fn the_quietest_of_bands_that_are_alike_is_no_quieter() {
         for n in [2000, 9000, 20_000] {

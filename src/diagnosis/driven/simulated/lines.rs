@@ -10,14 +10,14 @@ use crate::physics::scales::Scales;
 use super::rows::Rows;
 use super::system::System;
 
-/// Samples up to which lines are looked for next to each set; of more, those of the base model do.
+/// Samples up to which the lines of each set's own residual are computed; beyond, those of the base model serve.
 const MOST: usize = 300_000;
-/// Times its length to which what is left is extended.
+/// Factor by which a residual is padded with zeros before its spectrum is taken.
 const PADDED: usize = 4;
 
 impl System {
-    /// Sizes by which a law begins next to a set; what has a frequency of its own begins where one stands out
-    /// in what the set leaves.
+    /// Scales with which a law is added to a set. A periodic disturbance starts at the lines of the residual
+    /// that the set leaves.
     pub(super) fn scales_for(&self, term: &Term, set: &[usize], point: &Point) -> Scales {
         let lines_hz = match term {
             Term::PeriodicDisturbance(_) if self.samples().at.len() <= MOST => self.lines_hz(set, point),
