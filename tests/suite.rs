@@ -21,6 +21,7 @@ mod suite {
     pub mod closed_form;
     pub mod colours;
     pub mod convergence;
+    pub mod creeping_friction;
     pub mod decays;
     pub mod dense_decays;
     pub mod device_faults;
@@ -293,6 +294,8 @@ fn main() {
         suite::diagnosis_driven::tests(),
         // decay: a free decay's laws are named together, with shares, at every rate.
         suite::decays::tests(),
+        // creeping_friction: dry friction that is smooth about standstill.
+        suite::creeping_friction::tests(),
         suite::dense_decays::tests(),
         // shares: under an input, each name with the part of the error that it removes.
         suite::shares::tests(),

@@ -20,6 +20,7 @@ use crate::physics::power::Exponent;
 use crate::physics::power_law_damping::PowerLawDamping;
 use crate::physics::power_law_stiffness::PowerLawStiffness;
 use crate::physics::scales::Scales;
+use crate::physics::shaped_friction::{Shape, ShapedFriction};
 use crate::physics::warm_up::WarmUp;
 use crate::trace::Step;
 
@@ -46,8 +47,15 @@ const MEMORIES: [f64; 4] = [0.7, 1.0, 1.6, 2.6];
 /// distinguish that form from others.
 pub(super) fn decide_exponents(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let search = Search { data, scales, tried: selection.tried, budget };
-    let departing = selection.departing.as_ref().filter(|_| data.trace.is_on(Gate::OwnPower));
-    let power = departing.and_then(|departing| search.power(&selection.chosen, departing));
+    if let Some(found) = data.trace.is_on(Gate::OwnSharpness).then(|| search.shape(&selection.chosen)).flatten() {
+        let lead = found.score() - selection.chosen.score();
+        data.trace
+            .acts(Step::of(Gate::OwnSharpness, selection.chosen.words(), found.words()).measured(lead, LEAST_LEAD));
+        take(selection, found);
+    }
+    let departing = || selection.departing.clone().or_else(|| shaped(&selection.chosen));
+    let departing = data.trace.is_on(Gate::OwnPower).then(departing).flatten();
+    let power = departing.and_then(|departing| search.power(&selection.chosen, &departing));
     let memory = || data.trace.is_on(Gate::OwnSharpness).then(|| search.memory(selection)).flatten();
     let power = power.map(|found| (Gate::OwnPower, found));
     let course = || data.trace.is_on(Gate::OwnCourse).then(|| search.course(&selection.chosen)).flatten();
@@ -62,6 +70,13 @@ pub(super) fn decide_exponents(data: &Data, selection: &mut Selection, scales: &
             rivals.push(Rival { id: Term::WarmUp(WarmUp).id(), judged });
         }
     }
+}
+
+/// A model with a friction whose shape was fitted, as one that departs from the sharp one.
+fn shaped(chosen: &Judged) -> Option<Departing> {
+    let is_shaped = |t: &Term| matches!(t, Term::ShapedFriction(_));
+    let index = chosen.fit.structure.terms.iter().position(is_shaped)?;
+    Some(Departing { judged: chosen.clone(), index })
 }
 
 /// Puts a model instead of the chosen one: what stood next to each of its terms and is not
@@ -101,7 +116,15 @@ struct Power {
     known: &'static [f64],
     /// Powers, one of which next to the stated law is another departure of one number.
     beside: &'static [f64],
-    stated: Freed,
+    stated: Stated,
+}
+
+/// The law in the place of which a power stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stated {
+    Spring,
+    Drag,
+    Friction,
 }
 
 fn stiffness(exponent: Exponent) -> Term {
@@ -115,7 +138,8 @@ fn damping(exponent: Exponent) -> Term {
 impl Power {
     /// Returns the law of a free form with these values. For a spring c a³ s^d is
     /// (c size²) s^(2 + d) a; for a drag c |a|a s^d is (c size) s^(1 + d) a.
-    fn of(form: &FreeForm, values: &[f64]) -> Option<Self> {
+    fn of(term: &Term, values: &[f64], scales: &Scales) -> Option<Self> {
+        let Term::FreeForm(form) = term else { return Self::of_friction(term, values, scales) };
         let (size, beyond) = (form.size, values.get(1).copied().unwrap_or(0.0));
         let spring = Self {
             term: stiffness,
@@ -125,7 +149,7 @@ impl Power {
             further: &[1.7, 2.3, 4.0, 5.5],
             known: &[1.0, 3.0],
             beside: &[2.0, 4.0, 5.0, 7.0],
-            stated: form.law,
+            stated: Stated::Spring,
         };
         // A form of one number is the power already.
         let further: &[f64] = if form.extent == Extent::Narrow { &[] } else { &[0.5, 1.5, 2.8] };
@@ -139,19 +163,26 @@ impl Power {
                 further,
                 known: &[0.0, 1.0, 2.0],
                 beside: &[0.0, 3.0, 4.0],
-                ..spring
-            }),
-            Freed::Friction => Some(Self {
-                term: damping,
-                strength: values[0] / size,
-                exponent: 0.3,
-                further: &[0.5, 0.8, 1.5],
-                known: &[0.0, 1.0, 2.0],
-                beside: &[2.0, 3.0],
+                stated: Stated::Drag,
                 ..spring
             }),
             _ => None,
         }
+    }
+
+    /// Returns the damping by a power that is as strong as a friction at twice the usual velocity.
+    fn of_friction(term: &Term, values: &[f64], scales: &Scales) -> Option<Self> {
+        let size = 2.0 * scales.velocity;
+        matches!(term, Term::ShapedFriction(_)).then_some(Self {
+            term: damping,
+            size,
+            strength: values[0] / size,
+            exponent: 0.3,
+            further: &[0.5, 0.8, 1.5],
+            known: &[0.0, 1.0, 2.0],
+            beside: &[2.0, 3.0],
+            stated: Stated::Friction,
+        })
     }
 
     /// Values from which fits begin: as strong at half the size, whatever the exponent.
@@ -216,15 +247,15 @@ impl Search<'_> {
     /// one.
     fn power(&self, stated: &Judged, departing: &Departing) -> Option<Judged> {
         let (free, index) = (&departing.judged, departing.index);
-        let Term::FreeForm(form) = free.fit.structure.terms[index] else { return None };
-        let law = Power::of(&form, free.fit.structure.of(index, &free.fit.point))?;
+        let law =
+            Power::of(&free.fit.structure.terms[index], free.fit.structure.of(index, &free.fit.point), self.scales)?;
         // The stated model has the same terms, in the same places.
         if self.is_over() || stated.fit.structure.terms.len() != free.fit.structure.terms.len() {
             return None;
         }
         let found = self.best(&free.fit, index, (law.term)(Exponent::Free), &law.starts())?;
         // A law of another family must lead; one of the same family must only not fall behind.
-        let least = if law.stated == Freed::Friction { TIE } else { -LEAST_LEAD };
+        let least = if law.stated == Stated::Friction { TIE } else { -LEAST_LEAD };
         let holds = found.score() - free.score() >= least
             && !found.fit.at_bound(self.scales)
             && self.is_apart(&found.fit, found.fit.structure.first[index] + OF_POWER, 1.0, law.known)
@@ -238,7 +269,7 @@ impl Search<'_> {
     fn is_free_to_gain(&self, law: &Power, found: &Judged, index: usize) -> bool {
         let [strength, size, n] = *found.fit.structure.of(index, &found.fit.point) else { return true };
         let (freed, first, stated) = match law.stated {
-            Freed::CubicSpring => (Freed::CubicSpring, strength / (size * size), 3.0),
+            Stated::Spring => (Freed::CubicSpring, strength / (size * size), 3.0),
             _ => (Freed::Drag, strength / size, 2.0),
         };
         let wide = Term::FreeForm(FreeForm { law: freed, size, extent: Extent::Wide });
@@ -252,7 +283,7 @@ impl Search<'_> {
         let bar = found.score() - TIE;
         let size = found.fit.structure.of(index, &found.fit.point)[1];
         let plain = match law.stated {
-            Freed::CubicSpring => self.as_stated(stated, found, index),
+            Stated::Spring => self.as_stated(stated, found, index),
             _ => self.as_drag(stated, found, index),
         };
         let Some(plain) = plain else { return true };
@@ -270,13 +301,13 @@ impl Search<'_> {
         if parallel::filter_map(&others, beside).into_iter().any(|score| score > bar) {
             return true;
         }
-        if law.stated == Freed::CubicSpring {
+        if law.stated == Stated::Spring {
             return false;
         }
-        let form = FreeForm { law: Freed::Friction, size, extent: Extent::Narrow };
+        let smooth = Term::ShapedFriction(ShapedFriction(Shape::Smooth));
         let strength = found.fit.structure.of(index, &found.fit.point)[0] * size;
         let starts: Vec<Vec<f64>> = [0.05, 0.3, 1.0].map(|part| vec![0.5 * strength, part * size]).to_vec();
-        self.best(&found.fit, index, Term::FreeForm(form), &starts).is_some_and(|smooth| smooth.score() > bar)
+        self.best(&found.fit, index, smooth, &starts).is_some_and(|smooth| smooth.score() > bar)
     }
 
     /// The model of the power with the stated law in its place.
@@ -318,6 +349,29 @@ impl Search<'_> {
         let holds = found.score() - chosen.score() >= if fewer { -LEAST_LEAD } else { TIE }
             && !found.fit.at_bound(self.scales)
             && self.is_apart(&found.fit, place, 1.0, &[1.0])
+            && self.leaves_no_more(&found, chosen);
+        holds.then_some(found)
+    }
+
+    /// A friction that falls with speed instead of one that leaves something, begun where that ended.
+    fn shape(&self, chosen: &Judged) -> Option<Judged> {
+        let terms = &chosen.fit.structure.terms;
+        let is_plain =
+            |t: &Term| matches!(t, Term::CoulombFriction(_) | Term::ShapedFriction(ShapedFriction(Shape::Smooth)));
+        let index = terms.iter().position(is_plain)?;
+        if self.is_over() || residual_structure(self.data, &chosen.fit).r_squared <= UNDONE {
+            return None;
+        }
+        let (own, v) = (chosen.fit.structure.of(index, &chosen.fit.point), self.scales.velocity);
+        let smooth = own.get(1).copied().unwrap_or(0.03 * v);
+        let starts =
+            [(0.3, 0.15), (0.3, 0.5), (1.0, 0.15), (1.0, 0.5)].map(|(r, part)| vec![own[0], smooth, r, part * v]);
+        let found = self.best(&chosen.fit, index, Term::ShapedFriction(ShapedFriction(Shape::Falling)), &starts)?;
+        let Departing { judged: found, .. } =
+            Departing { judged: found, index }.pruned(self.data, self.scales, chosen.score());
+        let holds = found.score() - chosen.score() >= LEAST_LEAD
+            && !found.fit.at_bound(self.scales)
+            && earned(self.data, chosen, &found, self.scales, self.tried).is_some()
             && self.leaves_no_more(&found, chosen);
         holds.then_some(found)
     }
