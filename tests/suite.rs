@@ -41,6 +41,7 @@ mod suite {
     pub mod following;
     pub mod formats;
     pub mod fuzz;
+    pub mod held_chaos;
     pub mod held_inputs;
     pub mod hostile_names;
     pub mod instruments;
@@ -297,6 +298,8 @@ fn main() {
         // creeping_friction: dry friction that is smooth about standstill.
         suite::creeping_friction::tests(),
         suite::dense_decays::tests(),
+        // held_chaos: chaotic motion under an input that is held between its samples.
+        suite::held_chaos::tests(),
         // shares: under an input, each name with the part of the error that it removes.
         suite::shares::tests(),
         // sweeps: planted laws are named, noise and a background are not.

@@ -24,8 +24,10 @@ pub enum Shape {
     /// f_c tanh(x′/v_s).
     #[default]
     Smooth,
-    /// f_c (1 + r exp(−|x′|/v_r)) tanh(x′/v_s).
+    /// f_c (1 + r exp(−|x′|/v_r)) tanh(x′/v_s), after Tustin.
     Falling,
+    /// f_c (1 + r exp(−(x′/v_r)²)) tanh(x′/v_s), after Armstrong-Hélouvry.
+    Bell,
 }
 
 /// Dry friction of one of these shapes.
@@ -59,6 +61,12 @@ pub(super) const FALLING: Candidate = Candidate {
     ..coulomb_friction::CANDIDATE
 };
 
+/// States the candidate where that follows a bell.
+const BELL: Candidate = Candidate {
+    equation: "x″ + 2ζω₀x′ + f_c (1 + r exp(−(x′/v_r)²)) tanh(x′/v_s) + ω₀²x = g·u",
+    ..FALLING
+};
+
 /// Least and largest v_s, in velocities of the motion: below it the sign is sharp, above it the
 /// friction is a damper.
 const SPEEDS: [f64; 2] = [0.003, 3.0];
@@ -82,6 +90,7 @@ impl ShapedFriction {
         match self.0 {
             Shape::Smooth => each::<_, T, N, FMA>(&Self(Shape::Smooth), at, p, own, rates, acceleration),
             Shape::Falling => each::<_, T, N, FMA>(&Self(Shape::Falling), at, p, own, rates, acceleration),
+            Shape::Bell => each::<_, T, N, FMA>(&Self(Shape::Bell), at, p, own, rates, acceleration),
         }
     }
 }
@@ -91,6 +100,7 @@ impl Law for ShapedFriction {
         match self.0 {
             Shape::Smooth => &SMOOTH,
             Shape::Falling => &FALLING,
+            Shape::Bell => &BELL,
         }
     }
     fn role(&self) -> Role {
@@ -109,7 +119,7 @@ impl Law for ShapedFriction {
         let (size, v) = (1e-3 * s.zeta * s.omega_rad_s * s.velocity, s.velocity);
         match self.0 {
             Shape::Smooth => [0.03, 0.1, 0.3, 0.8].map(|part| vec![size, part * v]).to_vec(),
-            Shape::Falling => [(0.01, 0.2), (0.03, 0.2), (0.03, 0.5), (0.1, 0.5)]
+            Shape::Falling | Shape::Bell => [(0.01, 0.2), (0.03, 0.2), (0.03, 0.5), (0.1, 0.5)]
                 .map(|(smooth, slow)| vec![size, smooth * v, 0.5, slow * v])
                 .to_vec(),
         }
@@ -137,14 +147,17 @@ impl Law for ShapedFriction {
         sum: T,
     ) -> T {
         let sign = by(at.v / p[1], exponential::tanh);
+        let slow = at.v.abs() / p[3];
+        let lifted = |by_speed: T| p[0] * fma::<T, FMA>(p[2], by(-by_speed, exponential::exp), T::of(1.0));
         let size = match self.0 {
             Shape::Smooth => p[0],
-            Shape::Falling => p[0] * fma::<T, FMA>(p[2], by(-at.v.abs() / p[3], exponential::exp), T::of(1.0)),
+            Shape::Falling => lifted(slow),
+            Shape::Bell => lifted(slow * slow),
         };
         fma::<T, FMA>(-size, sign, sum)
     }
     fn tried(_: usize) -> Vec<Self> {
-        vec![Self(Shape::Smooth), Self(Shape::Falling)]
+        [Shape::Smooth, Shape::Falling, Shape::Bell].map(Self).to_vec()
     }
 }
 
@@ -161,9 +174,29 @@ mod tests {
         let smooth = ShapedFriction(Shape::Smooth);
         let [_, v] = Mass::default().moved(&smooth, &[f, s], [0.0, v0], t, 4000, |_| 0.0);
         assert!((v - exact).abs() < 1e-10, "{v} {exact}");
-        // With no lift the wider shape is the same, and with some it is not.
-        let falling = ShapedFriction(Shape::Falling);
-        let of = |r: f64| Mass::default().moved(&falling, &[f, s, r, 0.3], [0.0, v0], t, 4000, |_| 0.0)[1];
-        assert!((of(0.0) - v).abs() < 1e-12 && (of(0.5) - v).abs() > 1e-3, "{} {}", of(0.0), of(0.5));
+        // With no lift the wider shapes are the same, and with some they are not.
+        for shape in [Shape::Falling, Shape::Bell] {
+            let falling = ShapedFriction(shape);
+            let of = |r: f64| Mass::default().moved(&falling, &[f, s, r, 0.3], [0.0, v0], t, 4000, |_| 0.0)[1];
+            assert!((of(0.0) - v).abs() < 1e-12 && (of(0.5) - v).abs() > 1e-3, "{} {}", of(0.0), of(0.5));
+        }
+    }
+
+    // At v = v_r either has lost all of its lift but 1/e; at 2 v_r Tustin's has lost all but 1/e², a bell all
+    // but 1/e⁴.
+    #[test]
+    fn the_lift_falls_as_stated() {
+        let at = |shape, v: f64| {
+            let still = Mass { omega: 0.0, zeta: 0.0, gain: 0.0 };
+            let step = 1e-6;
+            let moved = still.moved(&ShapedFriction(shape), &[2.0, 1e-3, 0.5, 0.3], [0.0, v], step, 1, |_| 0.0);
+            (v - moved[1]) / step
+        };
+        for (shape, v, exponent) in
+            [(Shape::Falling, 0.3, 1.0), (Shape::Bell, 0.3, 1.0), (Shape::Falling, 0.6, 2.0), (Shape::Bell, 0.6, 4.0)]
+        {
+            let expected = 2.0 * (1.0 + 0.5 * f64::exp(-exponent));
+            assert!((at(shape, v) - expected).abs() < 1e-4, "{shape:?} {v}: {} {expected}", at(shape, v));
+        }
     }
 }

@@ -56,6 +56,8 @@ fn falling() -> Result<(), Failed> {
     for seed in [1, 2, 3] {
         let force = |_: f64, _: f64, v: f64| -0.01 * (v / 0.01).tanh() * (1.0 + 0.6 * (-v.abs() / 0.2).exp());
         named(&decay(&force, seed)?, &["coulomb-friction"], &[0.01, 0.01, 0.6, 0.2], 1.0)?;
+        let bell = |_: f64, _: f64, v: f64| -0.01 * (v / 0.01).tanh() * (1.0 + 0.6 * (-(v / 0.2).powi(2)).exp());
+        named(&decay(&bell, seed)?, &["coulomb-friction"], &[0.01, 0.01, 0.6, 0.2], 1.0)?;
     }
     Ok(())
 }

@@ -55,12 +55,13 @@ fn stated(with_time: bool) -> Vec<Term> {
 }
 
 /// Laws with an exponent or a shape of their own.
-fn powers() -> [Term; 4] {
+fn powers() -> [Term; 5] {
     [
         Term::PowerLawStiffness(PowerLawStiffness(Exponent::Free)),
         Term::PowerLawDamping(PowerLawDamping(Exponent::Free)),
         Term::ShapedFriction(ShapedFriction(Shape::Smooth)),
         Term::ShapedFriction(ShapedFriction(Shape::Falling)),
+        Term::ShapedFriction(ShapedFriction(Shape::Bell)),
     ]
 }
 
@@ -128,7 +129,9 @@ pub(super) fn excludes(one: &Term, other: &Term) -> bool {
 
 /// States what can be named in sweeps.
 pub static CANDIDATES: LazyLock<Vec<Candidate>> = LazyLock::new(|| {
-    let all: Vec<Term> = stated(true).into_iter().chain(powers()).collect();
+    // A friction with a shape of its own is one of the same name.
+    let mut all: Vec<Term> = stated(true).into_iter().chain(powers()).collect();
+    all.retain(|term| !matches!(term, Term::ShapedFriction(_)));
     let ids: Vec<&str> = all.iter().map(|term| term.id()).collect();
     let of_sweeps = |candidate: &Candidate| -> Candidate {
         // Made once, and kept as long as the program runs, like the texts of the laws.

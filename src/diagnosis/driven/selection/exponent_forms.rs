@@ -366,7 +366,9 @@ impl Search<'_> {
         let smooth = own.get(1).copied().unwrap_or(0.03 * v);
         let starts =
             [(0.3, 0.15), (0.3, 0.5), (1.0, 0.15), (1.0, 0.5)].map(|(r, part)| vec![own[0], smooth, r, part * v]);
-        let found = self.best(&chosen.fit, index, Term::ShapedFriction(ShapedFriction(Shape::Falling)), &starts)?;
+        let of = |shape| self.best(&chosen.fit, index, Term::ShapedFriction(ShapedFriction(shape)), &starts);
+        let found = [Shape::Falling, Shape::Bell].into_iter().filter_map(of);
+        let found = found.max_by(|a, b| a.score().total_cmp(&b.score()))?;
         let Departing { judged: found, .. } =
             Departing { judged: found, index }.pruned(self.data, self.scales, chosen.score());
         let holds = found.score() - chosen.score() >= LEAST_LEAD
