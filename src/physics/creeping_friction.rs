@@ -53,7 +53,7 @@ pub(crate) const GIVEN: &[Given] = &[
     Given::new(Key::new(
         95,
         "sensor.creeping_friction_lift",
-        "share r of friction that is lost with speed",
+        "share r by which friction holds slow motion back more",
         "1",
         1.0,
         Sign::Any,
@@ -77,7 +77,7 @@ pub(crate) const GIVEN: &[Given] = &[
 ];
 
 impl CreepingFriction {
-    /// The values of a friction of either shape.
+    /// The values of a friction of any of its shapes.
     pub fn values_of(friction: ShapedFriction, p: &[f64]) -> [f64; 5] {
         match friction.0 {
             Shape::Smooth => [p[0], p[1], 0.0, p[1], 1.0],

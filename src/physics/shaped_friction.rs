@@ -1,10 +1,10 @@
 //! Dry friction whose force over the velocity has a shape of its own: what a diagnosis names as
 //! Coulomb friction where a contact creeps before it slides.
 //!
-//! The sign is smooth about standstill, tanh(x′/v_s), and in the wider shape slow motion is held
+//! The sign is smooth about standstill, tanh(x′/v_s), and in the wider shapes slow motion is held
 //! back by a share r more than fast motion (Stribeck's effect). The sharp sign
 //! ([`CoulombFriction`](super::coulomb_friction::CoulombFriction)) is the limit of small v_s, which
-//! its own integration by events takes better. A study runs both as one law
+//! its own integration by events takes better. A study runs all of them as one law
 //! ([`CreepingFriction`](super::creeping_friction::CreepingFriction)).
 
 use crate::numerics::elementary::{Real, fma};

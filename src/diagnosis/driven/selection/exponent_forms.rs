@@ -1,5 +1,5 @@
 //! Laws whose form has an exponent, which the search defers: a spring and a damping of one power, a drift
-//! along one of time, and hysteresis with an exponent. Next to the stated law each would fit whatever departs from it a
+//! along one of time; with those of `own_sharpness`. Next to the stated law each would fit whatever departs from it a
 //! little; it is tried only where a law that was chosen departs from its form, and takes its place
 //! only where the data determine the exponent: where its own free form gains nothing over it, and no
 //! other departure of one number does as well.
@@ -13,7 +13,6 @@ use crate::gate::Gate;
 use crate::parallel;
 use crate::physics::bias_drift::{BiasDrift, Course};
 use crate::physics::free_form::{Extent, FreeForm, Freed};
-use crate::physics::hysteresis::{Hysteresis, Sharpness};
 use crate::physics::law::Noise;
 use crate::physics::library::Term;
 use crate::physics::power::Exponent;
@@ -35,13 +34,10 @@ use super::rivals::TIE;
 const HEATS: usize = 4;
 /// A heat that gains less log-likelihood than this was the last.
 const CONVERGED: f64 = 0.1;
-/// Place of the exponent among the values of a power, and of hysteresis.
+/// Place of the exponent among the values of a power.
 const OF_POWER: usize = 2;
-const OF_MEMORY: usize = 3;
 /// An exponent within this many intervals of the one found counts as the same.
 const SAME: f64 = 2.0;
-/// Exponents of a memory from which fits begin, next to the stated one.
-const MEMORIES: [f64; 4] = [0.7, 1.0, 1.6, 2.6];
 
 /// Puts a law with its own exponent instead of one that departs from its form, where the data
 /// distinguish that form from others.
@@ -96,11 +92,12 @@ fn take(selection: &mut Selection, found: Judged) {
     selection.departing = None;
 }
 
-struct Search<'a> {
-    data: &'a Data,
-    scales: &'a Scales,
-    tried: usize,
-    budget: Budget,
+/// A search for the form of laws that were chosen.
+pub(super) struct Search<'a> {
+    pub data: &'a Data,
+    pub scales: &'a Scales,
+    pub tried: usize,
+    pub budget: Budget,
 }
 
 /// Law of one power that may stand instead of a free form, its strength and exponent where it
@@ -193,7 +190,7 @@ impl Power {
 }
 
 impl Search<'_> {
-    fn is_over(&self) -> bool {
+    pub(super) fn is_over(&self) -> bool {
         self.data.work.is_spent(self.budget)
     }
 
@@ -203,7 +200,7 @@ impl Search<'_> {
     }
 
     /// The best of fits from these values of one law, taken further until it rests.
-    fn best(&self, model: &Fit, index: usize, term: Term, starts: &[Vec<f64>]) -> Option<Judged> {
+    pub(super) fn best(&self, model: &Fit, index: usize, term: Term, starts: &[Vec<f64>]) -> Option<Judged> {
         self.rested(starts.iter().map(|start| with_instead(model, index, term, start)).collect())
     }
 
@@ -228,7 +225,7 @@ impl Search<'_> {
     }
 
     /// Returns whether the interval of an exponent, this many times as wide, holds none of these.
-    fn is_apart(&self, model: &Fit, place: usize, times: f64, known: &[f64]) -> bool {
+    pub(super) fn is_apart(&self, model: &Fit, place: usize, times: f64, known: &[f64]) -> bool {
         let Some(free) = model.free.iter().position(|f| *f == place) else { return false };
         let (n, reach) = (model.point[place], interval::spread(model).reach[free].map(|r| times * r));
         // By its logarithm, as it is fitted.
@@ -237,7 +234,7 @@ impl Search<'_> {
     }
 
     /// Returns whether a model leaves next to nothing, or no more than another.
-    fn leaves_no_more(&self, model: &Judged, than: &Judged) -> bool {
+    pub(super) fn leaves_no_more(&self, model: &Judged, than: &Judged) -> bool {
         let left = |j: &Judged| residual_structure(self.data, &j.fit).r_squared;
         let found = left(model);
         found <= UNDONE || found <= left(than)
@@ -350,79 +347,6 @@ impl Search<'_> {
             && !found.fit.at_bound(self.scales)
             && self.is_apart(&found.fit, place, 1.0, &[1.0])
             && self.leaves_no_more(&found, chosen);
-        holds.then_some(found)
-    }
-
-    /// A friction that falls with speed instead of one that leaves something, begun where that ended.
-    fn shape(&self, chosen: &Judged) -> Option<Judged> {
-        let terms = &chosen.fit.structure.terms;
-        let is_plain =
-            |t: &Term| matches!(t, Term::CoulombFriction(_) | Term::ShapedFriction(ShapedFriction(Shape::Smooth)));
-        let index = terms.iter().position(is_plain)?;
-        if self.is_over() || residual_structure(self.data, &chosen.fit).r_squared <= UNDONE {
-            return None;
-        }
-        let (own, v) = (chosen.fit.structure.of(index, &chosen.fit.point), self.scales.velocity);
-        let smooth = own.get(1).copied().unwrap_or(0.03 * v);
-        let starts =
-            [(0.3, 0.15), (0.3, 0.5), (1.0, 0.15), (1.0, 0.5)].map(|(r, part)| vec![own[0], smooth, r, part * v]);
-        let of = |shape| self.best(&chosen.fit, index, Term::ShapedFriction(ShapedFriction(shape)), &starts);
-        let found = [Shape::Falling, Shape::Bell].into_iter().filter_map(of);
-        let found = found.max_by(|a, b| a.score().total_cmp(&b.score()))?;
-        let Departing { judged: found, .. } =
-            Departing { judged: found, index }.pruned(self.data, self.scales, chosen.score());
-        let holds = found.score() - chosen.score() >= LEAST_LEAD
-            && !found.fit.at_bound(self.scales)
-            && earned(self.data, chosen, &found, self.scales, self.tried).is_some()
-            && self.leaves_no_more(&found, chosen);
-        holds.then_some(found)
-    }
-
-    /// Hysteresis with an exponent instead of one with n = 1 that was chosen; or of all that was
-    /// chosen, where that leaves something, departs or is several laws.
-    fn memory(&self, selection: &Selection) -> Option<Judged> {
-        let chosen = &selection.chosen;
-        let is_memory = |t: &Term| matches!(t, Term::Hysteresis(Hysteresis(Sharpness::One)));
-        let own = chosen.fit.structure.terms.iter().position(is_memory);
-        let beside = || {
-            let leaves = selection.departing.is_some() || chosen.fit.structure.terms.len() > 1;
-            let is_law = chosen.fit.structure.terms.iter().any(|t| t.role().acts_on_mass());
-            let alone = selection.alone.iter().filter_map(|t| t.judged.as_ref());
-            let mut all = alone.filter(|j| matches!(j.fit.structure.terms.as_slice(), [t] if is_memory(t)));
-            if is_law && leaves { all.next() } else { None }
-        };
-        let (from, index) = match own {
-            Some(index) => (chosen, index),
-            None => (beside()?, 0),
-        };
-        if self.is_over() {
-            return None;
-        }
-        let mut values = from.fit.structure.of(index, &from.fit.point).to_vec();
-        values.insert(OF_MEMORY, 1.0);
-        let starts: Vec<Vec<f64>> = MEMORIES
-            .map(|n| {
-                values[OF_MEMORY] = n;
-                values.clone()
-            })
-            .to_vec();
-        let found = self.best(&from.fit, index, Term::Hysteresis(Hysteresis(Sharpness::Own)), &starts)?;
-        let found = Departing { judged: found, index }.pruned(self.data, self.scales, chosen.score());
-        let Departing { judged: found, index } = found;
-        let before = selection.departing.as_ref().map_or(chosen, |d| &d.judged);
-        let fewer = found.fit.structure.terms.len() < before.fit.structure.terms.len();
-        let lead = found.score() - before.score();
-        let least = match (own.is_some(), fewer) {
-            (true, true) => -LEAST_LEAD,
-            (true, false) => LEAST_LEAD,
-            (false, _) => TIE,
-        };
-        let is_earned = fewer || earned(self.data, chosen, &found, self.scales, self.tried).is_some();
-        let holds = lead >= least
-            && is_earned
-            && !found.fit.at_bound(self.scales)
-            && self.is_apart(&found.fit, found.fit.structure.first[index] + OF_MEMORY, 1.0, &[1.0])
-            && self.leaves_no_more(&found, before);
         holds.then_some(found)
     }
 }

@@ -161,7 +161,7 @@ fn sensor(data: &Data, fit: &Fit, per_input: f64, warm: bool, mut not_expressibl
 }
 
 /// Returns the form in which a study has this term, with its values: a stop on one side stands at a
-/// place, a friction of either shape is one law, and a spring next to a temperature follows it.
+/// place, a friction of any shape but the sharp one is one law, and a spring next to a temperature follows it.
 fn as_a_study_has_it(term: &Term, p: &[f64], warm: bool) -> (Term, Vec<f64>) {
     match term {
         Term::EndStop(stop) => OneSidedStop::values_of(*stop, p)
