@@ -89,7 +89,7 @@ pub(crate) enum Form {
     /// The form that its name states.
     Stated,
     /// With an exponent or a shape that is fitted: named only in the place of a stated law of its
-    /// argument that it betters, or where none of them holds.
+    /// argument that it betters.
     Exponent,
     /// With its shape free: it shows on what the residual depends and is never named.
     Free,

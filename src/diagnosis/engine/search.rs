@@ -124,17 +124,10 @@ impl<'a, K: Kind> Search<'a, K> {
         }
     }
 
-    /// Sets of one law more, or two, that hold: where none of an argument does, those with an exponent of
-    /// it as well.
+    /// Sets of one law more, or two, that hold.
     fn held_children(&self, parent: &Arc<Fitted>) -> Vec<Arc<Fitted>> {
-        let (kind, mut all) = (self.kind, self.children(parent, Form::Stated, true));
+        let mut all = self.children(parent, Form::Stated, true);
         all.retain(|child| self.holds(parent, child));
-        if !self.is_at_noise(parent) {
-            let argument = |f: &Arc<Fitted>| f.set.last().map(|law| kind.argument(*law));
-            let known: Vec<_> = all.iter().map(argument).collect();
-            let bent = self.children(parent, Form::Exponent, false).into_iter();
-            all.extend(bent.filter(|f| !known.contains(&argument(f)) && self.is_inside(f) && self.holds(parent, f)));
-        }
         all
     }
 
