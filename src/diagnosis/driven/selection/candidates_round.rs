@@ -179,16 +179,7 @@ fn worth_fitting(promised: &[(Term, f64, Vec<Vec<f64>>)], rows: usize, sure: usi
     for noise in [false, true] {
         let alike = || promised.iter().enumerate().filter(|(_, p)| p.0.noise().is_some() == noise);
         let best = alike().next().map_or(1.0, |(_, p)| p.1);
-        // All forms of a law share one place.
-        let mut ids: Vec<&str> = Vec::new();
-        for (index, (term, promise, _)) in alike() {
-            if !ids.contains(&term.id()) {
-                ids.push(term.id());
-            }
-            let rank = ids.iter().position(|id| *id == term.id()).unwrap_or(0);
-            if rank >= FINALISTS {
-                continue;
-            }
+        for (rank, (index, (_, promise, _))) in alike().enumerate().take(FINALISTS) {
             // Below this no linear step promises what a name would cost; far behind the best, none
             // will catch up.
             worth[index] =

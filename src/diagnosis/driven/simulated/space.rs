@@ -10,7 +10,6 @@ use crate::physics::power::Exponent;
 use crate::physics::power_law_damping::PowerLawDamping;
 use crate::physics::power_law_stiffness::PowerLawStiffness;
 use crate::physics::scales::Scales;
-use crate::physics::shaped_friction::{Shape, ShapedFriction};
 use crate::physics::stiffness_drift::StiffnessDrift;
 
 /// A law of the space.
@@ -43,11 +42,7 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
             terms.push(stop);
         }
     }
-    let form = |term: &Term| match term {
-        Term::ShapedFriction(_) => Form::Exponent,
-        _ => Form::Stated,
-    };
-    let stated = terms.into_iter().map(|term| Member { form: form(&term), term });
+    let stated = terms.into_iter().map(|term| Member { term, form: Form::Stated });
     let powers = [
         Term::PowerLawStiffness(PowerLawStiffness(Exponent::Free)),
         Term::PowerLawDamping(PowerLawDamping(Exponent::Free)),
@@ -63,7 +58,7 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
         free(Freed::CubicSpring, size),
         free(Freed::QuadraticSpring, size),
         free(Freed::Drag, speed),
-        Member { term: Term::ShapedFriction(ShapedFriction(Shape::Falling)), form: Form::Free },
+        free(Freed::Friction, speed),
         free(Freed::Film, size),
         free(Freed::Drift, scales.duration_s),
     ];
@@ -76,8 +71,7 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
 /// Quantity that a law depends on.
 pub(in crate::driven) fn argument(term: &Term) -> Argument {
     match term {
-        Term::QuadraticDamping(_) | Term::PowerLawDamping(_) => Argument::Velocity,
-        Term::CoulombFriction(_) | Term::ShapedFriction(_) => Argument::Velocity,
+        Term::QuadraticDamping(_) | Term::PowerLawDamping(_) | Term::CoulombFriction(_) => Argument::Velocity,
         Term::SqueezeFilmDamping(_) => Argument::Both,
         Term::Hysteresis(_) => Argument::Path,
         Term::StiffnessDrift(StiffnessDrift { environment: Some(_) }) => Argument::Environment,
@@ -92,7 +86,7 @@ pub(in crate::driven) fn argument(term: &Term) -> Argument {
         | Term::ReadoutLowpass(_)
         | Term::Feedthrough(_) => Argument::Frequency,
         Term::FreeForm(form) => match form.law {
-            Freed::Drag => Argument::Velocity,
+            Freed::Drag | Freed::Friction => Argument::Velocity,
             Freed::Film => Argument::Both,
             Freed::Drift => Argument::Time,
             Freed::Readout => Argument::Readout,
@@ -111,6 +105,7 @@ pub(in crate::driven) fn excludes(one: &Term, other: &Term) -> bool {
             Freed::CubicSpring => 1,
             Freed::Drag => 2,
             Freed::Film => 3,
+            Freed::Friction => 4,
             Freed::Drift => 5,
             Freed::QuadraticSpring => 6,
             Freed::Drive => 8,
@@ -119,7 +114,7 @@ pub(in crate::driven) fn excludes(one: &Term, other: &Term) -> bool {
         },
         Term::QuadraticDamping(_) | Term::PowerLawDamping(_) => 2,
         Term::SqueezeFilmDamping(_) => 3,
-        Term::CoulombFriction(_) | Term::ShapedFriction(_) => 4,
+        Term::CoulombFriction(_) => 4,
         Term::StiffnessDrift(_) => 5,
         Term::QuadraticStiffness(_) => 6,
         Term::EndStop(_) => 7,
