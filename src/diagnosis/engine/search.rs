@@ -128,8 +128,8 @@ impl<'a, K: Kind> Search<'a, K> {
         }
     }
 
-    /// Sets that differ from this one by a single law. A law that was added early may have stood for two, and
-    /// is then in the place of one of them.
+    /// Sets that differ from this one by a single law. A law that was added early may only have imitated two
+    /// others; once one of them has joined, the other fits better than the imitation.
     pub(crate) fn exchanged(&self, set: &Arc<Fitted>) -> Vec<Arc<Fitted>> {
         let children = |without: Arc<Fitted>| -> Vec<Arc<Fitted>> {
             let all = self.children(&without, false);
