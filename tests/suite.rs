@@ -21,6 +21,7 @@ mod suite {
     pub mod closed_form;
     pub mod colours;
     pub mod convergence;
+    pub mod creeping_friction;
     pub mod decays;
     pub mod dense_decays;
     pub mod device_faults;
@@ -40,6 +41,7 @@ mod suite {
     pub mod following;
     pub mod formats;
     pub mod fuzz;
+    pub mod held_chaos;
     pub mod held_inputs;
     pub mod hostile_names;
     pub mod instruments;
@@ -293,7 +295,11 @@ fn main() {
         suite::diagnosis_driven::tests(),
         // decay: a free decay's laws are named together, with shares, at every rate.
         suite::decays::tests(),
+        // creeping_friction: dry friction that is smooth about standstill.
+        suite::creeping_friction::tests(),
         suite::dense_decays::tests(),
+        // held_chaos: chaotic motion under an input that is held between its samples.
+        suite::held_chaos::tests(),
         // shares: under an input, each name with the part of the error that it removes.
         suite::shares::tests(),
         // sweeps: planted laws are named, noise and a background are not.

@@ -355,7 +355,7 @@ impl Diagnosis {
     /// than the terms chosen.
     fn on_another_input(&mut self, selection: &Selection, scales: &Scales) -> Option<Judged> {
         let settled = self.excerpt.input.as_ref().is_none_or(|i| i.interpolation != Interpolation::BandLimited);
-        if self.excerpt.windows.is_some() || settled || !self.data.trace.is_on(Gate::OtherInput) {
+        if settled || !self.data.trace.is_on(Gate::OtherInput) {
             return None;
         }
         // A stated form that departs bends what stands next to it: half a sample is seen where it

@@ -16,8 +16,8 @@ use super::scales::{Coordinate, Scales};
 use super::side_by_side::each;
 use super::state::{Instant, Instants, MOST_STAGED, MOST_VALUES, Staged, Values};
 use super::{
-    coulomb_friction, cubic_stiffness, drive_nonlinearity, end_stop, quadratic_damping, quadratic_stiffness,
-    readout_nonlinearity, squeeze_film_damping, stiffness_drift,
+    cubic_stiffness, drive_nonlinearity, end_stop, quadratic_damping, quadratic_stiffness, readout_nonlinearity,
+    squeeze_film_damping, stiffness_drift,
 };
 
 /// Law whose form is freed.
@@ -33,8 +33,6 @@ pub enum Freed {
     Film,
     /// κu², over the gain.
     Drive,
-    /// f_c sgn x′: smooth about standstill, with a size that falls or rises with speed.
-    Friction,
     /// Contact beyond a gap: stiffer or softer the deeper, with a gap of its own on either side.
     Stop(Side),
     /// κt of the stiffness, along another course of time.
@@ -60,10 +58,9 @@ pub enum Argument {
 ///
 /// With all of it free: laws that are a power of their argument a: stated(a) · sᵈ · (c + e(s −
 /// 0.7) + h sgn a), s = |a|/size, values c, d, e, h; the stated law is d = e = h = 0. Time has one
-/// sign: a drift has h (s − 0.7)² instead. Friction:
-/// tanh(x′/v_s)(f + g e^(−|x′|/v_g)), values f, v_s, g, v_g. A stop: k δ (δ/size)ᵈ for a depth δ
+/// sign: a drift has h (s − 0.7)² instead. A stop: k δ (δ/size)ᵈ for a depth δ
 /// beyond the gap, values k, gap, d, and by how much the other side's gap is wider. A readout:
-/// k₂x² + k₃x³ − b s(x/w), values k₂, k₃, b, w. With one value free only d, or v_s, is; the values
+/// k₂x² + k₃x³ − b s(x/w), values k₂, k₃, b, w. With one value free only d is; the values
 /// after it are zero. Of a readout all four are free in both extents: where narrow, s is tanh and
 /// rounds the bend, where wide, it has the corners of a dead zone.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,7 +76,7 @@ pub struct FreeForm {
 /// Part of a form that is free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
-    /// One coefficient: an exponent, or the smoothness of friction; of a readout, a rounded bend.
+    /// One coefficient, an exponent; of a readout, a rounded bend.
     Narrow,
     /// All coefficients of the form; of a readout, a bend with corners.
     Wide,
@@ -103,7 +100,7 @@ impl Freed {
             Self::CubicSpring | Self::QuadraticSpring | Self::Film | Self::Stop(_) | Self::Readout => {
                 Argument::Displacement
             }
-            Self::Drag | Self::Friction => Argument::Velocity,
+            Self::Drag => Argument::Velocity,
             Self::Drive => Argument::Input,
             Self::Drift => Argument::Time,
         }
@@ -117,7 +114,6 @@ impl Freed {
             Self::Drag => "|v| v",
             Self::Film => "x^2 v",
             Self::Drive => "u^2",
-            Self::Friction => "sgn v",
             Self::Stop(_) => "(x - gap)+",
             Self::Drift => "t",
             Self::Readout => "k2 x^2 + k3 x^3",
@@ -126,7 +122,7 @@ impl Freed {
 
     /// Returns whether it is the stated form times a function of its argument.
     fn is_power(self) -> bool {
-        !matches!(self, Self::Friction | Self::Stop(_) | Self::Readout)
+        !matches!(self, Self::Stop(_) | Self::Readout)
     }
 
     /// The stated form at an argument, of strength 1.
@@ -148,10 +144,6 @@ impl FreeForm {
         let zero = T::of(0.0);
         let [first, second, third, fourth] = [p[0], p[1], p[2], p[3]];
         match self.law {
-            Freed::Friction => {
-                let fading = if fourth > zero { by(-a.abs() / fourth, exponential::exp) } else { zero };
-                by(a / second, exponential::tanh) * fma::<T, FMA>(third, fading, first)
-            }
             Freed::Stop(side) => {
                 let gap = if side == Side::Both { second + fourth } else { second };
                 let upper = if side == Side::Lower { zero } else { self.push([first, third], a - second) };
@@ -210,7 +202,6 @@ impl FreeForm {
             Freed::Drag => Freed::Drag,
             Freed::Film => Freed::Film,
             Freed::Drive => Freed::Drive,
-            Freed::Friction => Freed::Friction,
             Freed::Stop(Side::Both) => Freed::Stop(Side::Both),
             Freed::Stop(Side::Lower) => Freed::Stop(Side::Lower),
             Freed::Stop(Side::Upper) => Freed::Stop(Side::Upper),
@@ -223,7 +214,6 @@ impl FreeForm {
     /// parameters. `typical` is the root mean square of its argument.
     pub fn narrow_starts(&self, stated: &[f64], typical: f64) -> Vec<Vec<f64>> {
         match self.law {
-            Freed::Friction => [0.03, 0.2].map(|smooth| vec![stated[0], smooth * typical]).to_vec(),
             Freed::Stop(_) => {
                 let (k, gap) = (stated[0], stated[1]);
                 vec![vec![k, gap, 0.0], vec![1.3 * k, gap - 0.3 * self.size, 0.5]]
@@ -240,7 +230,6 @@ impl FreeForm {
             return vec![narrow.to_vec(), dead];
         }
         let more: Vec<[f64; 2]> = match self.law {
-            Freed::Friction => [0.1, 0.6].map(|more| [more * narrow[0], 0.3 * typical]).to_vec(),
             Freed::Stop(_) => vec![[0.0; 2]],
             _ => vec![[0.0; 2]],
         };
@@ -256,7 +245,6 @@ impl Law for FreeForm {
             Freed::Drag => &quadratic_damping::CANDIDATE,
             Freed::Film => &squeeze_film_damping::CANDIDATE,
             Freed::Drive => &drive_nonlinearity::CANDIDATE,
-            Freed::Friction => &coulomb_friction::CANDIDATE,
             Freed::Stop(_) => &end_stop::CANDIDATE,
             Freed::Drift => &stiffness_drift::CANDIDATE,
             Freed::Readout => &readout_nonlinearity::CANDIDATE,
@@ -284,20 +272,15 @@ impl Law for FreeForm {
             Freed::Drag => zeta * omega / s.velocity,
             Freed::Film => zeta * omega / s.output.powi(2),
             Freed::Drive => 0.1 / s.input.max(1e-300),
-            Freed::Friction => 0.1 * zeta * omega * s.velocity,
             Freed::Stop(_) => spring,
             Freed::Drift => 0.1 / s.duration_s,
             Freed::Readout => 0.1 / s.output,
         };
         let linear = Coordinate::Linear(strength);
         // Below zero they would feed the motion.
-        let damps = matches!(self.law, Freed::Drag | Freed::Film | Freed::Friction);
+        let damps = matches!(self.law, Freed::Drag | Freed::Film);
         let own = if damps { Coordinate::Bounded(strength, 0.0, f64::MAX) } else { linear };
         let mut all = match self.law {
-            Freed::Friction => {
-                let speed = |low: f64, high: f64| Coordinate::Log(low * s.velocity, high * s.velocity);
-                vec![own, speed(0.003, 3.0), linear, speed(0.03, 3.0)]
-            }
             Freed::Stop(_) => vec![
                 Coordinate::Log(0.01 * spring, 1e4 * spring),
                 Coordinate::Log(0.1 * s.output, 10.0 * s.output),
@@ -322,10 +305,6 @@ impl Law for FreeForm {
     }
     fn fastest_rad_s(&self, p: &[f64], s: &Scales) -> f64 {
         let fastest = match self.law {
-            // About standstill friction is a damper of f/v_s.
-            Freed::Friction => {
-                ((p[0] + p.get(2).map_or(0.0, |p| p.max(0.0))).abs() / p[1].abs().max(1e-300)).min(8.0 * s.omega_rad_s)
-            }
             Freed::Stop(_) => (p[0].max(0.0) + s.omega_rad_s.powi(2)).sqrt(),
             _ => 0.0,
         };
@@ -348,7 +327,7 @@ impl Law for FreeForm {
         match self.law {
             Freed::Drive => fma::<T, FMA>(at.gain, self.curve::<T, FMA>(p, at.input), sum),
             Freed::Film => fma::<T, FMA>(-self.curve::<T, FMA>(p, at.x), at.v, sum),
-            Freed::Drag | Freed::Friction => sum - self.curve::<T, FMA>(p, at.v),
+            Freed::Drag => sum - self.curve::<T, FMA>(p, at.v),
             Freed::Drift => fma::<T, FMA>(-(at.stiffness * self.curve::<T, FMA>(p, at.time)), at.x, sum),
             Freed::Readout => sum,
             _ => sum - self.curve::<T, FMA>(p, at.x),

@@ -39,6 +39,7 @@ macro_rules! library {
             pub fn tried(environments: usize, input: bool) -> Vec<Self> {
                 let mut all = Vec::new();
                 $(all.extend(super::$file::$law::tried(environments).into_iter().map(Self::$law));)*
+                $(all.extend(super::$beside::$other::tried(environments).into_iter().map(Self::$other));)*
                 all.retain(|t| input || !t.needs_input());
                 all
             }
@@ -129,9 +130,9 @@ library! {
     BiasRandomWalk in bias_random_walk,
     PeriodicDisturbance in periodic_disturbance;
     // What a diagnosis names as a form of another law.
-    in studies OneSidedStop in one_sided_stop, WarmStiffness in warm_stiffness;
-    // Fitted like laws and never named by themselves.
-    beside FreeForm in free_form
+    in studies CreepingFriction in creeping_friction, OneSidedStop in one_sided_stop, WarmStiffness in warm_stiffness;
+    // With loops of their own: shapes of a law, and what is fitted like one and never named.
+    beside FreeForm in free_form, ShapedFriction in shaped_friction
 }
 
 impl Term {
@@ -174,7 +175,7 @@ mod tests {
     fn what_no_study_takes_below_zero_no_fit_goes_below() {
         let scales = Scales::of_a_mass();
         let (mut bound, mut free) = (0, 0);
-        let dampings = [Freed::Drag, Freed::Film, Freed::Friction];
+        let dampings = [Freed::Drag, Freed::Film];
         for law in dampings {
             let form = FreeForm { law, size: 1.0, extent: Extent::Wide };
             assert!(matches!(form.coordinates(&scales)[0], Coordinate::Bounded(_, 0.0, _)), "{law:?}");

@@ -60,6 +60,11 @@ impl Law for PowerLawDamping {
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
         [0.5, 1.5, 3.0].map(|n| vec![0.1 * s.zeta * s.omega_rad_s, 2.0 * s.velocity, n]).to_vec()
     }
+    /// Below the first power the force has a cusp at standstill: it takes steps as short as those of dry
+    /// friction.
+    fn fastest_rad_s(&self, p: &[f64], s: &Scales) -> f64 {
+        if p[2] < 1.0 { 7.0 * s.omega_rad_s } else { 0.0 }
+    }
     #[inline(always)]
     fn force<T: Real, const FMA: bool>(
         &self,

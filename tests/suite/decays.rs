@@ -34,21 +34,21 @@ pub fn tests() -> Vec<Trial> {
 }
 
 /// Rows of a cycle of the decays that are made.
-const PER_CYCLE: usize = 40;
+pub(super) const PER_CYCLE: usize = 40;
 /// Integration steps from one row to the next.
 const STEPS: usize = 40;
 
 /// A decay from rest at 1: `force` of (time, x, v) acts beside the oscillator with ω₀ = 1.
-struct Made<'a> {
-    zeta: f64,
-    cycles: usize,
-    noise: f64,
-    seed: u64,
-    force: &'a dyn Fn(f64, f64, f64) -> f64,
+pub(super) struct Made<'a> {
+    pub(super) zeta: f64,
+    pub(super) cycles: usize,
+    pub(super) noise: f64,
+    pub(super) seed: u64,
+    pub(super) force: &'a dyn Fn(f64, f64, f64) -> f64,
 }
 
 impl Made<'_> {
-    fn reading(&self) -> Vec<f64> {
+    pub(super) fn reading(&self) -> Vec<f64> {
         let rate = |t: f64, x: f64, v: f64| -x - 2.0 * self.zeta * v + (self.force)(t, x, v);
         let h = TAU / (PER_CYCLE * STEPS) as f64;
         let (mut x, mut v) = (1.0, 0.0);

@@ -110,8 +110,9 @@ fn named() -> Result<(), Failed> {
 }
 
 // A spring that stiffens for a while and comes back is no law of the library, and goes with time alone.
-// Friction that falls with speed is one of it, and departs: the name keeps its share, and what it leaves
-// is said to depend on velocity and is held against the noise that was read.
+// Friction that falls with speed is one of it. A spring that follows a sine is near one, and departs: the
+// name keeps its share, and what it leaves is said to depend on displacement and is held against the noise
+// that was read.
 fn unnamed() -> Result<(), Failed> {
     let passing = |t: f64, x: f64, _: f64| 0.1 * (-((t - 200.0) / 120.0).powi(2)).exp() * x;
     let verdict = diagnosed(&recorded(0.002, passing))?;
@@ -120,11 +121,19 @@ fn unnamed() -> Result<(), Failed> {
     check(argument.name == "time" && argument.share.ci95[0] > 0.0, format!("{argument:?}"))?;
     let falling = |_: f64, _: f64, v: f64| -0.05 * (v / 0.002).tanh() * (1.0 + 1.5 * (-v.abs() / 0.05).exp());
     let verdict = diagnosed(&recorded(0.002, falling))?;
-    check(ids(&verdict) == ["coulomb-friction"], format!("{:?} {}", ids(&verdict), verdict.sentence))?;
+    check(verdict.verdict == Outcome::Explained && ids(&verdict) == ["coulomb-friction"], verdict.sentence.clone())?;
+    for (parameter, planted) in verdict.effects[0].parameters.iter().zip([0.05, 0.002, 1.5, 0.05]) {
+        let [low, high] = parameter.ci95;
+        let width = high - low;
+        check(low - width < planted && planted < high + width, format!("{planted}: {parameter:?}"))?;
+    }
+    let sine = |_: f64, x: f64, _: f64| x - (0.6 * x).sin() / 0.6;
+    let verdict = diagnosed(&recorded(0.002, sine))?;
+    check(ids(&verdict) == ["cubic-stiffness"], format!("{:?} {}", ids(&verdict), verdict.sentence))?;
     let share = verdict.effects[0].share.ok_or("no share")?;
     check(share.value > 0.9 && share.ci95[0] > 0.0, format!("{share:?}"))?;
     let argument = verdict.location.argument.as_ref().ok_or_else(|| format!("no argument: {}", verdict.sentence))?;
-    check(argument.name == "velocity", format!("{argument:?}"))?;
+    check(argument.name == "displacement", format!("{argument:?}"))?;
     let (after, floor) = (verdict.fit.test.rmse_after.unwrap_or(0.0), verdict.fit.noise_floor);
     near("noise", floor, 0.002, 0.0004)?;
     check(verdict.verdict == Outcome::Unexplained && after > 2.0 * floor, verdict.sentence.clone())

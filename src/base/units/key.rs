@@ -38,7 +38,7 @@ pub struct Key {
 }
 
 /// Slots that there may be.
-pub const SLOTS: usize = 96;
+pub const SLOTS: usize = 112;
 
 impl Key {
     /// Declares a key; a slot beyond `SLOTS` does not compile in a constant.

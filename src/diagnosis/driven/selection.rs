@@ -20,6 +20,7 @@ pub mod known;
 mod lagrange_multiplier;
 pub mod noise_character;
 pub mod noise_scale;
+mod own_sharpness;
 mod pumped;
 pub mod quantisation_grid;
 pub mod residual_structure;

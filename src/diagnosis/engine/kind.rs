@@ -88,8 +88,8 @@ impl Argument {
 pub(crate) enum Form {
     /// The form that its name states.
     Stated,
-    /// With an exponent that is fitted: named only in the place of a stated law of its argument
-    /// that it betters.
+    /// With an exponent or a shape that is fitted: named only in the place of a stated law of its
+    /// argument that it betters.
     Exponent,
     /// With its shape free: it shows on what the residual depends and is never named.
     Free,

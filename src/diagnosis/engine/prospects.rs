@@ -50,13 +50,12 @@ impl<K: Kind> Search<'_, K> {
         Products::of(self.kind.layout(), &of.model, &of.at_bound)
     }
 
-    /// Sets of one law more that a linear step promises most of; with `paired`, of a pair that
+    /// Sets of one law of this form more that a linear step promises most of; with `paired`, of a pair that
     /// helps together as well.
-    pub(crate) fn children(&self, parent: &Fitted, paired: bool) -> Vec<Arc<Fitted>> {
+    pub(crate) fn children(&self, parent: &Fitted, form: Form, paired: bool) -> Vec<Arc<Fitted>> {
         let kind = self.kind;
-        let joins = |law: &usize| {
-            kind.form(*law) == Form::Stated && !parent.set.iter().any(|l| l == law || kind.excludes(*l, *law))
-        };
+        let joins =
+            |law: &usize| kind.form(*law) == form && !parent.set.iter().any(|l| l == law || kind.excludes(*l, *law));
         let laws: Vec<usize> = (0..kind.laws()).filter(joins).collect();
         let products = self.products(parent);
         let mut all: Vec<Vec<Prospect>> =

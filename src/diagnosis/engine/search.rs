@@ -104,11 +104,7 @@ impl<'a, K: Kind> Search<'a, K> {
         while !frontier.is_empty() {
             // One parent after the other: a set that two of them lead to is fitted from the better
             // one.
-            let held_children = |parent: &Arc<Fitted>| -> Vec<Arc<Fitted>> {
-                let all = self.children(parent, true);
-                all.into_iter().filter(|child| self.holds(parent, child)).collect()
-            };
-            let mut next: Vec<Arc<Fitted>> = frontier.iter().flat_map(held_children).collect();
+            let mut next: Vec<Arc<Fitted>> = frontier.iter().flat_map(|f| self.held_children(f)).collect();
             order::sort_by_key(&mut next, |f| f.error);
             // What freedom of its exponent absorbs is no further name: the best set of each
             // argument is tried with it.
@@ -123,16 +119,37 @@ impl<'a, K: Kind> Search<'a, K> {
             next = next.into_iter().map(|f| self.without_idle(f)).collect();
             next.retain(|f| is_new(held, f));
             held.extend(next.iter().cloned());
-            next.retain(|f| f.set.len() < MOST_LAWS);
+            next.retain(|f| f.set.len() < MOST_LAWS && !self.is_outdone(f, held));
             frontier = next;
         }
     }
 
-    /// Sets that differ from this one by a single law. A law that was added early may only have imitated two
-    /// others; once one of them has joined, the other fits better than the imitation.
+    /// Sets of one law more, or two, that hold.
+    fn held_children(&self, parent: &Arc<Fitted>) -> Vec<Arc<Fitted>> {
+        let mut all = self.children(parent, Form::Stated, true);
+        all.retain(|child| self.holds(parent, child));
+        all
+    }
+
+    /// Returns whether the law that was added last is within its range: at the end of it a form is that of
+    /// another law.
+    fn is_inside(&self, set: &Fitted) -> bool {
+        let own = set.set.len().checked_sub(1).map(|place| self.kind.coordinates(&set.set, place));
+        !own.into_iter().flatten().any(|i| set.at_bound[i])
+    }
+
+    /// Returns whether a set leaves more than the noise where one with no more coordinates does not: what
+    /// it may grow to is no simpler.
+    fn is_outdone(&self, set: &Fitted, held: &[Arc<Fitted>]) -> bool {
+        let outdoes = |f: &Arc<Fitted>| self.is_at_noise(f) && f.point.shared.len() <= set.point.shared.len();
+        !self.is_at_noise(set) && held.iter().any(outdoes)
+    }
+
+    /// Sets that differ from this one by a single law. A law that was added early may have stood for two, and
+    /// is then in the place of one of them.
     pub(crate) fn exchanged(&self, set: &Arc<Fitted>) -> Vec<Arc<Fitted>> {
         let children = |without: Arc<Fitted>| -> Vec<Arc<Fitted>> {
-            let all = self.children(&without, false);
+            let all = self.children(&without, Form::Stated, false);
             all.into_iter().filter(|child| self.holds(&without, child)).collect()
         };
         (0..set.set.len()).filter_map(|place| self.without(set, place)).flat_map(children).collect()
@@ -159,9 +176,11 @@ impl<'a, K: Kind> Search<'a, K> {
         for law in best.set.clone() {
             let place = best.set.iter().position(|l| *l == law);
             let Some(without) = place.and_then(|place| self.without(&best, place)) else { continue };
-            let fits = self.instead(&without, law, Form::Exponent).into_iter();
-            let bent = fits.min_by(|a, b| a.error.total_cmp(&b.error));
-            best = bent.filter(|bent| self.holds(&best, bent)).unwrap_or(best);
+            let fits = self.instead(&without, law, Form::Exponent);
+            let lowest = fits.iter().min_by(|a, b| a.error.total_cmp(&b.error)).cloned();
+            let good = fits.into_iter().filter(|f| lowest.as_ref().is_some_and(|best| self.is_no_worse(f, best)));
+            let bent = good.min_by_key(|f| f.point.shared.len());
+            best = bent.filter(|bent| self.is_inside(bent) && self.holds(&best, bent)).unwrap_or(best);
         }
         best
     }

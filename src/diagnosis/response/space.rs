@@ -23,6 +23,7 @@ use crate::physics::quadratic_damping::QuadraticDamping;
 use crate::physics::readout_delay::ReadoutDelay;
 use crate::physics::readout_lowpass::ReadoutLowpass;
 use crate::physics::scales::Scales;
+use crate::physics::shaped_friction::{Shape, ShapedFriction};
 use crate::physics::squeeze_film_damping::SqueezeFilmDamping;
 use crate::physics::stiffness_drift::StiffnessDrift;
 
@@ -53,9 +54,14 @@ fn stated(with_time: bool) -> Vec<Term> {
     all
 }
 
-/// Laws with an exponent of their own.
-fn powers() -> [Term; 2] {
-    [Term::PowerLawStiffness(PowerLawStiffness(Exponent::Free)), Term::PowerLawDamping(PowerLawDamping(Exponent::Free))]
+/// Laws with an exponent or a shape of their own.
+fn powers() -> Vec<Term> {
+    let mut all = vec![
+        Term::PowerLawStiffness(PowerLawStiffness(Exponent::Free)),
+        Term::PowerLawDamping(PowerLawDamping(Exponent::Free)),
+    ];
+    all.extend(ShapedFriction::ALL.map(Term::ShapedFriction));
+    all
 }
 
 /// All laws that sweeps of these sizes are tried against.
@@ -68,27 +74,28 @@ pub(super) fn members(scales: &Scales, with_time: bool) -> Vec<Member> {
     let mut forms = vec![
         free(Freed::CubicSpring, size),
         free(Freed::Drag, speed),
-        free(Freed::Friction, speed),
+        Member { term: Term::ShapedFriction(ShapedFriction(Shape::Falling)), form: Form::Free },
         free(Freed::Film, size),
     ];
     if with_time {
         forms.push(free(Freed::Drift, scales.duration_s));
     }
     let stated = stated(with_time).into_iter().map(|term| Member { term, form: Form::Stated });
-    stated.chain(powers().map(|term| Member { term, form: Form::Exponent })).chain(forms).collect()
+    stated.chain(powers().into_iter().map(|term| Member { term, form: Form::Exponent })).chain(forms).collect()
 }
 
 /// Quantity that a law depends on.
 pub(super) fn argument(term: &Term) -> Argument {
     match term {
-        Term::QuadraticDamping(_) | Term::PowerLawDamping(_) | Term::CoulombFriction(_) => Argument::Velocity,
+        Term::QuadraticDamping(_) | Term::PowerLawDamping(_) => Argument::Velocity,
+        Term::CoulombFriction(_) | Term::ShapedFriction(_) => Argument::Velocity,
         Term::SqueezeFilmDamping(_) => Argument::Both,
         Term::StiffnessDrift(_) => Argument::Time,
         Term::CoupledMode(_) | Term::ParasiticMode(_) | Term::ReadoutDelay(_) | Term::ReadoutLowpass(_) => {
             Argument::Frequency
         }
         Term::FreeForm(form) => match form.law {
-            Freed::Drag | Freed::Friction => Argument::Velocity,
+            Freed::Drag => Argument::Velocity,
             Freed::Film => Argument::Both,
             Freed::Drift => Argument::Time,
             _ => Argument::Displacement,
@@ -103,12 +110,11 @@ pub(super) fn excludes(one: &Term, other: &Term) -> bool {
         Term::CubicStiffness(_) | Term::PowerLawStiffness(_) => 1,
         Term::QuadraticDamping(_) | Term::PowerLawDamping(_) => 2,
         Term::SqueezeFilmDamping(_) => 3,
-        Term::CoulombFriction(_) => 4,
+        Term::CoulombFriction(_) | Term::ShapedFriction(_) => 4,
         Term::FreeForm(form) => match form.law {
             Freed::CubicSpring => 1,
             Freed::Drag => 2,
             Freed::Film => 3,
-            Freed::Friction => 4,
             Freed::Drift => 6,
             _ => 0,
         },
@@ -122,7 +128,9 @@ pub(super) fn excludes(one: &Term, other: &Term) -> bool {
 
 /// States what can be named in sweeps.
 pub static CANDIDATES: LazyLock<Vec<Candidate>> = LazyLock::new(|| {
-    let all: Vec<Term> = stated(true).into_iter().chain(powers()).collect();
+    // A friction with a shape of its own is one of the same name.
+    let mut all: Vec<Term> = stated(true).into_iter().chain(powers()).collect();
+    all.retain(|term| !matches!(term, Term::ShapedFriction(_)));
     let ids: Vec<&str> = all.iter().map(|term| term.id()).collect();
     let of_sweeps = |candidate: &Candidate| -> Candidate {
         // Made once, and kept as long as the program runs, like the texts of the laws.

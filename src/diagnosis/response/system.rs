@@ -7,7 +7,6 @@ use nalgebra::Complex;
 use crate::engine::fit::{MOST_STEPS, fit};
 use crate::engine::kind::{Argument, Form, Kind, Layout, Linearised, Point};
 use crate::numerics::order;
-use crate::physics::free_form::Freed;
 use crate::physics::library::Term;
 use crate::physics::scales::Coordinate;
 
@@ -147,9 +146,6 @@ impl<'a> System<'a> {
     fn beginnings(&self, term: &Term) -> Vec<Vec<f64>> {
         let s = &self.sizes.laws;
         let starts = match term {
-            Term::FreeForm(form) if form.law == Freed::Friction => {
-                [0.05, 0.3].map(|part| vec![0.0, part * s.velocity, 0.0, 0.3 * s.velocity]).to_vec()
-            }
             Term::FreeForm(_) => vec![vec![0.0; term.values()]],
             // In radians over the band.
             Term::ReadoutDelay(_) => [0.05, 0.5, 1.5, 3.0].map(|turn| vec![turn * s.interval_s]).to_vec(),

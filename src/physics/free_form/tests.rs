@@ -48,18 +48,6 @@ fn an_exponent_slows_a_free_mass_as_the_integral_says() {
     assert!((v - expected).abs() < 1e-9, "{v} {expected}");
 }
 
-#[test]
-fn friction_is_smooth_about_standstill_and_full_beyond() {
-    let friction = form(Freed::Friction, 1.0);
-    let at = |v: f64| friction.curve::<f64, false>(&[2.0, 0.1, 1.0, 0.5], v);
-    assert_eq!(at(0.0), 0.0);
-    assert!((at(0.01) - 0.2 * 1.5).abs() < 0.01, "{}", at(0.01));
-    assert!((at(50.0) - 2.0).abs() < 1e-12 && (at(-50.0) + 2.0).abs() < 1e-12);
-    let narrow = FreeForm { extent: Extent::Narrow, ..friction };
-    assert_eq!(narrow.values(), 2);
-    assert_eq!(narrow.curve::<f64, false>(&[2.0, 0.1, 0.0, 0.0], 50.0), 2.0);
-}
-
 // Hertz: a force as depth to the power of 1.5.
 #[test]
 fn a_stop_with_half_a_power_more_is_that_of_hertz() {

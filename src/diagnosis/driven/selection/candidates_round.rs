@@ -173,17 +173,22 @@ fn known(data: &Data, structure: &ModelStructure) -> Option<Vec<f64>> {
 }
 
 /// Returns which candidates, best promise first, are fitted in full. Noise corrects itself and so
-/// promises more than any law of motion can at first: the two are ranked apart.
+/// promises more than any law of motion can at first: the two are ranked apart. A shape of a law promises
+/// more than its stated form by its further values: it takes no place from another.
 fn worth_fitting(promised: &[(Term, f64, Vec<Vec<f64>>)], rows: usize, sure: usize) -> Vec<bool> {
+    let is_shape = |t: &Term| matches!(t, Term::ShapedFriction(_));
     let mut worth = vec![false; promised.len()];
     for noise in [false, true] {
         let alike = || promised.iter().enumerate().filter(|(_, p)| p.0.noise().is_some() == noise);
-        let best = alike().next().map_or(1.0, |(_, p)| p.1);
-        for (rank, (index, (_, promise, _))) in alike().enumerate().take(FINALISTS) {
+        let best = alike().find(|(_, p)| !is_shape(&p.0)).map_or(1.0, |(_, p)| p.1);
+        let mut rank = 0;
+        for (index, (term, promise, _)) in alike() {
             // Below this no linear step promises what a name would cost; far behind the best, none
             // will catch up.
-            worth[index] =
-                0.5 * rows as f64 * -promise.min(1.0).ln() > LEAST_PROMISE && (rank < sure || *promise < best.sqrt());
+            worth[index] = rank < FINALISTS
+                && 0.5 * rows as f64 * -promise.min(1.0).ln() > LEAST_PROMISE
+                && (rank < sure || *promise < best.sqrt());
+            rank += usize::from(!is_shape(term));
         }
     }
     worth

@@ -1,5 +1,5 @@
 //! Laws whose form has an exponent, which the search defers: a spring and a damping of one power, a drift
-//! along one of time, and hysteresis with an exponent. Next to the stated law each would fit whatever departs from it a
+//! along one of time; with those of `own_sharpness`. Next to the stated law each would fit whatever departs from it a
 //! little; it is tried only where a law that was chosen departs from its form, and takes its place
 //! only where the data determine the exponent: where its own free form gains nothing over it, and no
 //! other departure of one number does as well.
@@ -13,13 +13,13 @@ use crate::gate::Gate;
 use crate::parallel;
 use crate::physics::bias_drift::{BiasDrift, Course};
 use crate::physics::free_form::{Extent, FreeForm, Freed};
-use crate::physics::hysteresis::{Hysteresis, Sharpness};
 use crate::physics::law::Noise;
 use crate::physics::library::Term;
 use crate::physics::power::Exponent;
 use crate::physics::power_law_damping::PowerLawDamping;
 use crate::physics::power_law_stiffness::PowerLawStiffness;
 use crate::physics::scales::Scales;
+use crate::physics::shaped_friction::{Shape, ShapedFriction};
 use crate::physics::warm_up::WarmUp;
 use crate::trace::Step;
 
@@ -34,20 +34,18 @@ use super::rivals::TIE;
 const HEATS: usize = 4;
 /// A heat that gains less log-likelihood than this was the last.
 const CONVERGED: f64 = 0.1;
-/// Place of the exponent among the values of a power, and of hysteresis.
+/// Place of the exponent among the values of a power.
 const OF_POWER: usize = 2;
-const OF_MEMORY: usize = 3;
 /// An exponent within this many intervals of the one found counts as the same.
 const SAME: f64 = 2.0;
-/// Exponents of a memory from which fits begin, next to the stated one.
-const MEMORIES: [f64; 4] = [0.7, 1.0, 1.6, 2.6];
 
 /// Puts a law with its own exponent instead of one that departs from its form, where the data
 /// distinguish that form from others.
 pub(super) fn decide_exponents(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let search = Search { data, scales, tried: selection.tried, budget };
-    let departing = selection.departing.as_ref().filter(|_| data.trace.is_on(Gate::OwnPower));
-    let power = departing.and_then(|departing| search.power(&selection.chosen, departing));
+    let departing = || selection.departing.clone().or_else(|| shaped(&selection.chosen));
+    let departing = data.trace.is_on(Gate::OwnPower).then(departing).flatten();
+    let power = departing.and_then(|departing| search.power(&selection.chosen, &departing));
     let memory = || data.trace.is_on(Gate::OwnSharpness).then(|| search.memory(selection)).flatten();
     let power = power.map(|found| (Gate::OwnPower, found));
     let course = || data.trace.is_on(Gate::OwnCourse).then(|| search.course(&selection.chosen)).flatten();
@@ -62,6 +60,13 @@ pub(super) fn decide_exponents(data: &Data, selection: &mut Selection, scales: &
             rivals.push(Rival { id: Term::WarmUp(WarmUp).id(), judged });
         }
     }
+}
+
+/// A model with a friction whose shape was fitted, as one that departs from the sharp one.
+pub(super) fn shaped(chosen: &Judged) -> Option<Departing> {
+    let is_shaped = |t: &Term| matches!(t, Term::ShapedFriction(_));
+    let index = chosen.fit.structure.terms.iter().position(is_shaped)?;
+    Some(Departing { judged: chosen.clone(), index })
 }
 
 /// Puts a model instead of the chosen one: what stood next to each of its terms and is not
@@ -81,11 +86,12 @@ fn take(selection: &mut Selection, found: Judged) {
     selection.departing = None;
 }
 
-struct Search<'a> {
-    data: &'a Data,
-    scales: &'a Scales,
-    tried: usize,
-    budget: Budget,
+/// A search for the form of laws that were chosen.
+pub(super) struct Search<'a> {
+    pub data: &'a Data,
+    pub scales: &'a Scales,
+    pub tried: usize,
+    pub budget: Budget,
 }
 
 /// Law of one power that may stand instead of a free form, its strength and exponent where it
@@ -101,7 +107,15 @@ struct Power {
     known: &'static [f64],
     /// Powers, one of which next to the stated law is another departure of one number.
     beside: &'static [f64],
-    stated: Freed,
+    stated: Stated,
+}
+
+/// The law in the place of which a power stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stated {
+    Spring,
+    Drag,
+    Friction,
 }
 
 fn stiffness(exponent: Exponent) -> Term {
@@ -115,7 +129,8 @@ fn damping(exponent: Exponent) -> Term {
 impl Power {
     /// Returns the law of a free form with these values. For a spring c a³ s^d is
     /// (c size²) s^(2 + d) a; for a drag c |a|a s^d is (c size) s^(1 + d) a.
-    fn of(form: &FreeForm, values: &[f64]) -> Option<Self> {
+    fn of(term: &Term, values: &[f64], scales: &Scales) -> Option<Self> {
+        let Term::FreeForm(form) = term else { return Self::of_friction(term, values, scales) };
         let (size, beyond) = (form.size, values.get(1).copied().unwrap_or(0.0));
         let spring = Self {
             term: stiffness,
@@ -125,7 +140,7 @@ impl Power {
             further: &[1.7, 2.3, 4.0, 5.5],
             known: &[1.0, 3.0],
             beside: &[2.0, 4.0, 5.0, 7.0],
-            stated: form.law,
+            stated: Stated::Spring,
         };
         // A form of one number is the power already.
         let further: &[f64] = if form.extent == Extent::Narrow { &[] } else { &[0.5, 1.5, 2.8] };
@@ -139,19 +154,26 @@ impl Power {
                 further,
                 known: &[0.0, 1.0, 2.0],
                 beside: &[0.0, 3.0, 4.0],
-                ..spring
-            }),
-            Freed::Friction => Some(Self {
-                term: damping,
-                strength: values[0] / size,
-                exponent: 0.3,
-                further: &[0.5, 0.8, 1.5],
-                known: &[0.0, 1.0, 2.0],
-                beside: &[2.0, 3.0],
+                stated: Stated::Drag,
                 ..spring
             }),
             _ => None,
         }
+    }
+
+    /// Returns the damping by a power that is as strong as a friction at twice the usual velocity.
+    fn of_friction(term: &Term, values: &[f64], scales: &Scales) -> Option<Self> {
+        let size = 2.0 * scales.velocity;
+        matches!(term, Term::ShapedFriction(_)).then_some(Self {
+            term: damping,
+            size,
+            strength: values[0] / size,
+            exponent: 0.3,
+            further: &[0.5, 0.8, 1.5],
+            known: &[0.0, 1.0, 2.0],
+            beside: &[2.0, 3.0],
+            stated: Stated::Friction,
+        })
     }
 
     /// Values from which fits begin: as strong at half the size, whatever the exponent.
@@ -162,7 +184,7 @@ impl Power {
 }
 
 impl Search<'_> {
-    fn is_over(&self) -> bool {
+    pub(super) fn is_over(&self) -> bool {
         self.data.work.is_spent(self.budget)
     }
 
@@ -172,7 +194,7 @@ impl Search<'_> {
     }
 
     /// The best of fits from these values of one law, taken further until it rests.
-    fn best(&self, model: &Fit, index: usize, term: Term, starts: &[Vec<f64>]) -> Option<Judged> {
+    pub(super) fn best(&self, model: &Fit, index: usize, term: Term, starts: &[Vec<f64>]) -> Option<Judged> {
         self.rested(starts.iter().map(|start| with_instead(model, index, term, start)).collect())
     }
 
@@ -197,7 +219,7 @@ impl Search<'_> {
     }
 
     /// Returns whether the interval of an exponent, this many times as wide, holds none of these.
-    fn is_apart(&self, model: &Fit, place: usize, times: f64, known: &[f64]) -> bool {
+    pub(super) fn is_apart(&self, model: &Fit, place: usize, times: f64, known: &[f64]) -> bool {
         let Some(free) = model.free.iter().position(|f| *f == place) else { return false };
         let (n, reach) = (model.point[place], interval::spread(model).reach[free].map(|r| times * r));
         // By its logarithm, as it is fitted.
@@ -206,7 +228,7 @@ impl Search<'_> {
     }
 
     /// Returns whether a model leaves next to nothing, or no more than another.
-    fn leaves_no_more(&self, model: &Judged, than: &Judged) -> bool {
+    pub(super) fn leaves_no_more(&self, model: &Judged, than: &Judged) -> bool {
         let left = |j: &Judged| residual_structure(self.data, &j.fit).r_squared;
         let found = left(model);
         found <= UNDONE || found <= left(than)
@@ -214,17 +236,17 @@ impl Search<'_> {
 
     /// Fits a law of one power instead of the law that departs, where the data show that it is
     /// one.
-    fn power(&self, stated: &Judged, departing: &Departing) -> Option<Judged> {
+    pub(super) fn power(&self, stated: &Judged, departing: &Departing) -> Option<Judged> {
         let (free, index) = (&departing.judged, departing.index);
-        let Term::FreeForm(form) = free.fit.structure.terms[index] else { return None };
-        let law = Power::of(&form, free.fit.structure.of(index, &free.fit.point))?;
+        let law =
+            Power::of(&free.fit.structure.terms[index], free.fit.structure.of(index, &free.fit.point), self.scales)?;
         // The stated model has the same terms, in the same places.
         if self.is_over() || stated.fit.structure.terms.len() != free.fit.structure.terms.len() {
             return None;
         }
         let found = self.best(&free.fit, index, (law.term)(Exponent::Free), &law.starts())?;
         // A law of another family must lead; one of the same family must only not fall behind.
-        let least = if law.stated == Freed::Friction { TIE } else { -LEAST_LEAD };
+        let least = if law.stated == Stated::Friction { TIE } else { -LEAST_LEAD };
         let holds = found.score() - free.score() >= least
             && !found.fit.at_bound(self.scales)
             && self.is_apart(&found.fit, found.fit.structure.first[index] + OF_POWER, 1.0, law.known)
@@ -238,7 +260,7 @@ impl Search<'_> {
     fn is_free_to_gain(&self, law: &Power, found: &Judged, index: usize) -> bool {
         let [strength, size, n] = *found.fit.structure.of(index, &found.fit.point) else { return true };
         let (freed, first, stated) = match law.stated {
-            Freed::CubicSpring => (Freed::CubicSpring, strength / (size * size), 3.0),
+            Stated::Spring => (Freed::CubicSpring, strength / (size * size), 3.0),
             _ => (Freed::Drag, strength / size, 2.0),
         };
         let wide = Term::FreeForm(FreeForm { law: freed, size, extent: Extent::Wide });
@@ -252,7 +274,7 @@ impl Search<'_> {
         let bar = found.score() - TIE;
         let size = found.fit.structure.of(index, &found.fit.point)[1];
         let plain = match law.stated {
-            Freed::CubicSpring => self.as_stated(stated, found, index),
+            Stated::Spring => self.as_stated(stated, found, index),
             _ => self.as_drag(stated, found, index),
         };
         let Some(plain) = plain else { return true };
@@ -270,13 +292,13 @@ impl Search<'_> {
         if parallel::filter_map(&others, beside).into_iter().any(|score| score > bar) {
             return true;
         }
-        if law.stated == Freed::CubicSpring {
+        if law.stated == Stated::Spring {
             return false;
         }
-        let form = FreeForm { law: Freed::Friction, size, extent: Extent::Narrow };
+        let smooth = Term::ShapedFriction(ShapedFriction(Shape::Smooth));
         let strength = found.fit.structure.of(index, &found.fit.point)[0] * size;
         let starts: Vec<Vec<f64>> = [0.05, 0.3, 1.0].map(|part| vec![0.5 * strength, part * size]).to_vec();
-        self.best(&found.fit, index, Term::FreeForm(form), &starts).is_some_and(|smooth| smooth.score() > bar)
+        self.best(&found.fit, index, smooth, &starts).is_some_and(|smooth| smooth.score() > bar)
     }
 
     /// The model of the power with the stated law in its place.
@@ -319,54 +341,6 @@ impl Search<'_> {
             && !found.fit.at_bound(self.scales)
             && self.is_apart(&found.fit, place, 1.0, &[1.0])
             && self.leaves_no_more(&found, chosen);
-        holds.then_some(found)
-    }
-
-    /// Hysteresis with an exponent instead of one with n = 1 that was chosen; or of all that was
-    /// chosen, where that leaves something, departs or is several laws.
-    fn memory(&self, selection: &Selection) -> Option<Judged> {
-        let chosen = &selection.chosen;
-        let is_memory = |t: &Term| matches!(t, Term::Hysteresis(Hysteresis(Sharpness::One)));
-        let own = chosen.fit.structure.terms.iter().position(is_memory);
-        let beside = || {
-            let leaves = selection.departing.is_some() || chosen.fit.structure.terms.len() > 1;
-            let is_law = chosen.fit.structure.terms.iter().any(|t| t.role().acts_on_mass());
-            let alone = selection.alone.iter().filter_map(|t| t.judged.as_ref());
-            let mut all = alone.filter(|j| matches!(j.fit.structure.terms.as_slice(), [t] if is_memory(t)));
-            if is_law && leaves { all.next() } else { None }
-        };
-        let (from, index) = match own {
-            Some(index) => (chosen, index),
-            None => (beside()?, 0),
-        };
-        if self.is_over() {
-            return None;
-        }
-        let mut values = from.fit.structure.of(index, &from.fit.point).to_vec();
-        values.insert(OF_MEMORY, 1.0);
-        let starts: Vec<Vec<f64>> = MEMORIES
-            .map(|n| {
-                values[OF_MEMORY] = n;
-                values.clone()
-            })
-            .to_vec();
-        let found = self.best(&from.fit, index, Term::Hysteresis(Hysteresis(Sharpness::Own)), &starts)?;
-        let found = Departing { judged: found, index }.pruned(self.data, self.scales, chosen.score());
-        let Departing { judged: found, index } = found;
-        let before = selection.departing.as_ref().map_or(chosen, |d| &d.judged);
-        let fewer = found.fit.structure.terms.len() < before.fit.structure.terms.len();
-        let lead = found.score() - before.score();
-        let least = match (own.is_some(), fewer) {
-            (true, true) => -LEAST_LEAD,
-            (true, false) => LEAST_LEAD,
-            (false, _) => TIE,
-        };
-        let is_earned = fewer || earned(self.data, chosen, &found, self.scales, self.tried).is_some();
-        let holds = lead >= least
-            && is_earned
-            && !found.fit.at_bound(self.scales)
-            && self.is_apart(&found.fit, found.fit.structure.first[index] + OF_MEMORY, 1.0, &[1.0])
-            && self.leaves_no_more(&found, before);
         holds.then_some(found)
     }
 }

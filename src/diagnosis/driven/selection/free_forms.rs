@@ -70,7 +70,6 @@ fn freed_law(term: &Term) -> Option<Freed> {
         Term::QuadraticDamping(_) => Some(Freed::Drag),
         Term::SqueezeFilmDamping(_) => Some(Freed::Film),
         Term::DriveNonlinearity(_) => Some(Freed::Drive),
-        Term::CoulombFriction(_) => Some(Freed::Friction),
         Term::EndStop(stop) => Some(Freed::Stop(stop.0)),
         Term::StiffnessDrift(StiffnessDrift { environment: None }) => Some(Freed::Drift),
         Term::ReadoutNonlinearity(_) => Some(Freed::Readout),

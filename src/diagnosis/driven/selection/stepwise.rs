@@ -13,10 +13,11 @@ use crate::trace::Step;
 use super::candidates_round::{SURE, round};
 use super::deferred_linear::try_deferred_linear;
 use super::earned::{earned, pruned};
-use super::exponent_forms::decide_exponents;
+use super::exponent_forms::{self, decide_exponents};
 use super::free_forms;
 use super::identifiability::Identifiability;
 use super::judged::{Judged, Selection, Trial};
+use super::own_sharpness;
 use super::residual_structure::residual_structure;
 use super::rivals::Look;
 use super::stop_or_spring::decide_stop_or_spring;
@@ -137,8 +138,21 @@ impl Stepwise<'_> {
     fn forward(&mut self, candidates: &[Term]) -> Result<Way, Stopped> {
         let (data, mut chosen, mut cut_short, mut follows_input) = (self.data, self.base.clone(), false, false);
         for _ in 0..=MOST_TERMS {
-            let best = self.step(&chosen, candidates)?;
+            let shaped = self.shapes().shaped(&chosen);
+            let best = match &shaped {
+                Some(shaped) if self.shapes().is_at_noise(shaped) => None,
+                _ => self.step(&chosen, candidates)?,
+            };
             self.progress.step();
+            // The law that was added last in a shape of its own, or another next to it: whichever fits better.
+            let leads = |shaped: &Judged| best.as_ref().is_none_or(|best| shaped.score() >= best.score());
+            let best = match shaped.filter(leads) {
+                Some(shaped) => {
+                    data.trace.acts(own_sharpness::step(&chosen, &shaped));
+                    Some(shaped)
+                }
+                None => best,
+            };
             let Some(best) = best else {
                 follows_input = self.follows_input;
                 break;
@@ -154,6 +168,12 @@ impl Stepwise<'_> {
         }
         let predictable = residual_structure(data, &chosen.fit).r_squared;
         Ok(Way { predictable, chosen, cut_short, follows_input })
+    }
+
+    /// The search for a law's own shape.
+    fn shapes(&self) -> exponent_forms::Search<'_> {
+        let Self { data, scales, tried, budget, .. } = *self;
+        exponent_forms::Search { data, scales, tried, budget }
     }
 
     /// Returns whether next to nothing is left of the base model's error.

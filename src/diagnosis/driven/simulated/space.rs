@@ -10,6 +10,7 @@ use crate::physics::power::Exponent;
 use crate::physics::power_law_damping::PowerLawDamping;
 use crate::physics::power_law_stiffness::PowerLawStiffness;
 use crate::physics::scales::Scales;
+use crate::physics::shaped_friction::{Shape, ShapedFriction};
 use crate::physics::stiffness_drift::StiffnessDrift;
 
 /// A law of the space.
@@ -33,7 +34,8 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
             Term::PeriodicDisturbance(_) => is_driven,
             _ => t.role() == Role::LowPass && !is_driven,
         };
-        t.noise().is_none() && t.role() != Role::Lattice && !is_hidden
+        let is_shape = matches!(t, Term::ShapedFriction(_));
+        t.noise().is_none() && t.role() != Role::Lattice && !is_hidden && !is_shape
     };
     let mut terms: Vec<Term> = Term::tried(environments, is_driven).into_iter().filter(shows).collect();
     for side in [Side::Both, Side::Upper, Side::Lower] {
@@ -46,8 +48,9 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
     let powers = [
         Term::PowerLawStiffness(PowerLawStiffness(Exponent::Free)),
         Term::PowerLawDamping(PowerLawDamping(Exponent::Free)),
-    ]
-    .map(|term| Member { term, form: Form::Exponent });
+    ];
+    let powers = powers.into_iter().chain(ShapedFriction::ALL.map(Term::ShapedFriction));
+    let powers = powers.map(|term| Member { term, form: Form::Exponent });
     let speed = 2.0 * scales.velocity;
     let free = |law: Freed, size: f64| Member {
         term: Term::FreeForm(FreeForm { law, size, extent: Extent::Wide }),
@@ -58,7 +61,7 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
         free(Freed::CubicSpring, size),
         free(Freed::QuadraticSpring, size),
         free(Freed::Drag, speed),
-        free(Freed::Friction, speed),
+        Member { term: Term::ShapedFriction(ShapedFriction(Shape::Falling)), form: Form::Free },
         free(Freed::Film, size),
         free(Freed::Drift, scales.duration_s),
     ];
@@ -71,7 +74,8 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
 /// Quantity that a law depends on.
 pub(in crate::driven) fn argument(term: &Term) -> Argument {
     match term {
-        Term::QuadraticDamping(_) | Term::PowerLawDamping(_) | Term::CoulombFriction(_) => Argument::Velocity,
+        Term::QuadraticDamping(_) | Term::PowerLawDamping(_) => Argument::Velocity,
+        Term::CoulombFriction(_) | Term::ShapedFriction(_) => Argument::Velocity,
         Term::SqueezeFilmDamping(_) => Argument::Both,
         Term::Hysteresis(_) => Argument::Path,
         Term::StiffnessDrift(StiffnessDrift { environment: Some(_) }) => Argument::Environment,
@@ -86,7 +90,7 @@ pub(in crate::driven) fn argument(term: &Term) -> Argument {
         | Term::ReadoutLowpass(_)
         | Term::Feedthrough(_) => Argument::Frequency,
         Term::FreeForm(form) => match form.law {
-            Freed::Drag | Freed::Friction => Argument::Velocity,
+            Freed::Drag => Argument::Velocity,
             Freed::Film => Argument::Both,
             Freed::Drift => Argument::Time,
             Freed::Readout => Argument::Readout,
@@ -105,7 +109,6 @@ pub(in crate::driven) fn excludes(one: &Term, other: &Term) -> bool {
             Freed::CubicSpring => 1,
             Freed::Drag => 2,
             Freed::Film => 3,
-            Freed::Friction => 4,
             Freed::Drift => 5,
             Freed::QuadraticSpring => 6,
             Freed::Drive => 8,
@@ -114,7 +117,7 @@ pub(in crate::driven) fn excludes(one: &Term, other: &Term) -> bool {
         },
         Term::QuadraticDamping(_) | Term::PowerLawDamping(_) => 2,
         Term::SqueezeFilmDamping(_) => 3,
-        Term::CoulombFriction(_) => 4,
+        Term::CoulombFriction(_) | Term::ShapedFriction(_) => 4,
         Term::StiffnessDrift(_) => 5,
         Term::QuadraticStiffness(_) => 6,
         Term::EndStop(_) => 7,

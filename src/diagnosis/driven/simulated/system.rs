@@ -193,9 +193,6 @@ impl System {
             Term::FreeForm(form) => {
                 let none = vec![0.0; term.values()];
                 match form.law {
-                    Freed::Friction => [0.05, 0.3]
-                        .map(|smooth| vec![0.0, smooth * self.scales.velocity, 0.0, 0.3 * self.scales.velocity])
-                        .to_vec(),
                     Freed::Readout => vec![vec![0.0, 0.0, 0.0, 0.3 * self.scales.output]],
                     _ => vec![none],
                 }

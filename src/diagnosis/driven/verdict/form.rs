@@ -183,7 +183,6 @@ fn functions(law: Freed, [above, below]: [f64; 2], a: f64) -> Vec<f64> {
         Freed::Drag => a.abs() * a,
         Freed::Drift => a,
         Freed::Readout => a.powi(3),
-        Freed::Friction => a.signum(),
         Freed::Stop(side) => {
             let upper = if side == Side::Lower { 0.0 } else { (a - above).max(0.0) };
             let lower = if side == Side::Upper { 0.0 } else { (-a - below).max(0.0) };

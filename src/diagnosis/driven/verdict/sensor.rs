@@ -12,6 +12,7 @@ use crate::numerics::moments::mean_sd;
 use crate::numerics::spectrum;
 use crate::physics::bias_drift::{BiasDrift, Course};
 use crate::physics::coefficients::{Coefficients, StudyLaw, laws};
+use crate::physics::creeping_friction::CreepingFriction;
 use crate::physics::dimension::Units;
 use crate::physics::law::Noise;
 use crate::physics::library::Term;
@@ -160,11 +161,14 @@ fn sensor(data: &Data, fit: &Fit, per_input: f64, warm: bool, mut not_expressibl
 }
 
 /// Returns the form in which a study has this term, with its values: a stop on one side stands at a
-/// place, and a spring next to a temperature follows it.
+/// place, a friction of any shape but the sharp one is one law, and a spring next to a temperature follows it.
 fn as_a_study_has_it(term: &Term, p: &[f64], warm: bool) -> (Term, Vec<f64>) {
     match term {
         Term::EndStop(stop) => OneSidedStop::values_of(*stop, p)
             .map_or((*term, p.to_vec()), |values| (Term::OneSidedStop(OneSidedStop), values.to_vec())),
+        Term::ShapedFriction(friction) => {
+            (Term::CreepingFriction(CreepingFriction), CreepingFriction::values_of(*friction, p).to_vec())
+        }
         Term::StiffnessDrift(_) if warm && term.environment().is_some() => {
             (Term::WarmStiffness(WarmStiffness), p.to_vec())
         }

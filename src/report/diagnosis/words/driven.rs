@@ -7,7 +7,7 @@ use proofmass_base::number::{short, with_uncertainty};
 use proofmass_diagnosis::answer::Answer;
 use proofmass_diagnosis::driven::intake::notes::Broken;
 use proofmass_diagnosis::driven::verdict::detail::{Account, Detail};
-use proofmass_diagnosis::verdict::{DependsOn, Effect, Estimate, Outcome, Role};
+use proofmass_diagnosis::verdict::{DependsOn, Effect, Estimate, Outcome, Role, WithUnnamed};
 
 pub(super) use experiment::next_experiment;
 
@@ -157,7 +157,7 @@ fn shares(answer: &Answer, laws: &[String], unit: &str) -> String {
     let verb = if laws.len() == 1 { "removes" } else { "remove" };
     let rest = if answer.outcome == Outcome::Explained {
         // What has no name is stated apart: the share is that of the names.
-        let further = answer.fit.with_unnamed.as_ref().map_or(String::new(), |repaired| {
+        let further = bettered(answer).map_or(String::new(), |repaired| {
             let terms = repaired.terms.join(", ");
             format!("; corrections that are not named ({terms}) bring it to {} {unit}", short(repaired.test_rmse))
         });
@@ -181,6 +181,12 @@ fn shares(answer: &Answer, laws: &[String], unit: &str) -> String {
         short(test.rmse_before),
         short(after)
     )
+}
+
+/// The errors with what has no name, where it lowers that on held-out samples.
+fn bettered(answer: &Answer) -> Option<&WithUnnamed> {
+    let after = answer.fit.test.rmse_after?;
+    answer.fit.with_unnamed.as_ref().filter(|repaired| repaired.test_rmse < 0.995 * after)
 }
 
 /// The parameter that is quoted: the first that is known to better than half its size, as the first
@@ -221,7 +227,7 @@ pub(crate) fn form(effect: &Effect) -> Option<String> {
 fn fall(answer: &Answer, unit: &str) -> String {
     let before = answer.fit.test.rmse_before;
     // What has no name is stated apart: the fall is that of the names.
-    let further = answer.fit.with_unnamed.as_ref().map_or(String::new(), |repaired| {
+    let further = bettered(answer).map_or(String::new(), |repaired| {
         format!(
             " (to {} with corrections that are not named: {})",
             short(repaired.test_rmse),
