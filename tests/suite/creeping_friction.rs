@@ -1,5 +1,5 @@
-//! Motion under dry friction whose force has a shape of its own over the velocity: it is named as
-//! friction with the numbers of that shape, and what is no friction is not.
+//! Dry friction whose force varies with speed, in decays and driven: it is named friction, with the
+//! numbers of its curve, and what is no friction is not.
 //!
 //! Units are the first amplitude and 1/ω₀, so that every planted number is its own expectation.
 
@@ -77,8 +77,9 @@ fn others() -> Result<(), Failed> {
     Ok(())
 }
 
-/// A damping by a power below one has a cusp at standstill, where a friction with four numbers follows steps that
-/// are too long better than the law itself.
+/// Damping by a power below one has a cusp at standstill. Integrated too coarsely, a friction with four numbers
+/// fits it better than the law itself. Each number must lie within twice its 95 % interval, as above, and be
+/// known to a fifth: a wrong power, or none, would not be.
 fn driven() -> Result<(), Failed> {
     let laws: [(&str, &str, f64, Force); 3] = [
         ("power-law-damping", "n", 0.3, |_, v| 0.12 * v.signum() * v.abs().powf(0.3)),

@@ -18,20 +18,20 @@ use super::rivals::TIE;
 const OF_MEMORY: usize = 3;
 /// Exponents of a memory from which fits begin, next to the stated one.
 const MEMORIES: [f64; 4] = [0.7, 1.0, 1.6, 2.6];
-/// Velocity v_s, in those of the motion, from which fits begin in the place of a sharp friction.
+/// Starting value of v_s, as a part of the motion's velocity, where the friction so far was sharp.
 const SHARP: f64 = 0.03;
-/// Shares r and velocities v_r, in those of the motion, from which fits of one that falls begin.
+/// Starting values of r and of v_r, the latter as a part of the motion's velocity.
 const FALLING: [(f64, f64); 4] = [(0.3, 0.15), (0.3, 0.5), (1.0, 0.15), (1.0, 0.5)];
 
-/// Records that a law takes a shape of its own.
+/// Records for the trace that a friction was given a fitted shape.
 pub(super) fn step(stated: &Judged, shaped: &Judged) -> Step {
     let lead = shaped.score() - stated.score();
     Step::of(Gate::OwnSharpness, stated.words(), shaped.words()).measured(lead, LEAST_LEAD)
 }
 
 impl Search<'_> {
-    /// A model whose friction has a shape of its own, or is a damping by a power that is ahead of it, where it
-    /// leaves something without.
+    /// The model with a fitted shape of friction, or with damping by a power where that fits better; `None`
+    /// where the friction as it is leaves nothing.
     pub(super) fn shaped(&self, chosen: &Judged) -> Option<Judged> {
         let found = self.data.trace.is_on(Gate::OwnSharpness).then(|| self.shape(chosen)).flatten()?;
         let departing = exponent_forms::shaped(&found).filter(|_| self.data.trace.is_on(Gate::OwnPower));

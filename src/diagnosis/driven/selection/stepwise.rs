@@ -144,7 +144,7 @@ impl Stepwise<'_> {
                 _ => self.step(&chosen, candidates)?,
             };
             self.progress.step();
-            // The law that was added last in a shape of its own, or another next to it: whichever fits better.
+            // Either the friction gets a fitted shape, or a further law is added: whichever fits better.
             let leads = |shaped: &Judged| best.as_ref().is_none_or(|best| shaped.score() >= best.score());
             let best = match shaped.filter(leads) {
                 Some(shaped) => {
@@ -170,7 +170,7 @@ impl Stepwise<'_> {
         Ok(Way { predictable, chosen, cut_short, follows_input })
     }
 
-    /// The search for a law's own shape.
+    /// The search for fitted shapes, on the work of this one.
     fn shapes(&self) -> exponent_forms::Search<'_> {
         let Self { data, scales, tried, budget, .. } = *self;
         exponent_forms::Search { data, scales, tried, budget }
