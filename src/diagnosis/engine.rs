@@ -16,5 +16,6 @@ pub(crate) mod kind;
 pub(crate) mod levels;
 pub(crate) mod linear;
 pub(crate) mod names;
+mod prospect;
 mod prospects;
 pub(crate) mod search;

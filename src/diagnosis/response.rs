@@ -17,8 +17,10 @@ mod intake;
 mod jumps;
 mod location;
 mod noise;
+mod places;
 mod pole;
 mod predicted;
+mod repetition;
 mod space;
 mod steady_state;
 mod system;
@@ -33,11 +35,13 @@ pub use space::CANDIDATES;
 use super::answer::Answer;
 use super::model;
 use crate::control::Control;
-use crate::engine::names;
+use crate::engine::fit::Fitted;
+use crate::engine::names::{self, Found};
 use crate::engine::search::Search;
 use crate::error::{Error, Result};
 use crate::recording::Recording;
 use intake::Sweeps;
+use system::System;
 
 /// Noise below this part of the largest reading cannot be told from what the tables of a force round
 /// off.
@@ -72,14 +76,28 @@ pub fn diagnose(recording: &Recording, model: &model::Response, control: &Contro
     // Without seven steps in a row the base model itself must say it.
     let measured = measured.map(|measured| noise::allowed(measured, sweeps.len()));
     let deviation = measured.unwrap_or_else(|| base.variance.sqrt()).max(least);
-    let (search, base) = Search::begin(&system, deviation.powi(2), &base.point).ok_or_else(none)?;
     control
         .go_on()
         .map_err(|s| s.during(format!("could not finish {}", recording.path.display()), "start it again"))?;
     work.rename("searching the library");
-    let found = names::names(&search, base, None);
-    drop(search);
+    let found = searched(&system, deviation, &base).ok_or_else(none)?;
+    // What was found says where the motion jumps, and had not settled: it is judged without those steps.
+    let rested = unsettled::shown(&sweeps, &system.unsettled(&found.best));
+    let fewer = rested.as_ref().and_then(|rested| {
+        let fewer = system.over(rested);
+        let (search, base) = Search::begin(&fewer, deviation.powi(2), &base.point)?;
+        let again = names::again(&search, base, &found)?;
+        drop(search);
+        Some((fewer, again))
+    });
+    let (system, found) = fewer.unwrap_or((system, found));
     let case =
         answer::Case { recording, model, system: &system, found: &found, deviation, is_measured: measured.is_some() };
     Ok(case.conclude(findings))
+}
+
+/// Searches the library.
+fn searched(system: &System<'_>, deviation: f64, base: &Fitted) -> Option<Found> {
+    let (search, base) = Search::begin(system, deviation.powi(2), &base.point)?;
+    Some(names::names(&search, base, None))
 }

@@ -2,7 +2,7 @@
 
 use super::fit::Fitted;
 use super::kind::Layout;
-use super::levels::{FEWEST_BLOCKS, LEAST_SHARE, NAME, TIE};
+use super::levels::{AT_NOISE, FEWEST_BLOCKS, LEAST_SHARE, NAME, TIE};
 
 /// Held-out error that one model removes from another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,12 +19,16 @@ pub(crate) struct Gain {
     pub share: f64,
     /// States whether enough blocks differ for their scatter to say anything.
     pub is_known: bool,
+    /// States whether the larger model leaves no more than the noise, so that what white noise gives holds.
+    pub is_white: bool,
 }
 
 impl Gain {
-    /// Returns whether the laws that the larger model adds earn a name.
+    /// Returns whether the laws that the larger model adds earn a name: by scatter between blocks, or, where no
+    /// more than the noise is left, by what white noise gives.
     pub(crate) fn holds(&self) -> bool {
-        self.errors >= NAME && self.share >= LEAST_SHARE
+        let errors = if self.is_white { self.errors.max(self.apart) } else { self.errors };
+        errors >= NAME && self.share >= LEAST_SHARE
     }
 
     /// Returns whether chance accounts for the difference: the smaller model is as good. White
@@ -68,7 +72,9 @@ pub(crate) fn gain(layout: &Layout, without: &Fitted, with: &Fitted, noise: f64)
     // What is removed of a model that is at the noise is all that there was.
     let share = if removed > 0.0 { (removed / excess.max(removed)).min(1.0) } else { removed / excess.max(-removed) };
     let apart = removed / (2.0 * (noise * size).sqrt()).max(1e-300);
-    Gain { removed, errors, apart, share: if share.is_finite() { share } else { 0.0 }, is_known: few.is_finite() }
+    let share = if share.is_finite() { share } else { 0.0 };
+    let is_white = with.variance < (1.0 + AT_NOISE) * noise;
+    Gain { removed, errors, apart, share, is_known: few.is_finite(), is_white }
 }
 
 #[cfg(test)]

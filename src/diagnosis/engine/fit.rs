@@ -36,8 +36,19 @@ pub(crate) struct Fitted {
     pub at_bound: Vec<bool>,
 }
 
-/// Brings a model to rest from a point; `None` where it breaks down.
+/// Brings a model to rest from a point; `None` where it breaks down or does not come to rest.
 pub(crate) fn fit<K: Kind>(kind: &K, set: &[usize], start: &Point, most: usize) -> Option<Fitted> {
+    let (point, model) = lowered(kind, set, start, most)?;
+    judged(kind, set, point, model)
+}
+
+/// The point to which the sum of squares falls in so many steps, at rest or not, and what it leaves; `None`
+/// where the model breaks down.
+pub(crate) fn nearer<K: Kind>(kind: &K, set: &[usize], start: &Point, most: usize) -> Option<(Point, f64)> {
+    lowered(kind, set, start, most).map(|(point, model)| (point, squares(&model.residual)))
+}
+
+fn lowered<K: Kind>(kind: &K, set: &[usize], start: &Point, most: usize) -> Option<(Point, Linearised)> {
     let mut point = start.clone();
     kind.confine(set, &mut point);
     let rows = kind.layout().rows() as f64;
@@ -69,7 +80,7 @@ pub(crate) fn fit<K: Kind>(kind: &K, set: &[usize], start: &Point, most: usize) 
             break;
         }
     }
-    judged(kind, set, point, model)
+    Some((point, model))
 }
 
 /// Sum of squares.

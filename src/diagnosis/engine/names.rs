@@ -81,7 +81,11 @@ pub(crate) fn again<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, found: &
 
 /// Says what holds of the best set; with `searches` rivals are looked for.
 fn judged<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, found: Arc<Fitted>, searches: bool) -> Found {
-    let (best, mut named) = held(search, &base, &found, searches);
+    let (best, named) = held(search, &base, &found, searches);
+    // At the noise, too, a law may be another one of its kind, by more than laws are inexact by.
+    let bent = search.with_exponents(best.clone());
+    let is_other = best.error - bent.error > EXACT * (base.error - best.error);
+    let (best, mut named) = if is_other { held(search, &base, &bent, searches) } else { (best, named) };
     named.sort_by(|a, b| b.gain.removed.total_cmp(&a.gain.removed));
     let together = search.gain(&base, &best);
     let whole = !named.is_empty() && named.len() == best.set.len();

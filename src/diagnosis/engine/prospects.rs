@@ -9,6 +9,7 @@ use super::fit::{Fitted, MOST_STEPS, fit, squares};
 use super::kind::{Form, Kind, Point};
 use super::levels::NAME;
 use super::linear::{Products, Step};
+use super::prospect::Prospect;
 use super::search::{MOST_LAWS, Search};
 
 /// Laws that are fitted next to each set.
@@ -27,17 +28,6 @@ const MISSED: f64 = 0.5;
 /// Part of the most that is promised by any law, or by any beginning of one, that is still
 /// followed.
 const FOLLOWED: [f64; 2] = [0.1, 0.6];
-
-/// A beginning of one law next to a set, and what a linear step from there promises.
-#[derive(Debug, Clone)]
-struct Prospect {
-    law: usize,
-    beginnings: Vec<Point>,
-    /// Change of the prediction.
-    direction: Vec<f64>,
-    /// Fall of the sum of squares.
-    promise: f64,
-}
 
 impl<K: Kind> Search<'_, K> {
     /// The set with one law more, wherever it fits best.
@@ -58,26 +48,26 @@ impl<K: Kind> Search<'_, K> {
             |law: &usize| kind.form(*law) == form && !parent.set.iter().any(|l| l == law || kind.excludes(*l, *law));
         let laws: Vec<usize> = (0..kind.laws()).filter(joins).collect();
         let products = self.products(parent);
-        let mut all: Vec<Vec<Prospect>> =
+        let mut all: Vec<Arc<Vec<Prospect>>> =
             parallel::map_chunks(&laws, 1, |_, law| self.prospects(parent, &products, law[0]));
         all.retain(|p| !p.is_empty());
         order::sort_by_key(&mut all, |p| -p[0].promise);
         let pairs =
             if paired && parent.set.len() + 2 <= MOST_LAWS { self.pairs(parent, &products, &all) } else { Vec::new() };
         let least = (PROMISE * parent.variance).max(FOLLOWED[0] * all.first().map_or(0.0, |p| p[0].promise));
-        let singles: Vec<&Vec<Prospect>> = all.iter().filter(|p| p[0].promise > least).take(WIDTH).collect();
+        let singles: Vec<&Arc<Vec<Prospect>>> = all.iter().filter(|p| p[0].promise > least).take(WIDTH).collect();
         let alone = parallel::map_chunks(&singles, 1, |_, one| self.fitted(parent, &[one[0][0].law], one[0]));
         let together = parallel::map_chunks(&pairs, 1, |_, pair| {
             let [first, second] = &pair[0];
             let between = self.fitted(parent, &[first.law], std::slice::from_ref(first))?;
-            let both: Vec<Prospect> = self.prospects(&between, &self.products(&between), second.law);
+            let both = self.prospects(&between, &self.products(&between), second.law);
             self.fitted(&between, &[second.law], &both)
         });
         alone.into_iter().chain(together).flatten().collect()
     }
 
     /// Pairs that promise more than their laws one by one, best first.
-    fn pairs(&self, parent: &Fitted, products: &Products, all: &[Vec<Prospect>]) -> Vec<[Prospect; 2]> {
+    fn pairs(&self, parent: &Fitted, products: &Products, all: &[Arc<Vec<Prospect>>]) -> Vec<[Prospect; 2]> {
         let layout = self.kind.layout();
         let some = &all[..all.len().min(2 * WIDTH)];
         let mut pairs = Vec::new();
@@ -101,7 +91,11 @@ impl<K: Kind> Search<'_, K> {
 
     /// Beginnings of a law next to a set, the most promising first. A fit begins where the linear
     /// step ends.
-    fn prospects(&self, parent: &Fitted, products: &Products, law: usize) -> Vec<Prospect> {
+    fn prospects(&self, parent: &Fitted, products: &Products, law: usize) -> Arc<Vec<Prospect>> {
+        self.begun.of((parent.set.clone(), parent.error.to_bits(), law), || self.begun(parent, products, law))
+    }
+
+    fn begun(&self, parent: &Fitted, products: &Products, law: usize) -> Vec<Prospect> {
         let (kind, layout) = (self.kind, self.kind.layout());
         let mut set = parent.set.clone();
         set.push(law);

@@ -10,6 +10,7 @@ use super::evidence::{Gain, gain};
 use super::fit::{Fitted, MOST_STEPS, fit, squares};
 use super::kind::{Form, Kind, Point, Set};
 use super::levels::{AT_NOISE, CLEAR, EXACT, INEXACT};
+use super::prospect::Prospects;
 
 /// Sets that are followed in parallel.
 const BEAM: usize = 2;
@@ -23,6 +24,8 @@ pub(crate) struct Search<'a, K> {
     /// Variance of the noise of a row.
     pub noise: f64,
     fitted: Mutex<HashMap<Set, Option<Arc<Fitted>>>>,
+    /// Beginnings of laws next to sets.
+    pub(super) begun: Prospects,
 }
 
 impl<'a, K: Kind> Search<'a, K> {
@@ -30,7 +33,7 @@ impl<'a, K: Kind> Search<'a, K> {
     pub(crate) fn begin(kind: &'a K, noise: f64, base: &Point) -> Option<(Self, Arc<Fitted>)> {
         let base = Arc::new(fit(kind, &[], base, MOST_STEPS)?);
         let fitted = Mutex::new(HashMap::from([(Vec::new(), Some(base.clone()))]));
-        Some((Self { kind, noise, fitted }, base))
+        Some((Self { kind, noise, fitted, begun: Prospects::default() }, base))
     }
 
     /// Gain of one fitted set over another.
@@ -126,9 +129,19 @@ impl<'a, K: Kind> Search<'a, K> {
 
     /// Sets of one law more, or two, that hold.
     fn held_children(&self, parent: &Arc<Fitted>) -> Vec<Arc<Fitted>> {
-        let mut all = self.children(parent, Form::Stated, true);
-        all.retain(|child| self.holds(parent, child));
-        all
+        let of = |form: Form| -> Vec<Arc<Fitted>> {
+            let all = self.children(parent, form, form == Form::Stated);
+            all.into_iter().filter(|child| self.holds(parent, child)).collect()
+        };
+        let stated = of(Form::Stated);
+        if !stated.is_empty() || !parent.set.is_empty() || self.is_at_noise(parent) {
+            return stated;
+        }
+        // Where no stated law holds, one with an exponent of its own may: it imitates others, and must leave no more
+        // than the noise.
+        let mut bent = of(Form::Exponent);
+        bent.retain(|child| self.is_at_noise(child));
+        bent
     }
 
     /// Returns whether the law that was added last is within its range: at the end of it a form is that of
@@ -172,7 +185,7 @@ impl<'a, K: Kind> Search<'a, K> {
     }
 
     /// With an exponent of its own for each law that it betters.
-    fn with_exponents(&self, mut best: Arc<Fitted>) -> Arc<Fitted> {
+    pub(super) fn with_exponents(&self, mut best: Arc<Fitted>) -> Arc<Fitted> {
         for law in best.set.clone() {
             let place = best.set.iter().position(|l| *l == law);
             let Some(without) = place.and_then(|place| self.without(&best, place)) else { continue };

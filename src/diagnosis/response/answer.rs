@@ -24,10 +24,11 @@ use super::location::stretches;
 use super::predicted::{Amplitude, Predicted};
 use super::steady_state::Table;
 use super::system::System;
-use super::{thermal, units};
+use super::{repetition, thermal, units};
 
-/// Own past of the residual that is looked at, in steps.
-const LAGS: usize = 3;
+/// Steps apart at which steps are held against each other: further than the memory of noise, which at ⅓ from step to
+/// step is ¹⁄₂₇ here, and less than a width.
+const APART: std::ops::RangeInclusive<usize> = 3..=6;
 /// Frequencies at which branches are drawn.
 const DRAWN: usize = 400;
 
@@ -67,7 +68,11 @@ impl Case<'_> {
         let outcome = rule(&ruling::Evidence {
             named: found.named.len(),
             departs: found.named.iter().any(|n| n.departs.is_some()),
-            tied: found.named.iter().filter(|n| !n.rivals.is_empty()).count(),
+            tied: found
+                .named
+                .iter()
+                .filter(|n| n.rivals.iter().any(|(law, _)| !system.is_same(found.model.set[n.place], *law)))
+                .count(),
             stand_ins: !found.imitations.is_empty(),
             remainder: remainder.size,
             ..ruling::Evidence::default()
@@ -145,13 +150,21 @@ impl Case<'_> {
         special::f_survival(1.0 + excess, rows, super::noise::freedom(self.system.sweeps.len()))
     }
 
-    /// Probability that neighbouring steps of white noise are as much alike (Ljung & Box,
-    /// Biometrika 65, 1978).
+    /// Probability that noise is as much alike over some steps, or, where a drive was swept more than once, from sweep
+    /// to sweep: noise has a short memory, and does not repeat.
     fn alike_by_chance(&self, model: &Fitted) -> f64 {
         let e: Vec<Complex<f64>> = model.model.residual.chunks(2).map(|e| Complex::new(e[0], e[1])).collect();
+        let along = self.alike_along_by_chance(&e);
+        // The smaller one of two.
+        repetition::repeats_by_chance(self.system.sweeps, &e).map_or(along, |again| (2.0 * along.min(again)).min(1.0))
+    }
+
+    /// Probability that steps some steps apart are as much alike in noise of a short memory (Ljung & Box,
+    /// Biometrika 65, 1978).
+    fn alike_along_by_chance(&self, e: &[Complex<f64>]) -> f64 {
         let power: f64 = e.iter().map(|e| e.norm_sqr()).sum::<f64>().max(1e-300);
         let n = 2.0 * self.system.sweeps.counts.iter().filter(|c| **c).count() as f64;
-        let sum: f64 = (1..=LAGS)
+        let sum: f64 = APART
             .map(|lag| {
                 let of = |s: &std::ops::Range<usize>| -> f64 {
                     (s.start + lag..s.end).map(|k| (e[k] * e[k - lag].conj()).re).sum()
@@ -160,7 +173,7 @@ impl Case<'_> {
                 r * r / (n - lag as f64)
             })
             .sum();
-        special::chi_squared_survival(n * (n + 2.0) * sum, LAGS as f64)
+        special::chi_squared_survival(n * (n + 2.0) * sum, APART.count() as f64)
     }
 
     /// Errors before and after, on fitted and on held-out steps.

@@ -24,7 +24,7 @@ pub(super) fn balanced(sweeps: &Sweeps, sizes: &Sizes, values: &Values) -> Optio
     let acting: Vec<usize> = (0..values.laws.len()).filter(|i| values.laws[*i].acts()).collect();
     let tables: Vec<Table> = acting
         .iter()
-        .map(|i| Table::new(&values.mass, std::slice::from_ref(&values.laws[*i]), REACH * sizes.amplitude, band))
+        .map(|i| Table::rough(&values.mass, std::slice::from_ref(&values.laws[*i]), REACH * sizes.amplitude, band))
         .collect();
     let shapes: Vec<[f64; 4]> = (0..sweeps.len()).map(|k| shapes(sweeps, sizes, k)).collect();
     let motion = |k: usize| {

@@ -10,9 +10,9 @@ use crate::numerics::order;
 use super::intake::Sweeps;
 
 /// Places of a resonance over the band.
-const PLACES: usize = 32;
+pub(super) const PLACES: usize = 32;
 /// Widths of a resonance, in that of the band.
-const WIDTHS: [f64; 6] = [0.005, 0.015, 0.04, 0.1, 0.25, 0.6];
+pub(super) const WIDTHS: [f64; 6] = [0.005, 0.015, 0.04, 0.1, 0.25, 0.6];
 /// Beginnings that are followed.
 const FOLLOWED: usize = 3;
 

@@ -56,6 +56,9 @@ impl Public<'_> {
             if self.may_be_quadratic(model, named.place) {
                 others.push("quadratic-stiffness".to_owned());
             }
+            if self.may_be_coupled(model, named.place) && others.iter().all(|other| other != "coupled-mode") {
+                others.push("coupled-mode".to_owned());
+            }
             all.push(Effect { confusable_with: others, ..self.effect(named, model, named.place) });
             for (law, rival) in &named.rivals {
                 let place = rival.set.iter().position(|l| l == law);
@@ -72,6 +75,14 @@ impl Public<'_> {
     pub(super) fn may_be_quadratic(&self, model: &Fitted, place: usize) -> bool {
         let beta = self.system.values(&model.set, &model.point).laws[place].values[0];
         matches!(self.system.members[model.set[place]].term, Term::CubicStiffness(_)) && beta < 0.0
+    }
+
+    /// Returns whether a mode that is read with the mass may as well be coupled to it: the modes of a mass on a mass,
+    /// too, are read together, each in proportion to its motion, with one sign where drive and reading are at the same
+    /// place (Ewins, Modal Testing, § 2.4).
+    pub(super) fn may_be_coupled(&self, model: &Fitted, place: usize) -> bool {
+        let gain = self.system.values(&model.set, &model.point).laws[place].values[0];
+        matches!(self.system.members[model.set[place]].term, Term::ParasiticMode(_)) && gain > 0.0
     }
 
     fn effect(&self, named: &Named, model: &Fitted, place: usize) -> Effect {

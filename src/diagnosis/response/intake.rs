@@ -14,7 +14,7 @@ use super::units;
 /// Steps of a recording at least.
 const FEWEST: usize = 16;
 /// Part of the drive by which it changes from sweep to sweep, and not by its own noise.
-const ANOTHER_DRIVE: f64 = 0.02;
+pub(super) const ANOTHER_DRIVE: f64 = 0.02;
 /// Steps of a sweep on average, fewer of which say that rows are in no order of frequency.
 const ORDERED: f64 = 4.0;
 

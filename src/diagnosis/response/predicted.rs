@@ -18,6 +18,9 @@ pub(super) const REACH: f64 = 1.6;
 /// Least slope of the push with amplitude, in that of a linear spring: at a fold it is zero, and a step
 /// whose derivative grows beyond all bounds leads no fit.
 const LEAST_SLOPE: f64 = 0.3;
+/// Part of (Γ/2)² below which the product of both rates at which a motion settles says that the slower one is less
+/// than half of Γ/2, that of a linear resonance: 1 − √(1 − q) < ½.
+const SLOW: f64 = 0.75;
 
 /// Part of the largest amplitude of a drive by which the motions of two branches differ at least.
 const FAR: f64 = super::unsettled::LEAST;
@@ -44,8 +47,15 @@ pub(super) struct Predicted {
     pub amplitude: Vec<f64>,
     /// Steps at which the model allows several stable motions.
     pub several: Vec<bool>,
+    /// Steps at which the motion settles at less than half the rate of a linear resonance, as next to the end of a
+    /// branch.
+    pub is_slow: Vec<bool>,
+    /// Steps whose motion is one of the model's own; false where it is read on a branch that the model has not.
+    pub is_there: Vec<bool>,
     /// Force of the laws over amplitude and frequency.
     pub table: Table,
+    /// Origin of the amplitude.
+    from: Amplitude,
     /// Amplitude at which the force of the laws is taken.
     argument: Vec<f64>,
     /// Reading of each step without what the step before left in it.
@@ -104,9 +114,10 @@ fn linear(sweeps: &Sweeps, values: &Values, k: usize) -> Phasor {
     values.laws.iter().filter(|law| law.is_linear()).map(|law| law.linear(&values.mass, omega, time_s)).sum()
 }
 
-fn table(sizes: &Sizes, values: &Values) -> Table {
+fn table(sizes: &Sizes, values: &Values, amplitude: Amplitude) -> Table {
     let band = sizes.band_hz.map(|f| TAU * f);
-    Table::new(&values.mass, &values.laws, REACH * sizes.amplitude, band)
+    let new = if amplitude == Amplitude::Read { Table::rough } else { Table::new };
+    new(&values.mass, &values.laws, REACH * sizes.amplitude, band)
 }
 
 /// The prediction of a model.
@@ -116,7 +127,10 @@ pub(super) fn predicted(sweeps: &Sweeps, sizes: &Sizes, values: &Values, amplitu
         reading: Vec::with_capacity(n),
         amplitude: Vec::with_capacity(n),
         several: Vec::with_capacity(n),
-        table: table(sizes, values),
+        is_slow: Vec::with_capacity(n),
+        is_there: Vec::with_capacity(n),
+        table: table(sizes, values, amplitude),
+        from: amplitude,
         argument: Vec::with_capacity(n),
         settled: Vec::with_capacity(n),
         motion: Vec::with_capacity(n),
@@ -141,7 +155,8 @@ pub(super) fn predicted(sweeps: &Sweeps, sizes: &Sizes, values: &Values, amplitu
                 _ => read,
             };
             let far = FAR * sizes.amplitude * (sweeps.drive[k] / sizes.drive);
-            let Moved { amplitude: a, argument, z, slope, several } = moved(&along, push, wanted, (amplitude, far));
+            let Moved { amplitude: a, argument, z, slope, several, is_there } =
+                moved(&along, push, wanted, (amplitude, far));
             let motion = if push > 0.0 { z.conj() * (a / z.norm().max(1e-300)) } else { Phasor::from(0.0) };
             let settled = readout * (motion + beside) + background;
             let reading = match first {
@@ -152,6 +167,10 @@ pub(super) fn predicted(sweeps: &Sweeps, sizes: &Sizes, values: &Values, amplitu
             all.amplitude.push(a);
             all.argument.push(argument);
             all.several.push(several);
+            let rates = (z.conj() * (z + slope * a)).re;
+            all.is_slow
+                .push(is_there && rates < SLOW * (TAU * sweeps.frequency_hz[k] * values.mass.damping_per_s).powi(2));
+            all.is_there.push(is_there);
             all.settled.push(settled);
             all.motion.push(motion);
             all.impedance.push((z, slope));
@@ -171,6 +190,8 @@ struct Moved {
     slope: Phasor,
     /// States whether there were several.
     several: bool,
+    /// States whether it is one of the model's own.
+    is_there: bool,
 }
 
 /// The motion at a step whose read or followed amplitude is `wanted`. One that is read on a branch that
@@ -184,12 +205,12 @@ fn moved(along: &Impedance<'_>, push: f64, wanted: f64, (amplitude, far): (Ampli
     match nearest.filter(is_there) {
         Some(a) => {
             let (z, slope) = along.at(a);
-            Moved { amplitude: a, argument: a, z, slope, several }
+            Moved { amplitude: a, argument: a, z, slope, several, is_there: true }
         }
         None => {
             let (z, _) = along.at(wanted);
             let amplitude = push / z.norm().max(1e-300);
-            Moved { amplitude, argument: wanted, z, slope: Phasor::from(0.0), several }
+            Moved { amplitude, argument: wanted, z, slope: Phasor::from(0.0), several, is_there: false }
         }
     }
 }
@@ -203,10 +224,7 @@ impl Predicted {
         let w = z + slope * self.amplitude[k];
         let square = z.norm_sqr().max(1e-300);
         let along = z.conj() * w;
-        if along.re < LEAST_SLOPE * square {
-            return Phasor::from(0.0);
-        }
-        let grows = (z.conj() * change).re / along.re;
+        let grows = (z.conj() * change).re / along.re.max(LEAST_SLOPE * square);
         let turns = ((z.conj() * change).im - grows * along.im) / square;
         Phasor::new(grows, turns)
     }
@@ -245,7 +263,7 @@ impl Predicted {
                 all.push(nothing());
                 continue;
             };
-            let own = moved.laws[*place].is_tabulated().then(|| table(sizes, moved));
+            let own = moved.laws[*place].is_tabulated().then(|| table(sizes, moved, self.from));
             let other = own.as_ref().unwrap_or(&self.table);
             all.push(steps(&|k| {
                 let [from, to] = [(&self.table, values), (other, moved)]

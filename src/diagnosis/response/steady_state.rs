@@ -6,6 +6,7 @@
 //! allows follows from the sign changes of |Z|a − gD, those that are stable with it rising.
 
 use std::f64::consts::TAU;
+use std::sync::LazyLock;
 
 use nalgebra::Complex;
 
@@ -113,13 +114,17 @@ impl Law {
     }
 }
 
-/// Angles of a cycle: e^(ihθ) of each sample for the harmonics from zero.
-type Turns = Vec<[Phasor; HARMONICS + 1]>;
-
-fn turns() -> Turns {
-    let at = |k: usize| TAU * (k as f64 + 0.5) / SAMPLES as f64;
-    (0..SAMPLES).map(|k| std::array::from_fn(|h| Phasor::from_polar(1.0, h as f64 * at(k)))).collect()
+/// cos hθ and sin hθ of each sample of a cycle, for the harmonics h from zero.
+struct Turns {
+    cos: [[f64; SAMPLES]; HARMONICS + 1],
+    sin: [[f64; SAMPLES]; HARMONICS + 1],
 }
+
+static TURNS: LazyLock<Turns> = LazyLock::new(|| {
+    let at = |h: usize, k: usize| h as f64 * TAU * (k as f64 + 0.5) / SAMPLES as f64;
+    let of = |f: fn(f64) -> f64| std::array::from_fn(|h| std::array::from_fn(|k| f(at(h, k))));
+    Turns { cos: of(f64::cos), sin: of(f64::sin) }
+});
 
 /// Force of laws along a cycle, and its harmonics.
 struct Cycle<'a> {
@@ -133,11 +138,11 @@ impl Cycle<'_> {
     /// Force along a motion whose harmonics, from zero, are these.
     fn force(&self, motion: &[Phasor]) -> [f64; SAMPLES] {
         let (mut x, mut v) = ([0.0; SAMPLES], [0.0; SAMPLES]);
-        for ((x, v), turn) in x.iter_mut().zip(&mut v).zip(self.turns) {
-            for (h, (part, turn)) in motion.iter().zip(turn).enumerate() {
-                let z = part * turn;
-                *x += z.re;
-                *v -= self.omega_rad_s * h as f64 * z.im;
+        for (h, part) in motion.iter().enumerate().filter(|(_, part)| **part != Phasor::from(0.0)) {
+            let (cos, sin, omega) = (&self.turns.cos[h], &self.turns.sin[h], self.omega_rad_s * h as f64);
+            for k in 0..SAMPLES {
+                x[k] += part.re * cos[k] - part.im * sin[k];
+                v[k] -= omega * (part.im * cos[k] + part.re * sin[k]);
             }
         }
         let mut force = [0.0; SAMPLES];
@@ -150,8 +155,9 @@ impl Cycle<'_> {
 
     /// Harmonic h of a force, of which zero is its mean.
     fn harmonic(&self, force: &[f64; SAMPLES], h: usize) -> Phasor {
-        let sum: Phasor = force.iter().zip(self.turns).map(|(f, turn)| turn[h].conj() * *f).sum();
-        sum * if h == 0 { 1.0 } else { 2.0 } / SAMPLES as f64
+        let along = |turn: &[f64; SAMPLES]| force.iter().zip(turn).map(|(f, t)| f * t).sum::<f64>();
+        let size = if h == 0 { 1.0 } else { 2.0 } / SAMPLES as f64;
+        Phasor::new(along(&self.turns.cos[h]) * size, -along(&self.turns.sin[h]) * size)
     }
 
     /// Fundamental of the force along a motion of amplitude `a` with harmonics up to this one.
@@ -184,17 +190,25 @@ pub(super) struct Table {
 impl Table {
     /// Tabulates laws for amplitudes up to `most` over a band of frequencies.
     pub(super) fn new(mass: &Oscillator, laws: &[Law], most: f64, band_rad_s: [f64; 2]) -> Self {
+        Self::up_to(HARMONICS, mass, laws, most, band_rad_s)
+    }
+
+    /// The same with the fundamental alone: a place to begin, some per cent off.
+    pub(super) fn rough(mass: &Oscillator, laws: &[Law], most: f64, band_rad_s: [f64; 2]) -> Self {
+        Self::up_to(1, mass, laws, most, band_rad_s)
+    }
+
+    fn up_to(harmonics: usize, mass: &Oscillator, laws: &[Law], most: f64, band_rad_s: [f64; 2]) -> Self {
         let acting: Vec<&Law> = laws.iter().filter(|law| law.is_tabulated()).collect();
         let [low, high] = band_rad_s;
         let at_rad_s = [low, 0.5 * (low + high), high];
         if acting.is_empty() {
             return Self { most, at_rad_s, nodes: Vec::new(), harmonics: 1 };
         }
-        let turns = turns();
-        let cycle = |omega_rad_s: f64| Cycle { mass, laws: &acting, omega_rad_s, turns: &turns };
+        let cycle = |omega_rad_s: f64| Cycle { mass, laws: &acting, omega_rad_s, turns: &TURNS };
         let middle = cycle(at_rad_s[1]);
-        let [bare, full] = [1, HARMONICS].map(|h| middle.fundamental(0.7 * most, h));
-        let harmonics = if (full - bare).norm() > HEARD * bare.norm() { HARMONICS } else { 1 };
+        let [bare, full] = [1, harmonics].map(|h| middle.fundamental(0.7 * most, h));
+        let harmonics = if (full - bare).norm() > HEARD * bare.norm() { harmonics } else { 1 };
         // A spring alone is the same at every frequency, but for its harmonics.
         let is_alike = harmonics == 1 && acting.iter().all(|law| !law.has_velocity(mass, 0.7 * most));
         let node = |i: usize| {
@@ -257,9 +271,9 @@ impl Impedance<'_> {
         (self.bare - force / a, (force / a - slope) / a)
     }
 
-    /// |Z|a at a node of the table.
-    fn push_at(&self, node: usize) -> f64 {
-        (self.bare * amplitude(self.table.most, node) - self.force_at(node)).norm()
+    /// Square of |Z|a at a node of the table.
+    fn push_squared(&self, node: usize) -> f64 {
+        (self.bare * amplitude(self.table.most, node) - self.force_at(node)).norm_sqr()
     }
 
     /// Amplitudes of every stable motion under a push of this size, ascending.
@@ -268,9 +282,9 @@ impl Impedance<'_> {
             return vec![push / self.bare.norm().max(1e-300)];
         }
         let mut found = Vec::new();
-        let mut before = self.push_at(0) - push;
+        let mut before = self.push_squared(0) - push * push;
         for i in 1..NODES {
-            let after = self.push_at(i) - push;
+            let after = self.push_squared(i) - push * push;
             if before < 0.0 && after >= 0.0 {
                 found.push(self.between([amplitude(self.table.most, i - 1), amplitude(self.table.most, i)], push));
             }

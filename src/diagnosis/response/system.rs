@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::Complex;
 
-use crate::engine::fit::{MOST_STEPS, fit};
+use crate::engine::fit::{Fitted, MOST_STEPS, nearer};
 use crate::engine::kind::{Argument, Form, Kind, Layout, Linearised, Point};
 use crate::numerics::order;
 use crate::physics::library::Term;
@@ -12,9 +12,11 @@ use crate::physics::scales::Coordinate;
 
 use super::balance::balanced;
 use super::intake::Sweeps;
+use super::places::place;
 use super::predicted::{Amplitude, Predicted, predicted};
 use super::space::{self, Member};
 use super::steady_state::{Law, Oscillator};
+use super::unsettled;
 use super::values::{Sizes, Values};
 
 /// Shared coordinates of the resonator and its lock-in: ω₀, Γ, size and angle of the gain,
@@ -28,8 +30,6 @@ const JOINS: f64 = 0.05;
 const FOLLOWED: usize = 2;
 /// Damping ratios of a second mode, in that of the first.
 const SHARPNESS: [f64; 2] = [0.01, 100.0];
-/// Times that forces are balanced at the motion that the last balance leaves of the reading.
-const BALANCES: usize = 2;
 /// Part of a reading that the step before may hold.
 const SETTLING: [f64; 2] = [-0.3, 0.9];
 
@@ -48,6 +48,8 @@ pub(super) struct System<'a> {
     pub amplitude: Amplitude,
     /// Complex numbers of the background.
     pub backgrounds: usize,
+    /// Steps next to a large change of the reading.
+    steep: Vec<bool>,
 }
 
 impl<'a> System<'a> {
@@ -57,7 +59,25 @@ impl<'a> System<'a> {
         let counts = sweeps.counts.iter().flat_map(|c| [*c; 2]).collect();
         let layout = Layout::new(sweeps.sweeps.iter().map(twice).collect(), 2 * BLOCK, counts);
         let backgrounds = if sweeps.drives() > 1 { 4 } else { 2 };
-        Self { sweeps, layout, sizes, members: Vec::new(), amplitude: Amplitude::Nearest, backgrounds }
+        let steep = unsettled::steep(sweeps);
+        Self { sweeps, layout, sizes, members: Vec::new(), amplitude: Amplitude::Nearest, backgrounds, steep }
+    }
+
+    /// The same laws over steps of which fewer count.
+    pub(super) fn over<'b>(&self, sweeps: &'b Sweeps) -> System<'b> {
+        let bare = System::new(sweeps, self.sizes.clone());
+        System { members: self.members.clone(), ..bare }
+    }
+
+    /// Returns which steps had not settled, by a model.
+    pub(super) fn unsettled(&self, model: &Fitted) -> Vec<bool> {
+        let predicted = self.predicted(&model.set, &model.point, self.amplitude);
+        (0..self.sweeps.len()).map(|k| self.is_unsettled(&predicted, k)).collect()
+    }
+
+    /// Returns whether a motion takes too long, or has just jumped to where the model has none.
+    fn is_unsettled(&self, predicted: &Predicted, k: usize) -> bool {
+        predicted.is_slow[k] || (self.steep[k] && !predicted.is_there[k])
     }
 
     /// Shared coordinates of the base model.
@@ -68,6 +88,12 @@ impl<'a> System<'a> {
     /// Laws of a set.
     pub(super) fn terms(&self, set: &[usize]) -> Vec<Term> {
         set.iter().map(|law| self.members[*law].term).collect()
+    }
+
+    /// Returns whether two laws are one in another form: a mode coupled to the mass, and one read with it.
+    pub(super) fn is_same(&self, law: usize, other: usize) -> bool {
+        let is_mode = |law: usize| matches!(self.members[law].term, Term::CoupledMode(_) | Term::ParasiticMode(_));
+        is_mode(law) && is_mode(other)
     }
 
     /// Coordinates of a law's parameters.
@@ -136,9 +162,13 @@ impl<'a> System<'a> {
         point
     }
 
-    fn residual(&self, predicted: &[Complex<f64>]) -> Vec<f64> {
-        let pairs = self.sweeps.reading.iter().zip(predicted);
-        pairs.flat_map(|(y, p)| [y.re - p.re, y.im - p.im]).collect()
+    /// Returns what a prediction leaves; nothing at steps that had not settled by it.
+    fn residual(&self, predicted: &Predicted) -> Vec<f64> {
+        let left = |k: usize| match self.is_unsettled(predicted, k) {
+            true => Complex::from(0.0),
+            false => self.sweeps.reading[k] - predicted.reading[k],
+        };
+        (0..self.sweeps.len()).map(left).flat_map(|e| [e.re, e.im]).collect()
     }
 
     /// Returns where a law may begin: as its starts say, and where it has no strength there, with a
@@ -153,7 +183,7 @@ impl<'a> System<'a> {
             Term::CoupledMode(_) | Term::ParasiticMode(_) => {
                 let strength = if matches!(term, Term::CoupledMode(_)) { 1e-5 } else { 0.0 };
                 let at = |widths: f64| s.omega_rad_s + widths * self.sizes.damping_per_s;
-                [-2.0, -0.7, 0.7, 2.0].map(|widths| vec![strength, at(widths), s.zeta, 0.0, 0.0]).to_vec()
+                [-2.0, -0.7, 0.0, 0.7, 2.0].map(|widths| vec![strength, at(widths), s.zeta, 0.0, 0.0]).to_vec()
             }
             _ => term.starts(s),
         };
@@ -230,21 +260,19 @@ impl Kind for System<'_> {
             let values = self.values(&larger, &point);
             let placed = |values: &Values| self.point(&larger, values, &point);
             let near = best(std::iter::once(point.clone()).chain(again(&values).map(|v| placed(&v))).collect());
-            // Where the base model is far off, so is its background: without it, the balance is taken
-            // again at the motion that it leaves of the reading. What is read alone has no part in it.
-            let bare = Values { background: vec![Complex::from(0.0); self.backgrounds], ..values };
-            let rounds = std::iter::successors(acts.then(|| again(&bare)).flatten(), again).take(BALANCES);
-            let far = best(rounds.map(|v| placed(&v)).collect());
+            // Where the model is far off, so are its mass and background.
+            let far = acts.then(|| place(self.sweeps, &self.sizes, &values)).flatten();
+            let far = best(far.iter().map(placed).collect());
             let far = far.filter(|far| near.as_ref().is_none_or(|near| far.0 < near.0));
             near.into_iter()
                 .chain(far)
-                .filter_map(|(_, start)| fit(&read, &larger, &start, MOST_STEPS))
+                .filter_map(|(_, start)| nearer(&read, &larger, &start, MOST_STEPS))
                 .collect::<Vec<_>>()
         };
         let mut fits: Vec<_> = self.beginnings(&self.members[law].term).into_iter().flat_map(begin).collect();
-        order::sort_by_key(&mut fits, |f| f.variance);
+        order::sort_by_key(&mut fits, |f| f.1);
         fits.truncate(FOLLOWED);
-        fits.into_iter().map(|f| f.point).collect()
+        fits.into_iter().map(|f| f.0).collect()
     }
 
     /// Returns none: a beginning is fitted already.
@@ -260,7 +288,7 @@ impl Kind for System<'_> {
 
     fn residuals(&self, set: &[usize], points: &[Point]) -> Vec<Option<Vec<f64>>> {
         let of = |point: &Point| {
-            let residual = self.residual(&self.predicted(set, point, self.amplitude).reading);
+            let residual = self.residual(&self.predicted(set, point, self.amplitude));
             residual.iter().all(|v| v.is_finite()).then_some(residual)
         };
         points.iter().map(of).collect()
@@ -285,7 +313,7 @@ impl Kind for System<'_> {
         let columns = at.derivatives(self.sweeps, &self.sizes, &values, &nudged);
         let apart = |c: Vec<Complex<f64>>| c.iter().flat_map(|v| [v.re, v.im]).collect::<Vec<f64>>();
         let shared: Vec<Vec<f64>> = columns.into_iter().map(apart).collect();
-        let residual = self.residual(&at.reading);
+        let residual = self.residual(&at);
         let finite = shared.iter().chain([&residual]).all(|c| c.iter().all(|v| v.is_finite()));
         finite.then_some(Linearised { residual, shared, starts: Vec::new() })
     }

@@ -108,20 +108,23 @@ pub(crate) fn mark(family: Family, truth: &Truth, said: &Said, overclaims: impl 
     if said.numbers.iter().any(|n| truth.silent.contains(&n.channel)) {
         return if said.outcome == Ending::Explained { Mark::ConfidentlyWrong } else { Mark::FalseName };
     }
+    let lacks = || {
+        let missing = |e: &super::truth::Effect| e.evidence >= SEEN && !e.right.iter().any(|r| ids.contains(r));
+        truth.effects.iter().any(missing)
+    };
     match said.outcome {
         Ending::Error => Mark::Error,
         Ending::Adequate if truth.is_detectable() => Mark::Missed,
         Ending::Adequate => Mark::BelowDetection,
         Ending::Explained if !ids.iter().all(|id| truth.allows(id)) => Mark::ConfidentlyWrong,
         Ending::Explained if truth.effects.is_empty() => Mark::ConfidentlyWrong,
-        Ending::Explained => {
-            let missing = |e: &super::truth::Effect| e.evidence >= SEEN && !e.right.iter().any(|r| ids.contains(r));
-            match () {
-                () if truth.effects.iter().any(missing) => Mark::Missed,
-                () if family == Family::Near && overclaims() => Mark::Overclaimed,
-                () => Mark::Right,
-            }
-        }
+        Ending::Explained => match () {
+            () if lacks() => Mark::Missed,
+            () if family == Family::Near && overclaims() => Mark::Overclaimed,
+            () => Mark::Right,
+        },
+        // A tie between names of which each is right is all that can be said.
+        Ending::Undecidable if !ids.is_empty() && ids.iter().all(|id| truth.allows(id)) && !lacks() => Mark::Right,
         Ending::Unexplained | Ending::Undecidable
             if !said.groups.iter().all(|g| g.iter().any(|id| truth.tolerates(id))) =>
         {

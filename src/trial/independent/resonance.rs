@@ -106,7 +106,8 @@ const AMPLITUDE: [&str; 6] = [
     "coulomb-friction",
 ];
 
-/// Two modes of light damping are a mass on a mass up to how their damping is shared out.
+/// Two modes of light damping are a mass on a mass up to how their damping is shared out, and a mass on a mass is its
+/// two modes.
 const MODES: [&str; 2] = ["parasitic-mode", "coupled-mode"];
 
 /// A law whose fundamental at unit amplitude has this size.
@@ -151,7 +152,7 @@ fn laws(sub: &str, damping: f64, least: f64, draw: &mut Draw) -> Vec<Named> {
         "second mode coupled" => {
             let size = (damping * draw.log_between(0.3, 2.0)).powi(2);
             let zeta = 0.5 * damping * draw.log_between(0.3, 1.5);
-            vec![(Law::Absorber { size, omega: near, zeta }, &["coupled-mode"])]
+            vec![(Law::Absorber { size, omega: near, zeta }, &MODES)]
         }
         "two modes read together" => {
             let zeta = 0.5 * damping * draw.log_between(0.5, 1.5);
