@@ -89,7 +89,8 @@ pub(super) fn argument(term: &Term) -> Argument {
     match term {
         Term::QuadraticDamping(_) | Term::PowerLawDamping(_) => Argument::Velocity,
         Term::CoulombFriction(_) | Term::ShapedFriction(_) => Argument::Velocity,
-        Term::SqueezeFilmDamping(_) => Argument::Both,
+        // To a lock-in a film is a damping by the third power: x²x′ and |x′|²x′ have the same fundamental but for ω².
+        Term::SqueezeFilmDamping(_) => Argument::Velocity,
         Term::StiffnessDrift(_) => Argument::Time,
         Term::CoupledMode(_) | Term::ParasiticMode(_) | Term::ReadoutDelay(_) | Term::ReadoutLowpass(_) => {
             Argument::Frequency
