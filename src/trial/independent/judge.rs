@@ -246,6 +246,22 @@ mod tests {
         assert_eq!(null, [FalseAlarm, FalseAlarm, FalseAlarm, Undecided, FalseAlarm, Right]);
     }
 
+    // Control: a tie with a name that is not right, and one that leaves out another effect that a good test sees.
+    #[test]
+    fn a_tie_between_names_of_which_each_is_right_is_right() {
+        let seen = |right: &[&str]| Effect { evidence: 500.0, ..effect(right) };
+        let of = |effects: Vec<Effect>, tie: &[&str]| {
+            let truth = Truth { effects, evidence: 500.0, ..Truth::default() };
+            let made = Case::make(1, 0, Size { rows: 2000 }).expect("made");
+            judge(&Case { family: Family::Letter, truth, ..made }, &said(Ending::Undecidable, &[tie]))
+        };
+        let either = seen(&["quadratic-damping", "squeeze-film-damping"]);
+        let tie = ["quadratic-damping", "squeeze-film-damping"];
+        assert_eq!(of(vec![either.clone()], &tie), Mark::Right);
+        assert_eq!(of(vec![either.clone()], &["quadratic-damping", "hysteresis"]), Mark::HonestNamed);
+        assert_eq!(of(vec![either, seen(&["cubic-stiffness"])], &tie), Mark::HonestNamed);
+    }
+
     #[test]
     fn a_right_name_in_a_column_where_nothing_acts_is_false() {
         let effects = vec![Effect { evidence: 500.0, ..effect(&["cubic-stiffness"]) }];
