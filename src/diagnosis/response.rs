@@ -90,7 +90,19 @@ pub fn diagnose(recording: &Recording, model: &model::Response, control: &Contro
         drop(search);
         Some((fewer, again))
     });
-    let (system, found) = fewer.unwrap_or((system, found));
+    let (system, found) = match fewer {
+        Some((fewer, again)) => {
+            let fitted = |s: &Sweeps| s.counts.iter().filter(|c| **c).count();
+            findings.push(format!(
+                "{} of {} steps had not settled, by the model found, and are not fitted: near the end of a branch a \
+                 motion takes ever longer to settle",
+                fitted(&sweeps) - fitted(fewer.sweeps),
+                sweeps.len()
+            ));
+            (fewer, again)
+        }
+        None => (system, found),
+    };
     let case =
         answer::Case { recording, model, system: &system, found: &found, deviation, is_measured: measured.is_some() };
     Ok(case.conclude(findings))

@@ -42,8 +42,8 @@ pub(crate) fn fit<K: Kind>(kind: &K, set: &[usize], start: &Point, most: usize) 
     judged(kind, set, point, model)
 }
 
-/// The point to which the sum of squares falls in so many steps, at rest or not, and what it leaves; `None`
-/// where the model breaks down.
+/// Lowers the sum of squares by at most this many steps and returns the point and the sum, whether or not the fit
+/// has converged; `None` where the model breaks down.
 pub(crate) fn nearer<K: Kind>(kind: &K, set: &[usize], start: &Point, most: usize) -> Option<(Point, f64)> {
     lowered(kind, set, start, most).map(|(point, model)| (point, squares(&model.residual)))
 }

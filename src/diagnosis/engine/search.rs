@@ -137,8 +137,8 @@ impl<'a, K: Kind> Search<'a, K> {
         if !stated.is_empty() || !parent.set.is_empty() || self.is_at_noise(parent) {
             return stated;
         }
-        // Where no stated law holds, one with an exponent of its own may: it imitates others, and must leave no more
-        // than the noise.
+        // If no stated law holds, try laws with a free exponent. These can mimic other physics, so they only count
+        // if they bring the residual down to the noise.
         let mut bent = of(Form::Exponent);
         bent.retain(|child| self.is_at_noise(child));
         bent

@@ -221,10 +221,10 @@ impl Case<'_> {
             sweeps.len()
         )];
         if !sweeps.jumps.is_empty() {
-            let read = sweeps.jumps.len();
+            let read = of(sweeps.jumps.len(), "time");
             let hit = jumps.iter().filter(|j| j.steps.is_some_and(|s| s <= 1)).count();
             all.push(format!(
-                "the reading jumps {read} times; two steps on both sides of a jump are not fitted; the model, following \
+                "the reading jumps {read}; two steps on both sides of a jump are not fitted; the model, following \
                  the history of each sweep, has {hit} of the jumps within one step"
             ));
         }

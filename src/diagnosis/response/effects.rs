@@ -79,7 +79,7 @@ impl Public<'_> {
 
     /// Returns whether a mode that is read with the mass may as well be coupled to it: the modes of a mass on a mass,
     /// too, are read together, each in proportion to its motion, with one sign where drive and reading are at the same
-    /// place (Ewins, Modal Testing, § 2.4).
+    /// place (Ewins, Modal Testing, chapter 2).
     pub(super) fn may_be_coupled(&self, model: &Fitted, place: usize) -> bool {
         let gain = self.system.values(&model.set, &model.point).laws[place].values[0];
         matches!(self.system.members[model.set[place]].term, Term::ParasiticMode(_)) && gain > 0.0

@@ -15,8 +15,8 @@ use super::values::{Sizes, Values};
 pub(super) const NUDGE: f64 = 1e-4;
 /// Amplitudes are tabulated up to so many times the largest that was read.
 pub(super) const REACH: f64 = 1.6;
-/// Least slope of the push with amplitude, in that of a linear spring: at a fold it is zero, and a step
-/// whose derivative grows beyond all bounds leads no fit.
+/// Least slope of the push with amplitude, in that of a linear spring, by which a derivative is computed: at a fold
+/// the slope is zero and the derivative infinite, which would lead a fit astray.
 const LEAST_SLOPE: f64 = 0.3;
 /// Part of (Γ/2)² below which the product of both rates at which a motion settles says that the slower one is less
 /// than half of Γ/2, that of a linear resonance: 1 − √(1 − q) < ½.

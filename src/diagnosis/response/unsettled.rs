@@ -17,8 +17,9 @@ const ABOVE_NOISE: f64 = 20.0;
 const SIDE: usize = 5;
 /// Steps on either side of a jump that have not settled.
 const UNSETTLED: usize = 2;
-/// Times that a jump is larger than the changes of the reading so many steps before and after it.
+/// Ratio of a jump to the changes of the reading [`APART`] steps before and after it, at least.
 const STEEP: f64 = 3.0;
+/// Distance of those changes in steps: the steps right next to a jump may not have settled.
 const APART: usize = 2;
 
 /// Finds the jumps and takes the steps next to them out of the fit; `deviation` is that of X and of Y.
