@@ -70,6 +70,7 @@ mod suite {
     pub mod plan;
     pub mod planted;
     pub mod ranks;
+    pub mod read_linear;
     pub mod read_quantity;
     pub mod readout;
     pub mod recording;
@@ -157,6 +158,7 @@ fn main() {
         // parity: CPU and GPU agree.
         suite::parity::tests(),
         // readout: a low-pass and a delay behind the proof mass follow their closed forms.
+        suite::read_linear::tests(),
         suite::read_quantity::tests(),
         suite::readout::tests(),
         // laws: the same law in both precisions, on both backends, in the diagnosis and as the trial wrote it.

@@ -80,7 +80,7 @@ impl Law for CoupledMode {
         ]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
-        let ratios = [0.4, 0.7, 1.0, 1.4, 2.1, 3.7];
+        let ratios = [0.4, 0.7, 0.85, 0.95, 1.05, 1.2, 1.4, 2.1, 3.7];
         ratios.map(|r| vec![0.01, r * s.omega_rad_s, 0.05, 0.0, 0.0]).to_vec()
     }
     fn states(&self) -> usize {

@@ -91,19 +91,29 @@ impl Made<'_> {
         self.judged(self.rows(output), output_is)
     }
 
-    fn judged(&self, [input, reading]: [Vec<f64>; 2], output_is: Output) -> Result<Verdict, Failed> {
-        let rate_hz = PER_CYCLE as f64 / TAU;
-        let recording = Recording {
-            path: "mass.csv".into(),
-            rows: reading.len(),
-            rate_hz,
-            columns: vec![Column { name: "u".into(), values: input }, Column { name: "y".into(), values: reading }],
-            ..Recording::default()
-        };
-        let model = model((self.gain != 0.0).then(|| "u".to_owned()), rate_hz, output_is);
-        let answer = driven::diagnose(&recording, &model, &Control::silent()).map_err(|e| e.to_string())?;
-        Ok(worded(answer).verdict)
+    fn judged(&self, rows: [Vec<f64>; 2], output_is: Output) -> Result<Verdict, Failed> {
+        judged(rows, self.gain != 0.0, PER_CYCLE, output_is)
     }
+}
+
+/// Input and reading of a mass with ω₀ = 1, with this many rows in a cycle, diagnosed as what it is said to be.
+pub(super) fn judged(
+    [input, reading]: [Vec<f64>; 2],
+    is_driven: bool,
+    per_cycle: usize,
+    output_is: Output,
+) -> Result<Verdict, Failed> {
+    let rate_hz = per_cycle as f64 / TAU;
+    let recording = Recording {
+        path: "mass.csv".into(),
+        rows: reading.len(),
+        rate_hz,
+        columns: vec![Column { name: "u".into(), values: input }, Column { name: "y".into(), values: reading }],
+        ..Recording::default()
+    };
+    let model = model(is_driven.then(|| "u".to_owned()), rate_hz, output_is);
+    let answer = driven::diagnose(&recording, &model, &Control::silent()).map_err(|e| e.to_string())?;
+    Ok(worded(answer).verdict)
 }
 
 fn model(input: Option<String>, rate_hz: f64, output_is: Output) -> Driven {
@@ -121,7 +131,7 @@ fn model(input: Option<String>, rate_hz: f64, output_is: Output) -> Driven {
     }
 }
 
-fn ids(verdict: &Verdict) -> Vec<&str> {
+pub(super) fn ids(verdict: &Verdict) -> Vec<&str> {
     verdict.effects.iter().map(|e| e.id.as_str()).collect()
 }
 

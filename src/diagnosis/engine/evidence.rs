@@ -93,6 +93,7 @@ mod tests {
             deviations: Vec::new(),
             variance: 1.0,
             at_bound: Vec::new(),
+            is_impossible: false,
         }
     }
 

@@ -2,7 +2,8 @@
 
 use nalgebra::DVector;
 
-use super::kind::{Kind, Linearised, Point, Set};
+use super::kind::{Kind, Layout, Linearised, Point, Set};
+use super::levels::CLEAR;
 use super::linear::Products;
 
 /// Dampings that are tried together where a full step does not lower the sum of squares.
@@ -34,6 +35,8 @@ pub(crate) struct Fitted {
     pub variance: f64,
     /// Which shared coordinates are on a bound.
     pub at_bound: Vec<bool>,
+    /// States whether the base model would have to be what no sensor is, such as damped less than not at all.
+    pub is_impossible: bool,
 }
 
 /// Brings a model to rest from a point; `None` where it breaks down or does not come to rest.
@@ -93,7 +96,8 @@ pub(super) fn squares(values: &[f64]) -> f64 {
 fn judged<K: Kind>(kind: &K, set: &[usize], point: Point, model: Linearised) -> Option<Fitted> {
     let layout = kind.layout();
     let at_bound = kind.at_bound(set, &point);
-    let products = Products::of(layout, &model, &outward(kind, set, &point, &model));
+    let held = outward(kind, set, &point, &model);
+    let products = Products::of(layout, &model, &held);
     let left_out = products.left_out(layout, &model)?;
     let [sum, promised] = products.sums()?;
     if sum > RESTLESS * promised {
@@ -106,7 +110,19 @@ fn judged<K: Kind>(kind: &K, set: &[usize], point: Point, model: Linearised) -> 
     let deviations =
         (0..model.shared.len()).map(|i| by_blocks[i].max(variance * inverse[(i, i)].max(0.0)).sqrt()).collect();
     let error = left_out.residual.iter().map(|e| e * e).sum();
-    Some(Fitted { set: set.to_vec(), point, model, held_out: left_out.residual, error, deviations, variance, at_bound })
+    let own = if set.is_empty() { held.len() } else { kind.coordinates(set, 0).start };
+    let is_impossible = held[..own].contains(&true) && leads_out(layout, &model, &held[..own], variance)?;
+    let held_out = left_out.residual;
+    Some(Fitted { set: set.to_vec(), point, model, held_out, error, deviations, variance, at_bound, is_impossible })
+}
+
+/// Returns whether a full step takes one of these coordinates beyond the bound it stands on, by more than its 95 %
+/// interval.
+fn leads_out(layout: &Layout, model: &Linearised, on_bound: &[bool], variance: f64) -> Option<bool> {
+    let free = Products::of(layout, model, &[]);
+    let (step, inverse) = (free.steps(&[0.0])?.swap_remove(0), free.inverse()?);
+    let is_beyond = |i: usize| step.shared[i].abs() > CLEAR * (variance * inverse[(i, i)].max(0.0)).sqrt();
+    Some((0..on_bound.len()).any(|i| on_bound[i] && is_beyond(i)))
 }
 
 /// Rows that do not count have no residual and no derivatives.
@@ -156,4 +172,28 @@ fn scatter(steps: &[DVector<f64>]) -> Vec<f64> {
     (0..first.len())
         .map(|i| (count - 1.0) / count * steps.iter().map(|s| (s[i] - mean[i]).powi(2)).sum::<f64>())
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::{Philox, Stream};
+
+    // A coordinate that may not be negative, of size −1/2 or 0 in unit noise, known to 1/√(400/2) = 0.07: the one
+    // is seven standard deviations beyond its bound, the other by chance on either side of it.
+    #[test]
+    fn a_bound_that_the_data_lead_across_is_told_from_one_that_chance_leads_to() {
+        let rows = 400;
+        let layout = Layout::new(std::iter::once(0..rows).collect(), 40, vec![true; rows]);
+        let column = |rate: f64| (0..rows).map(|k| (rate * k as f64).sin()).collect::<Vec<f64>>();
+        let beyond = |size: f64, seed: u64| {
+            let mut rng = Philox::new(seed, 0, Stream::Host);
+            let residual = column(0.3).iter().map(|c| size * c + rng.normal()).collect();
+            let model = Linearised { residual, shared: vec![column(0.3), column(0.7)], starts: Vec::new() };
+            leads_out(&layout, &model, &[true], 1.0) == Some(true)
+        };
+        assert!((0..50).all(|seed| beyond(-0.5, seed)));
+        // By binomial law 5 % of 50 are 2.5, and more than 8 come once in a thousand.
+        assert!((0..50).filter(|seed| beyond(0.0, *seed)).count() <= 8);
+    }
 }

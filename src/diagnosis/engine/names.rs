@@ -154,7 +154,7 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
         [false, false] => false,
         _ => leaves(best) && search.freed(best, place).is_none_or(|freed| leaves(&freed)),
     };
-    if on_bound || may_be_zero || is_patch || !search.holds(&without, best) {
+    if on_bound || best.is_impossible || may_be_zero || is_patch || !search.holds(&without, best) {
         return None;
     }
     let law = best.set[place];

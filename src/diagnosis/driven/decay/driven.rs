@@ -12,7 +12,7 @@ use crate::driven::simulated::rows::Rows;
 use crate::driven::simulated::system::System;
 use crate::driven::simulated::under_input;
 use crate::engine::evidence::gain;
-use crate::engine::fit::{MOST_STEPS, fit};
+use crate::engine::fit::{Fitted, MOST_STEPS, fit};
 use crate::engine::kind::{Argument, Kind};
 use crate::engine::names;
 use crate::engine::search::Search;
@@ -69,27 +69,30 @@ impl Decay {
         Self { system, found, numbers, ..self }
     }
 
-    /// Another way of the input between its samples on which the model does as well without the linear laws
+    /// Another way of the input between its samples on which a model does as well without the linear laws
     /// that it holds, or better than it does now: steps look late by half a sample, straight lines like a
-    /// weak low-pass.
+    /// weak low-pass. Of a set that is too inexact to be named, these laws may be what is wrong with it.
     fn other_input(&self) -> Option<Interpolation> {
-        let model = &self.found.model;
         let input = self.system.rows.data.input.clone()?;
+        let tried = |how: Interpolation| {
+            let data = Data { input: Some(input.clone().gone(how)), ..self.system.rows.data.clone() };
+            Some((how, self.on(&data, &self.found.model).or_else(|| self.on(&data, &self.found.best))?))
+        };
+        let others = [Interpolation::Hold, Interpolation::Linear].into_iter().filter_map(tried);
+        others.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(how, _)| how)
+    }
+
+    /// Error of a model without its linear laws on another input, where it is as good there, or better.
+    fn on(&self, data: &Data, model: &Fitted) -> Option<f64> {
         let (mut set, mut point) = (model.set.clone(), model.point.clone());
         while let Some(place) = set.iter().position(|law| self.system.argument(*law) == Argument::Frequency) {
             point = self.system.without(&set, &point, place);
             set.remove(place);
         }
-        let is_linear = set.len() < model.set.len();
-        let others = [Interpolation::Hold, Interpolation::Linear].into_iter().filter_map(|how| {
-            let data = Data { input: Some(input.clone().gone(how)), ..self.system.rows.data.clone() };
-            let rows = Rows { data, ..self.system.rows.clone() };
-            let other = fit(&System { rows, ..self.system.clone() }, &set, &point, MOST_STEPS)?;
-            let layout = &self.system.rows.layout;
-            let is_better = || gain(layout, model, &other, self.variance).holds();
-            let is_as_good = is_linear && gain(layout, &other, model, self.variance).is_chance();
-            (is_as_good || is_better()).then_some((how, other.error))
-        });
-        others.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(how, _)| how)
+        let rows = Rows { data: data.clone(), ..self.system.rows.clone() };
+        let other = fit(&System { rows, ..self.system.clone() }, &set, &point, MOST_STEPS)?;
+        let layout = &self.system.rows.layout;
+        let is_as_good = set.len() < model.set.len() && gain(layout, &other, model, self.variance).is_chance();
+        (is_as_good || gain(layout, model, &other, self.variance).holds()).then_some(other.error)
     }
 }

@@ -2,6 +2,8 @@
 //! free forms of their arguments.
 
 use crate::engine::kind::{Argument, Form};
+use crate::physics::bias_drift::{BiasDrift, Course};
+use crate::physics::coupled_mode::CoupledMode;
 use crate::physics::end_stop::{EndStop, Side};
 use crate::physics::free_form::{Extent, FreeForm, Freed};
 use crate::physics::law::Role;
@@ -9,6 +11,7 @@ use crate::physics::library::Term;
 use crate::physics::power::Exponent;
 use crate::physics::power_law_damping::PowerLawDamping;
 use crate::physics::power_law_stiffness::PowerLawStiffness;
+use crate::physics::readout_lowpass::{Poles, ReadoutLowpass};
 use crate::physics::scales::Scales;
 use crate::physics::shaped_friction::{Shape, ShapedFriction};
 use crate::physics::stiffness_drift::StiffnessDrift;
@@ -48,8 +51,12 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
     let powers = [
         Term::PowerLawStiffness(PowerLawStiffness(Exponent::Free)),
         Term::PowerLawDamping(PowerLawDamping(Exponent::Free)),
+        Term::BiasDrift(BiasDrift(Course::Power)),
     ];
     let powers = powers.into_iter().chain(ShapedFriction::ALL.map(Term::ShapedFriction));
+    // What a mode is when it pulls back on the mass, and a low-pass with a second pole.
+    let linear = [Term::CoupledMode(CoupledMode), Term::ReadoutLowpass(ReadoutLowpass(Poles::Two))];
+    let powers = powers.chain(linear.into_iter().filter(|_| is_driven));
     let powers = powers.map(|term| Member { term, form: Form::Exponent });
     let speed = 2.0 * scales.velocity;
     let free = |law: Freed, size: f64| Member {

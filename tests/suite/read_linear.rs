@@ -1,0 +1,128 @@
+//! A driven mass whose velocity or acceleration is read, beside what is linear or goes with time: a second mass
+//! that pulls back on it, a drift along a power of time, and a feedback that comes late, which no law of the
+//! library is.
+//!
+//! In units of 1/ω₀ = 1 s, by a Runge–Kutta integrator of the test's own: every planted number is its own
+//! expectation.
+
+use std::f64::consts::TAU;
+
+use libtest_mimic::{Failed, Trial};
+use proofmass::diagnosis::model::Output;
+use proofmass::diagnosis::verdict::Outcome;
+use proofmass::rng::{Philox, Stream};
+
+use super::read_quantity::{ids, judged};
+use super::world::{check, near, test};
+
+/// Listed by the suite.
+pub fn tests() -> Vec<Trial> {
+    vec![
+        test(
+            "read quantity: a second mass that pulls back is named with its ratio, and a late feedback is not",
+            masses,
+        ),
+        test("read quantity: an offset that drifts along a power of time is one law", drift),
+    ]
+}
+
+/// Rows of a cycle.
+const PER_CYCLE: usize = 24;
+/// Integration steps from one row to the next.
+const STEPS: usize = 10;
+/// Cycles of a recording.
+const CYCLES: usize = 130;
+/// Damping ratio of the mass.
+const ZETA: f64 = 0.01;
+/// Part of the reading's root mean square that is noise.
+const NOISE: f64 = 3e-3;
+/// Mass ratio, frequency and damping ratio of the second mass.
+const SECOND: [f64; 3] = [0.01, 1.1, 0.02];
+/// Strength of the feedback, and how many integration steps it is late: an eighth of a cycle.
+const FEEDBACK: (f64, usize) = (0.05, PER_CYCLE * STEPS / 8);
+
+/// What acts beside oscillator and input.
+#[derive(Clone, Copy, PartialEq)]
+enum Beside {
+    Nothing,
+    SecondMass,
+    LateFeedback,
+}
+
+/// Input and reading of each row.
+fn rows(beside: Beside, output: Output, seed: u64) -> [Vec<f64>; 2] {
+    let mut rng = Philox::new(seed, 0, Stream::Host);
+    let phases: Vec<f64> = (0..60).map(|_| TAU * rng.normal()).collect();
+    let input = |t: f64| -> f64 {
+        phases.iter().enumerate().map(|(i, phase)| ((0.35 + 0.045 * i as f64) * t + phase).cos()).sum()
+    };
+    let rates = |u: f64, [x, v, z, w]: [f64; 4], late: f64| {
+        let [mu, omega, zeta] = SECOND;
+        let pull = omega * omega * (z - x) + 2.0 * zeta * omega * (w - v);
+        let acting = match beside {
+            Beside::Nothing => 0.0,
+            Beside::SecondMass => mu * pull,
+            Beside::LateFeedback => -FEEDBACK.0 * late,
+        };
+        [v, u - x - 2.0 * ZETA * v + acting, w, -pull]
+    };
+    let h = TAU / (PER_CYCLE * STEPS) as f64;
+    let mut state = [0.0; 4];
+    let mut passed = vec![0.0];
+    let at = |passed: &[f64], back: usize| if passed.len() > back { passed[passed.len() - 1 - back] } else { 0.0 };
+    let (mut inputs, mut readings) = (Vec::new(), Vec::new());
+    for step in 0..CYCLES * PER_CYCLE * STEPS {
+        let (t, back) = (step as f64 * h, FEEDBACK.1);
+        let late = [at(&passed, back), at(&passed, back - 1)];
+        let middle = 0.5 * (late[0] + late[1]);
+        let a = rates(input(t), state, late[0]);
+        if step % STEPS == 0 {
+            inputs.push(input(t));
+            readings.push(if output == Output::Velocity { state[1] } else { a[1] });
+        }
+        let to = |k: [f64; 4], by: f64| -> [f64; 4] { std::array::from_fn(|i| state[i] + by * k[i]) };
+        let b = rates(input(t + 0.5 * h), to(a, 0.5 * h), middle);
+        let c = rates(input(t + 0.5 * h), to(b, 0.5 * h), middle);
+        let d = rates(input(t + h), to(c, h), late[1]);
+        state = std::array::from_fn(|i| state[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
+        passed.push(state[0]);
+    }
+    let size = (readings.iter().map(|y| y * y).sum::<f64>() / readings.len() as f64).sqrt();
+    readings.iter_mut().for_each(|y| *y += NOISE * size * rng.normal());
+    [inputs, readings]
+}
+
+// The numbers of the second mass within 3 %: the larger of their intervals here is 2 %.
+fn masses() -> Result<(), Failed> {
+    for output in [Output::Velocity, Output::Acceleration] {
+        let verdict = judged(rows(Beside::SecondMass, output, 3), true, PER_CYCLE, output)?;
+        let case = format!("{output:?}: {:?} {}", ids(&verdict), verdict.sentence);
+        check(verdict.verdict == Outcome::Explained && ids(&verdict) == ["coupled-mode"], case)?;
+        for (parameter, planted) in verdict.effects[0].parameters.iter().zip(SECOND) {
+            near(&parameter.name, parameter.value, planted, 0.03 * planted)?;
+        }
+        let late = judged(rows(Beside::LateFeedback, output, 4), true, PER_CYCLE, output)?;
+        let case = format!("a late feedback, {output:?}: {:?} {}", ids(&late), late.sentence);
+        check(late.verdict != Outcome::Explained, case)?;
+    }
+    Ok(())
+}
+
+// 3 % of the motion at the end, as t^1.6: a line and a settling stood for it. Control: a straight line keeps no
+// exponent.
+fn drift() -> Result<(), Failed> {
+    for exponent in [1.6, 1.0] {
+        let [input, mut reading] = rows(Beside::Nothing, Output::Velocity, 5);
+        let (size, count) = (reading.iter().fold(0.0_f64, |m, y| m.max(y.abs())), reading.len() as f64);
+        reading.iter_mut().enumerate().for_each(|(i, y)| *y += 0.1 * size * (i as f64 / count).powf(exponent));
+        let verdict = judged([input, reading], true, PER_CYCLE, Output::Velocity)?;
+        let case = format!("t^{exponent}: {:?} {}", ids(&verdict), verdict.sentence);
+        check(verdict.verdict == Outcome::Explained && ids(&verdict) == ["bias-drift"], case)?;
+        let n = verdict.effects[0].parameters.iter().find(|p| p.name == "n");
+        match n {
+            Some(n) => near("n", n.value, exponent, 0.05)?,
+            None => check(exponent == 1.0, "the exponent is stated")?,
+        }
+    }
+    Ok(())
+}
