@@ -1,6 +1,6 @@
-//! A driven mass whose velocity or acceleration is read, beside what is linear or goes with time: a second mass
-//! that pulls back on it, a drift along a power of time, and a feedback that comes late, which no law of the
-//! library is.
+//! A driven mass whose velocity or acceleration is read, next to what has a form of its own: a second mass that
+//! pulls back on it, a spring with memory that yields sharply, a drift along a power of time; and a feedback that
+//! comes late, which no law of the library is.
 //!
 //! In units of 1/ω₀ = 1 s, by a Runge–Kutta integrator of the test's own: every planted number is its own
 //! expectation.
@@ -22,6 +22,7 @@ pub fn tests() -> Vec<Trial> {
             "read quantity: a second mass that pulls back is named with its ratio, and a late feedback is not",
             masses,
         ),
+        test("read quantity: a spring with memory keeps the exponent by which it yields", memory),
         test("read quantity: an offset that drifts along a power of time is one law", drift),
     ]
 }
@@ -38,6 +39,8 @@ const ZETA: f64 = 0.01;
 const NOISE: f64 = 3e-3;
 /// Mass ratio, frequency and damping ratio of the second mass.
 const SECOND: [f64; 3] = [0.01, 1.1, 0.02];
+/// k_h, β, γ and n of the spring with memory.
+const MEMORY: [f64; 4] = [0.15, 0.06, -0.02, 2.5];
 /// Strength of the feedback, and how many integration steps it is late: an eighth of a cycle.
 const FEEDBACK: (f64, usize) = (0.05, PER_CYCLE * STEPS / 8);
 
@@ -46,6 +49,7 @@ const FEEDBACK: (f64, usize) = (0.05, PER_CYCLE * STEPS / 8);
 enum Beside {
     Nothing,
     SecondMass,
+    Memory,
     LateFeedback,
 }
 
@@ -59,12 +63,19 @@ fn rows(beside: Beside, output: Output, seed: u64) -> [Vec<f64>; 2] {
     let rates = |u: f64, [x, v, z, w]: [f64; 4], late: f64| {
         let [mu, omega, zeta] = SECOND;
         let pull = omega * omega * (z - x) + 2.0 * zeta * omega * (w - v);
+        let [stiffness, beta, gamma, n] = MEMORY;
+        let yields = (beta * z.abs()).powf(n - 1.0);
+        let own = match beside {
+            Beside::Memory => [v - yields * (beta * v.abs() * z + gamma * v * z.abs()), 0.0],
+            _ => [w, -pull],
+        };
         let acting = match beside {
+            Beside::Memory => -stiffness * z,
             Beside::Nothing => 0.0,
             Beside::SecondMass => mu * pull,
             Beside::LateFeedback => -FEEDBACK.0 * late,
         };
-        [v, u - x - 2.0 * ZETA * v + acting, w, -pull]
+        [v, u - x - 2.0 * ZETA * v + acting, own[0], own[1]]
     };
     let h = TAU / (PER_CYCLE * STEPS) as f64;
     let mut state = [0.0; 4];
@@ -104,6 +115,19 @@ fn masses() -> Result<(), Failed> {
         let late = judged(rows(Beside::LateFeedback, output, 4), true, PER_CYCLE, output)?;
         let case = format!("a late feedback, {output:?}: {:?} {}", ids(&late), late.sentence);
         check(late.verdict != Outcome::Explained, case)?;
+    }
+    Ok(())
+}
+
+// Of the law with n = 1 something is left; its control is that the exponent's interval holds 2.5 and not 1.
+fn memory() -> Result<(), Failed> {
+    for output in [Output::Velocity, Output::Acceleration] {
+        let verdict = judged(rows(Beside::Memory, output, 6), true, PER_CYCLE, output)?;
+        let case = format!("{output:?}: {:?} {}", ids(&verdict), verdict.sentence);
+        check(verdict.verdict == Outcome::Explained && ids(&verdict) == ["hysteresis"], case.clone())?;
+        let n = verdict.effects[0].parameters.iter().find(|p| p.name == "n").ok_or("the exponent is stated")?;
+        check(n.ci95[0] > 1.0 && n.ci95[1] - n.ci95[0] < 1.0, format!("{case} {:?}", n.ci95))?;
+        near("n", n.value, MEMORY[3], n.ci95[1] - n.ci95[0])?;
     }
     Ok(())
 }

@@ -6,6 +6,7 @@ use crate::physics::bias_drift::{BiasDrift, Course};
 use crate::physics::coupled_mode::CoupledMode;
 use crate::physics::end_stop::{EndStop, Side};
 use crate::physics::free_form::{Extent, FreeForm, Freed};
+use crate::physics::hysteresis::{Hysteresis, Sharpness};
 use crate::physics::law::Role;
 use crate::physics::library::Term;
 use crate::physics::power::Exponent;
@@ -52,6 +53,7 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
         Term::PowerLawStiffness(PowerLawStiffness(Exponent::Free)),
         Term::PowerLawDamping(PowerLawDamping(Exponent::Free)),
         Term::BiasDrift(BiasDrift(Course::Power)),
+        Term::Hysteresis(Hysteresis(Sharpness::Own)),
     ];
     let powers = powers.into_iter().chain(ShapedFriction::ALL.map(Term::ShapedFriction));
     // What a mode is when it pulls back on the mass, and a low-pass with a second pole.
