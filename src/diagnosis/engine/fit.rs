@@ -111,7 +111,7 @@ fn judged<K: Kind>(kind: &K, set: &[usize], point: Point, model: Linearised) -> 
         (0..model.shared.len()).map(|i| by_blocks[i].max(variance * inverse[(i, i)].max(0.0)).sqrt()).collect();
     let error = left_out.residual.iter().map(|e| e * e).sum();
     let own = if set.is_empty() { held.len() } else { kind.coordinates(set, 0).start };
-    let is_impossible = held[..own].contains(&true) && leads_out(layout, &model, &held[..own], variance)?;
+    let is_impossible = held[..own].contains(&true) && leads_out(layout, &model, &held[..own], variance) == Some(true);
     let held_out = left_out.residual;
     Some(Fitted { set: set.to_vec(), point, model, held_out, error, deviations, variance, at_bound, is_impossible })
 }
