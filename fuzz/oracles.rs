@@ -228,7 +228,7 @@ pub fn study(bytes: &[u8]) -> Verdict {
         speaks_or(answer, |drift| {
             let json = to_json(&Document::of(&read, &drift)).map_err(|e| e.to_string())?;
             parses_as_json(&json)?;
-            let page = report::study::page(&read, &drift, None).finish();
+            let page = report::study::page(&read, &drift, proofmass::decision::further::Further::NONE).finish();
             ensure(page.trim_end().ends_with("</html>"), || "half a page".into())
         })
     })

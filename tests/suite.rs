@@ -78,6 +78,7 @@ mod suite {
     pub mod report;
     pub mod require;
     pub mod resume_in_motion;
+    pub mod risk;
     pub mod rows;
     pub mod same_verdict;
     pub mod samples;
@@ -182,6 +183,7 @@ fn main() {
         // recording: files are read as they are, or refused with a reason.
         suite::recording::tests(),
         // rows: none is lost without a word, whatever happened to the file.
+        suite::risk::tests(),
         suite::rows::tests(),
         // clock: one clock for all readers.
         suite::clock::tests(),

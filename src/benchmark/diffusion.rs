@@ -19,7 +19,7 @@ const START: f64 = 0.1;
 
 /// One run on all threads; the mean of the first state at its end, over all trajectories.
 pub fn run<T: Real>(level: Level) -> f64 {
-    let one = |block: usize| level.run(Paths::<T>::new(Drawer { seed: 1, first_member: (block * LANES) as u64 }));
+    let one = |block: usize| level.run(Paths::<T>::new(Drawer::new(1, (block * LANES) as u64)));
     let sums: Vec<f64> = parallel::map_indices(MEMBERS / LANES, one);
     sums.iter().sum::<f64>() / MEMBERS as f64
 }

@@ -105,7 +105,7 @@ impl<T: Real> Noisy<'_, T> {
     fn run(self, level: Level) -> f64 {
         let zero = Lane::splat(T::of(0.0));
         let (mut x, mut v, mut numbers) = (zero, zero, [zero; STRETCH]);
-        let drawer = Drawer { seed: 1, first_member: self.block.first_member };
+        let drawer = Drawer::new(1, self.block.first_member);
         for (i, force) in self.force.windows(2 * STRETCH + 1).step_by(2 * STRETCH).enumerate() {
             let counter = (i * STRETCH / 4) as u32;
             level.run(Draw { drawer, stream: Stream::Force as u32, counter, each: 4, out: &mut numbers });

@@ -14,7 +14,7 @@ const STRETCH: usize = 16;
 /// One run on all threads; the sum of the first member's last numbers of every block.
 pub fn run<T: Real>(level: Level) -> f64 {
     let one = |block: usize| {
-        let drawer = Drawer { seed: 1, first_member: (block * LANES) as u64 };
+        let drawer = Drawer::new(1, (block * LANES) as u64);
         let mut numbers = [Lane::splat(T::of(0.0)); STRETCH];
         for i in 0..STEPS / STRETCH {
             let counter = (i * STRETCH / 4) as u32;

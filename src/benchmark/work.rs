@@ -42,6 +42,7 @@ fn job(sensor: Sensor, members: u64, samples: u64, integrator: Integrator) -> Jo
         integrator,
         temperature: Arc::default(),
         gravity_m_s2: STANDARD_GRAVITY_M_S2,
+        chained: None,
     }
 }
 

@@ -24,8 +24,9 @@ use proofmass_base::progress;
 use proofmass_base::shard::{MOST as MOST_SHARDS, Shard};
 use proofmass_report::study as report;
 use proofmass_simulate::decision::digits;
+use proofmass_simulate::decision::further::Questions;
+use proofmass_simulate::decision::risk::Exceeds;
 use proofmass_simulate::decision::statistic::Limit;
-use proofmass_simulate::decision::variance;
 use proofmass_simulate::drift;
 use proofmass_simulate::ensemble::{Backends, Choice, Keeper, Options};
 use proofmass_study::{Axis, Study, StudyText};
@@ -39,6 +40,7 @@ const EXAMPLES: &str = "Examples:
   proofmass study study.toml --shard 3/16 --out shards         one of sixteen parts, for `proofmass merge shards`
   proofmass study study.toml --emit slurm --shards 64 > run.sh  all of them as a Slurm job array, and the merge
   proofmass study study.toml --variance                        whose variance the last position error has, source by source
+  proofmass study study.toml --risk 'abs(position_error_m, 60) > 100'   how probable such a drift is, down to one in 10¹⁰
   proofmass study --preset tactical                            the default study with a tactical-grade sensor, after a still start
   proofmass study study.toml --samples 3 log.csv && proofmass allan log.csv
 
@@ -73,6 +75,10 @@ pub struct Arguments {
     /// members
     #[arg(long, conflicts_with_all = ["sweep", "limit", "shard", "emit"])]
     pub variance: bool,
+    /// Find the probability that an error exceeds a limit, e.g. 'abs(position_error_m, 60) > 100',
+    /// down to one in 10¹⁰, with its 95 % interval; on the CPU
+    #[arg(long, value_name = "EVENT", conflicts_with_all = ["sweep", "limit", "shard", "emit"])]
+    pub risk: Option<Exceeds>,
     /// With --sweep: find where this requirement is just met, e.g. 'p95(position_error_m, 60) < 10'
     #[arg(long, value_name = "EXPR")]
     pub limit: Option<Limit>,
@@ -115,6 +121,10 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     if arguments.variance {
         launcher::refuse_ranks("study --variance")?;
     }
+    if arguments.risk.is_some() {
+        launcher::refuse_ranks("study --risk")?;
+    }
+    let questions = Questions { variance: arguments.variance, risk: arguments.risk };
     #[cfg(feature = "mpi")]
     if launcher::ranks().is_some() && arguments.shard.is_none() && arguments.emit.is_none() {
         let ready = || {
@@ -128,9 +138,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let source = source(arguments)?;
     let study = source.study()?;
     let path = folder(arguments, &study);
-    if arguments.variance {
-        of_one_variance(&study)?;
-    }
+    questions.check(&study)?;
     if let (Some(target), Some(shards)) = (arguments.emit, arguments.shards) {
         let study = of_one_value(study)?;
         let Arguments { backend, force, .. } = *arguments;
@@ -174,8 +182,8 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let path = folder(arguments, &study);
     if let Some(motion) = &study.in_motion {
         let request = outputs(arguments, &study);
-        let Arguments { resume, backend, digits, variance, .. } = *arguments;
-        let asked = in_motion::Asked { request, resume, backend, digits, variance, path: &path };
+        let Arguments { resume, backend, digits, .. } = *arguments;
+        let asked = in_motion::Asked { request, resume, backend, digits, questions, path: &path };
         return in_motion::run(asked, &study, motion, json);
     }
     let mut keeper = match arguments.resume {
@@ -188,9 +196,8 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         (Options { backend: arguments.backend, control, ..Options::default() }, Backends::default());
     let drift = drift::answer(&study, &options.control, |job, _| backends.run(job, &options, &mut keeper))?;
     let stated = arguments.digits.and_then(|digits| digits::stated(&drift, digits));
-    let variance = arguments.variance.then(|| variance::variance(&study, &options.control)).transpose();
-    let variance = variance.map_err(|error| keeper.kept(error))?;
-    let beside = answer::Beside { stated: stated.as_ref(), variance: variance.as_ref() };
+    let further = questions.answer(&study, &options.control).map_err(|error| keeper.kept(error))?;
+    let beside = answer::Beside { stated: stated.as_ref(), further: &further };
     // The answer comes before the report: a disk that is full costs the report, not the run.
     answer::print(&study, &drift, beside, None, json)?;
     answer::write(&mut folder, &study, &drift, beside).map_err(|error| keeper.kept(error))?;
@@ -222,19 +229,6 @@ fn of_one_value(study: Study) -> Result<Study> {
         Some(_) => Err(Error::new(
             format!("could not divide {}", study.name),
             "its [sweep] asks for several studies, and shards are of one",
-            "leave [sweep] out and give each value with --set KEY=VALUE and its own --out",
-        )),
-    }
-}
-
-/// Refuses to share the variance of a study at several values of a key, or of one whose members are
-/// alike.
-fn of_one_variance(study: &Study) -> Result<()> {
-    match study.sweep {
-        None => variance::check(study),
-        Some(_) => Err(Error::new(
-            format!("could not share the variance of {}", study.name),
-            "its [sweep] asks for several studies, and each has its own",
             "leave [sweep] out and give each value with --set KEY=VALUE and its own --out",
         )),
     }

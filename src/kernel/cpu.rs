@@ -23,6 +23,7 @@ pub mod members;
 pub mod navigate;
 pub mod noise;
 pub mod oscillator;
+mod own;
 pub mod poincare;
 pub mod reading;
 pub mod reduce;

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use super::aiding::Fix;
+use super::chained::Once;
 use super::environment::Follow;
 use super::job::{Clock, Job};
 use super::truth_step::TimeFactor;
@@ -137,6 +138,20 @@ impl Flight {
         self.begin(member, Some(mean))
     }
 
+    /// Three standard normal numbers of which a member's first attitude is made.
+    fn turns(&self, member: u64) -> [f64; 3] {
+        let (seed, stream) = (self.seed(), Stream::Start);
+        match &self.axes[0].chained {
+            None => {
+                let mut draw = Philox::new(seed, member, stream);
+                std::array::from_fn(|_| draw.normal())
+            }
+            Some(chained) => {
+                std::array::from_fn(|i| chained.once(Once { seed, counter: i as u32, stream: stream as u32 }, member))
+            }
+        }
+    }
+
     /// Heading of the vehicle at a sample, counted from the end of the still start, rad.
     pub fn heading_rad(&self, sample: u64) -> f64 {
         self.course.heading_rad(sample)
@@ -149,8 +164,7 @@ impl Flight {
     /// gravity by is taken for a bias along it. The gyros' mean, less the Earth's rate as the
     /// levelled attitude sees it, is taken for their bias.
     pub fn begin(&self, member: u64, mean: Option<(Vector3<f64>, Vector3<f64>)>) -> Begin {
-        let mut draw = Philox::new(self.seed(), member, Stream::Start);
-        let [north, east, down] = std::array::from_fn(|_| draw.normal());
+        let [north, east, down] = self.turns(member);
         let Misalignment { tilt_sd_rad, heading_sd_rad } = self.misalignment;
         let Some((accelerometer, gyro)) = mean else {
             let turn = Vector3::new(tilt_sd_rad * north, tilt_sd_rad * east, heading_sd_rad * down);

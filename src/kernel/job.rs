@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::chained::Chained;
 pub use super::integrator::Integrator;
 pub use crate::excitation::{MemberSine, Waveform};
 use crate::motion::temperature::Temperature;
@@ -72,6 +73,8 @@ pub struct Job {
     pub temperature: Arc<Temperature>,
     /// g by which tilt becomes acceleration, m/s².
     pub gravity_m_s2: f64,
+    /// Source of the members' random numbers, if these are not those of their index; on the CPU only.
+    pub chained: Option<Arc<dyn Chained>>,
 }
 
 impl Job {

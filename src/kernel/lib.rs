@@ -5,6 +5,7 @@
 #![warn(unreachable_pub)]
 
 pub mod aiding;
+pub mod chained;
 pub mod cpu;
 pub mod environment;
 pub mod flicker;

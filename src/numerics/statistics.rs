@@ -8,6 +8,7 @@ pub mod histogram;
 pub mod jcgm101;
 pub mod moments;
 pub mod sensitivity;
+pub mod subset;
 
 pub use fold::Fold;
 pub use histogram::{Bins, Histogram};
@@ -16,6 +17,15 @@ pub use moments::Moments;
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
+
+/// A number with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Estimate, in the unit of its quantity.
+    pub value: f64,
+    /// 95 % confidence interval, lower and upper end.
+    pub ci95: [f64; 2],
+}
 
 /// The distribution of one quantity over the members that did not fail, at one report time.
 #[derive(Debug, Clone, PartialEq)]

@@ -26,6 +26,7 @@ use proofmass_diagnosis::recordings::Recordings;
 use proofmass_diagnosis::{self as diagnosis, repaired};
 use proofmass_recording::{self as recording, Recording, Request};
 use proofmass_report as report;
+use proofmass_simulate::decision::further::Further;
 use proofmass_simulate::drift;
 use proofmass_simulate::drift::document;
 use proofmass_simulate::ensemble::{self, Backends, Choice, Keeper, Options};
@@ -125,7 +126,7 @@ pub(super) fn study(
             let answer = strapdown::answer::answer(&study, motion, backend, control)?;
             let findings = report::strapdown::findings(&answer);
             let json = to_json(&strapdown::document::Document::of(&study, &answer, findings))?;
-            let draw = move || report::strapdown::page(&study, &answer, None, None).finish();
+            let draw = move || report::strapdown::page(&study, &answer, None, Further::NONE).finish();
             return Ok(Answer { json, toml: None, draw: Box::new(draw) });
         }
         let options = Options { backend, control: control.clone(), ..Options::default() };
@@ -133,7 +134,11 @@ pub(super) fn study(
         let run = |job: &_, _: &str| backends.run(job, &options, &mut Keeper::none());
         let drift = drift::answer(&study, control, run)?;
         let json = to_json(&document::Document::of(&study, &drift))?;
-        Ok(Answer { json, toml: None, draw: Box::new(move || report::study::page(&study, &drift, None).finish()) })
+        Ok(Answer {
+            json,
+            toml: None,
+            draw: Box::new(move || report::study::page(&study, &drift, Further::NONE).finish()),
+        })
     })
 }
 

@@ -8,20 +8,19 @@ mod windows;
 use self::doubt::doubt;
 use super::html::Page;
 use super::study::moment::{moment, plain};
-use super::study::{jcgm101, percent, variance};
+use super::study::{further, jcgm101, percent};
 use super::table::Table;
 use proofmass_base::number::{duration, significant, worth};
 use proofmass_base::units::DEGREE;
 use proofmass_numerics::statistics::jcgm101::Stated;
 use proofmass_simulate::backend::flight::Quantity;
-use proofmass_simulate::decision::variance::Variance;
+use proofmass_simulate::decision::further::Further;
 use proofmass_simulate::strapdown::answer::Answer;
 use proofmass_simulate::strapdown::covariance::{Cause, Part};
 use proofmass_study::Study;
 
-/// The page; `stated` is the last horizontal error where digits were asked for, `shared` the variance of it
-/// among the sources.
-pub fn page(study: &Study, answer: &Answer, stated: Option<&Stated>, shared: Option<&Variance>) -> Page {
+/// The page; `stated` is the last horizontal error where digits were asked for.
+pub fn page(study: &Study, answer: &Answer, stated: Option<&Stated>, further: &Further) -> Page {
     let mut page = Page::new(&format!("{}: how far it drifts", study.name), &lede(answer));
     page.section("How far it drifts");
     let distance = figures::distance(answer).draw();
@@ -37,6 +36,7 @@ pub fn page(study: &Study, answer: &Answer, stated: Option<&Stated>, shared: Opt
         page.section(jcgm101::TITLE);
         page.paragraph(&jcgm101::sentence("Horizontal", stated));
     }
+    further::drift(&mut page, further);
     page.section("Where it drifts to");
     let (map, magnified) = figures::map(answer);
     let scale = if magnified == 1.0 { String::new() } else { format!(", magnified {magnified} times") };
@@ -62,7 +62,7 @@ pub fn page(study: &Study, answer: &Answer, stated: Option<&Stated>, shared: Opt
          integration error is that of the same navigator on perfect readings.",
     );
     page.table(&budget_table(answer));
-    shared.iter().for_each(|shared| variance::append(&mut page, shared));
+    further::blame(&mut page, further);
     page.section("How this was made");
     super::study::note(&mut page, study);
     page.table(&provenance(study, answer));

@@ -5,10 +5,12 @@ mod compared;
 mod contribution;
 mod distribution;
 mod envelope;
+pub mod further;
 pub mod jcgm101;
 pub(crate) mod moment;
+mod risk;
 mod sensor;
-pub mod variance;
+mod variance;
 mod windows;
 
 use super::html::Page;
@@ -16,7 +18,7 @@ use super::table::Table;
 use proofmass_base::number::{duration, significant, with_uncertainty, worth};
 use proofmass_numerics::statistics::{Origin, Statistics, Summary, quantity};
 use proofmass_scenario::navigation::power_law::EXPONENTS;
-use proofmass_simulate::decision::variance::Variance;
+use proofmass_simulate::decision::further::Further;
 use proofmass_simulate::drift::Drift;
 use proofmass_simulate::drift::budget::Contribution;
 use proofmass_simulate::drift::scope::SMALL_TILT_RAD;
@@ -44,8 +46,8 @@ fn beyond_scope(drift: &Drift) -> Option<String> {
     ))
 }
 
-/// The report page of `study`, with the variance shared among the sources where that was asked for.
-pub fn page(study: &Study, drift: &Drift, shared: Option<&Variance>) -> Page {
+/// The report page of `study`, with what else was asked.
+pub fn page(study: &Study, drift: &Drift, further: &Further) -> Page {
     let mut page = Page::new(&format!("{}: how far it drifts", study.name), &lede(study, drift));
     if let Some(sentence) = beyond_scope(drift) {
         page.callout(&sentence);
@@ -66,6 +68,7 @@ pub fn page(study: &Study, drift: &Drift, shared: Option<&Variance>) -> Page {
     if !drift.expected.left_out.is_empty() {
         page.paragraph(&format!("Not in the closed form: {}.", drift.expected.left_out.join("; ")));
     }
+    further::drift(&mut page, further);
     page.section("How the errors are distributed");
     for (charts, words) in distribution::rows(drift) {
         page.paragraph(words);
@@ -89,7 +92,7 @@ pub fn page(study: &Study, drift: &Drift, shared: Option<&Variance>) -> Page {
                     source alone at the last one:",
     );
     page.table(&budget_table(drift));
-    shared.iter().for_each(|shared| variance::append(&mut page, shared));
+    further::blame(&mut page, further);
     page.section("How the envelope grows");
     page.paragraph(
         "Position variance fitted as a sum of squares of four powers of time, next to the closed forms of the \

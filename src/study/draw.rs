@@ -40,7 +40,8 @@ impl Drawer {
     /// A member; a pure function of its index.
     pub(super) fn member(&self, member: u64) -> Member {
         let (all, seeds) = (&self.all, self.seeds.member(member));
-        let draw = |key: &Key| all.draw(key, seeds.of(key), member);
+        let probability = |key: &Key| seeds.probability(key, 0);
+        let draw = |key: &Key| all.draw(key, probability);
         let excitation_gain = if self.variation == Variation::Gain { draw(&excitation::SIZE) } else { 1.0 };
         let mut sensor = Sensor { proof_mass: proof_mass(all, &draw), excitation_gain, ..Sensor::default() };
         for Given { term, key, phases } in &self.terms {
@@ -48,7 +49,7 @@ impl Drawer {
             for phase in phases {
                 let anywhere = Number::Uniform { min: 0.0, max: 360.0 };
                 let key = &phase.row().keys[0];
-                let drawn = all.draw_or(key, anywhere, seeds.of(key), member);
+                let drawn = all.draw_or(key, anywhere, probability);
                 phase.set(&mut sensor.accelerometer, &mut sensor.gyro, drawn);
             }
         }

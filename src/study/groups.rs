@@ -5,11 +5,13 @@
 //! streams have one seed, and some of them share their random bits (`kernel::cpu::cheap_noise`).
 
 use std::slice;
+use std::sync::Arc;
 
 use super::Study;
 use super::second::{Second, Seeds, Slots};
 use super::tolerances::Tolerances;
 use crate::excitation::{FREQUENCY, PHASE, SIZE};
+use crate::kernel::chained::Chained;
 use crate::sensor::error_law::ErrorLaw;
 use crate::sensor::source::ErrorSource;
 use crate::sensor::{coupling, mechanics};
@@ -86,9 +88,14 @@ impl Study {
         Self { second: Some(second), ..self.clone() }
     }
 
+    /// The same, with members of a chain.
+    pub fn with_chained(&self, chained: Arc<dyn Chained>) -> Self {
+        Self { chained: Some(chained), ..self.clone() }
+    }
+
     /// The seeds under which it draws.
     pub(super) fn seeds(&self) -> Seeds {
-        Seeds::one(self.seed).with(self.second.clone())
+        Seeds::one(self.seed).with(self.second.clone(), self.chained.clone())
     }
 }
 

@@ -260,10 +260,10 @@ impl InMotion {
     }
 
     /// Returns what one member's readings take from other axes and instruments.
-    fn coupling(all: &[Tolerances; 3], seeds: MemberSeeds, member: u64) -> Coupling {
+    fn coupling(all: &[Tolerances; 3], seeds: MemberSeeds<'_>) -> Coupling {
         // Each element is drawn apart: under a seed of its own, which no axis has.
         let draw = |key, axis: usize, element: usize| {
-            all[axis].draw(key, axis_seed(seeds.of(key), (3 + 3 * element + axis) as u64), member)
+            all[axis].draw(key, |key| seeds.probability(key, (3 + 3 * element + axis) as u64))
         };
         let below = |axis: usize, from: usize| {
             if from < axis { draw(&coupling::ACCELEROMETER_MISALIGNMENT, axis, from) } else { 0.0 }
@@ -281,14 +281,14 @@ impl InMotion {
 
     /// Returns what one member's readings take from the temperature and from late stamps, and where
     /// its gyros end.
-    fn follow(all: &[Tolerances; 3], seeds: MemberSeeds, member: u64) -> Follow {
-        let seed = |key, axis: usize| axis_seed(seeds.of(key), axis as u64);
-        let draw = |key, axis: usize| all[axis].draw(key, seed(key, axis), member);
+    fn follow(all: &[Tolerances; 3], seeds: MemberSeeds<'_>) -> Follow {
+        let of_axis = |axis: usize| move |key: &Key| seeds.probability(key, axis as u64);
+        let draw = |key, axis: usize| all[axis].draw(key, of_axis(axis));
         let bias_then_scale = coupling::OVER_TEMPERATURE.map(|key| std::array::from_fn(|axis| draw(key, axis)));
         let [late_s, jitter_s, drift] = coupling::OF_THE_CLOCK.map(|key| draw(key, 0));
         let endless = Number::Fixed(f64::INFINITY);
         let range = &coupling::GYRO_RANGE;
-        let gyro_range_rad_s = std::array::from_fn(|axis| all[axis].draw_or(range, endless, seed(range, axis), member));
+        let gyro_range_rad_s = std::array::from_fn(|axis| all[axis].draw_or(range, endless, of_axis(axis)));
         Follow { per_kelvin: bias_then_scale, late_s, jitter_s, drift, gyro_range_rad_s }
     }
 
@@ -303,7 +303,7 @@ impl InMotion {
             Clock { samples: run.clock.samples + still_samples, report_samples, still_samples, ..run.clock.clone() };
         let axis = |axis: usize| -> Result<Job> {
             let seeds = run.seeds.along(axis);
-            let seed = seeds.in_run();
+            let (seed, chained) = (seeds.in_run(), seeds.chained());
             let tolerances = &self.tolerances[axis];
             let drawer = Drawer::new(tolerances, Variation::None, seeds);
             let stiffest = self.stiffest(&drawer, run.members, clock.duration_s());
@@ -334,6 +334,7 @@ impl InMotion {
                 temperature: Arc::new(self.course.temperature().clone()),
                 // Tilt and gravity are the navigation's.
                 gravity_m_s2: 0.0,
+                chained,
             })
         };
         let (seeds, all) = (run.seeds.clone(), self.between.clone());
@@ -342,8 +343,8 @@ impl InMotion {
         let jitters = has(&[&coupling::TIME_JITTER]);
         let follows = has(&coupling::OVER_TEMPERATURE) || has(&coupling::OF_THE_CLOCK) || has(&[&coupling::GYRO_RANGE]);
         let (again, same) = (all.clone(), seeds.clone());
-        let followed = move |member: u64| Self::follow(&again, same.member(member), member);
-        let draws = move |member: u64| Self::coupling(&all, seeds.member(member), member);
+        let followed = move |member: u64| Self::follow(&again, same.member(member));
+        let draws = move |member: u64| Self::coupling(&all, seeds.member(member));
         Ok(Flight {
             axes: [axis(0)?, axis(1)?, axis(2)?],
             coupling: couples.then(|| Arc::new(draws) as Arc<dyn Fn(u64) -> Coupling + Send + Sync>),

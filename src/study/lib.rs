@@ -29,7 +29,7 @@ pub mod tolerances;
 // The crates below, under the names by which files here call them.
 use proofmass_base::{control, document, error, number, units};
 use proofmass_kernel as kernel;
-use proofmass_numerics::rng;
+use proofmass_numerics::{numerics, rng};
 use proofmass_physics as physics;
 use proofmass_scenario::{excitation, motion, sensor};
 
@@ -43,6 +43,7 @@ use crate::document::{from_table, hexadecimal, parse_toml, read_text};
 use crate::error::{Error, Result};
 use crate::excitation::plan::{Plan, Variation};
 use crate::excitation::reader::Run;
+use crate::kernel::chained::Chained;
 use crate::kernel::flight::Flight;
 use crate::kernel::integrator::Choice;
 use crate::kernel::job::{Clock, Integrator, Job, Member};
@@ -102,6 +103,8 @@ pub struct Study {
     pub text: String,
     /// Random numbers that come from a second sample.
     second: Option<Second>,
+    /// Chain of which its members are, if they are of one.
+    chained: Option<Arc<dyn Chained>>,
 }
 
 /// Reads and checks study.toml.
@@ -238,6 +241,7 @@ impl Study {
             sweep,
             text,
             second: None,
+            chained: None,
         })
     }
 
@@ -371,6 +375,7 @@ impl Study {
             integrator,
             temperature: self.temperature.clone(),
             gravity_m_s2: STANDARD_GRAVITY_M_S2,
+            chained: self.chained.clone(),
         }
     }
 }

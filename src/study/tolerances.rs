@@ -8,7 +8,6 @@ use std::ops::{Index, IndexMut};
 use crate::error::Result;
 use crate::excitation;
 use crate::kernel::integrator::{Choice, Integrator};
-use crate::rng::{Stream, philox4x32_10};
 use crate::sensor::error_law::{ErrorLaw, Shape};
 use crate::sensor::{ProofMass, SensorTerm, coupling, mechanics};
 use crate::units::key::{Key, SLOTS};
@@ -62,24 +61,17 @@ impl Tolerances {
         term.row().keys.iter().find(|key| self[key].is_some())
     }
 
-    /// The SI value of a key for one member; zero if it was left out.
-    pub fn draw(&self, key: &Key, seed: u64, member: u64) -> f64 {
-        self.draw_or(key, Number::Fixed(0.0), seed, member)
+    /// The SI value of a key for one member, whose probability of a lower one is drawn; zero if it
+    /// was left out.
+    pub fn draw(&self, key: &Key, probability: impl Fn(&Key) -> f64) -> f64 {
+        self.draw_or(key, Number::Fixed(0.0), probability)
     }
 
     /// The SI value of a key for one member; what `absent` draws if it was left out.
-    pub fn draw_or(&self, key: &Key, absent: Number, seed: u64, member: u64) -> f64 {
+    pub fn draw_or(&self, key: &Key, absent: Number, probability: impl Fn(&Key) -> f64) -> f64 {
         let value = match self[key].unwrap_or(absent) {
             Number::Fixed(value) => value,
-            number => {
-                let words = [seed as u32, (seed >> 32) as u32];
-                let counter = [key.slot as u32, member as u32, (member >> 32) as u32, Stream::Tolerance as u32];
-                let bits = philox4x32_10(counter, words);
-                let mantissa = (u64::from(bits[1]) << 32 | u64::from(bits[0])) >> 11;
-                // The middle of one of 2⁵³ cells: never 0 or 1.
-                let uniform = (mantissa as f64 + 0.5) / (1u64 << 53) as f64;
-                number.quantile(uniform.min(1.0 - f64::EPSILON / 2.0), key.is_cut_at_zero())
-            }
+            number => number.quantile(probability(key), key.is_cut_at_zero()),
         };
         value * key.factor
     }
@@ -122,6 +114,7 @@ fn shape(term: SensorTerm, wanted: Shape) -> Option<SensorTerm> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::second::probability;
 
     fn key(path: &str) -> &'static Key {
         keys().find(|k| k.path == path).expect("declared")
@@ -146,10 +139,11 @@ mod tests {
         let mut one = both.clone();
         one[key("accelerometer.scale_factor_ppm")] = Some(Number::Fixed(1.0));
         for member in 0..100 {
-            let draw = |t: &Tolerances| t.draw(key("accelerometer.bias_mg"), 7, member);
+            let draw = |t: &Tolerances| t.draw(key("accelerometer.bias_mg"), |key| probability(key, 7, member));
             assert_eq!(draw(&both), draw(&one));
         }
-        assert_ne!(both.draw(key("accelerometer.bias_mg"), 7, 0), both.draw(key("accelerometer.bias_mg"), 8, 0));
+        let under = |seed: u64| both.draw(key("accelerometer.bias_mg"), |key| probability(key, seed, 0));
+        assert_ne!(under(7), under(8));
     }
 
     #[test]
@@ -160,7 +154,7 @@ mod tests {
         let n = 40_000u64;
         let column = |p: &Key| -> Vec<f64> {
             let (mean, variance) = tolerances.moments(p);
-            (0..n).map(|m| (tolerances.draw(p, 3, m) - mean) / variance.sqrt()).collect()
+            (0..n).map(|m| (tolerances.draw(p, |key| probability(key, 3, m)) - mean) / variance.sqrt()).collect()
         };
         let (a, b) = (column(key("accelerometer.bias_mg")), column(key("gyro.bias_deg_h")));
         let mean = |v: &mut dyn Iterator<Item = f64>| v.sum::<f64>() / n as f64;

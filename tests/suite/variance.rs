@@ -12,7 +12,7 @@ use proofmass::control::Control;
 use proofmass::decision::variance::{Source, Variance, variance};
 use proofmass::kernel::integrator::Integrator;
 use proofmass::sensor::{Accelerometer, Sensor};
-use proofmass::statistics::sensitivity::Estimate;
+use proofmass::statistics::Estimate;
 use proofmass::study::second::Second;
 use proofmass::study::{self, Study};
 use serde_json::Value;

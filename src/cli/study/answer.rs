@@ -11,8 +11,7 @@ use proofmass_base::error::Result;
 use proofmass_base::output::Folder;
 use proofmass_numerics::statistics::jcgm101::{Linear, Stated};
 use proofmass_report::study as page;
-use proofmass_report::study::variance as shares;
-use proofmass_simulate::decision::variance::Variance;
+use proofmass_simulate::decision::further::Further;
 use proofmass_simulate::drift::Drift;
 use proofmass_simulate::drift::document::Document;
 use proofmass_study::Study;
@@ -31,17 +30,23 @@ pub(super) struct Extended<'a, D: Serialize> {
     /// Number of files that it was put together from.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shards: Option<usize>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub variance: Option<&'a Variance>,
+    #[serde(flatten)]
+    pub further: &'a Further,
 }
 
 /// Answers next to the drift, where they were asked for.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct Beside<'a> {
     /// The last position error to a number of digits.
     pub stated: Option<&'a (Stated, Linear)>,
-    /// Its variance, shared among the sources.
-    pub variance: Option<&'a Variance>,
+    /// Answers to questions about one error of it.
+    pub further: &'a Further,
+}
+
+impl Default for Beside<'_> {
+    fn default() -> Self {
+        Self { stated: None, further: Further::NONE }
+    }
 }
 
 /// Prints the answer; `shards` is the number of files that it was put together from.
@@ -49,12 +54,12 @@ pub struct Beside<'a> {
 /// # Errors
 /// When stdout cannot be written.
 pub fn print(study: &Study, drift: &Drift, beside: Beside<'_>, shards: Option<usize>, json: bool) -> Result<()> {
-    let Beside { stated, variance } = beside;
+    let Beside { stated, further } = beside;
     if json {
         let document = Document::of(study, drift).with_digits(stated.cloned());
-        return match (shards, variance) {
-            (None, None) => sayln!("{}", to_json(&document)?),
-            _ => sayln!("{}", to_json(&Extended { document, shards, variance })?),
+        return match shards.is_none() && further.is_empty() {
+            true => sayln!("{}", to_json(&document)?),
+            false => sayln!("{}", to_json(&Extended { document, shards, further })?),
         };
     }
     screen(format_args!("{}", page::terminal(study, drift)))?;
@@ -62,7 +67,7 @@ pub fn print(study: &Study, drift: &Drift, beside: Beside<'_>, shards: Option<us
         sayln!("{}", page::jcgm101::sentence("Position", stated))?;
         sayln!("{}", page::jcgm101::validation(linear, &drift.expected.left_out))?;
     }
-    variance.map_or(Ok(()), |variance| screen(format_args!("\n{}", shares::terminal(variance))))
+    page::further::terminal(further).iter().try_for_each(|text| screen(format_args!("\n{text}")))
 }
 
 /// Writes the page and its figures.
@@ -74,7 +79,7 @@ pub fn write(folder: &mut Folder, study: &Study, drift: &Drift, beside: Beside<'
     if let Some(figure) = page::windows_figure(&drift.compared) {
         folder.write(WINDOWS, figure.file_svg().as_bytes())?;
     }
-    let mut page = page::page(study, drift, beside.variance);
+    let mut page = page::page(study, drift, beside.further);
     if let Some((stated, linear)) = beside.stated {
         page::jcgm101::section(&mut page, stated, linear, drift);
     }

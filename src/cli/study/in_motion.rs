@@ -14,10 +14,10 @@ use proofmass_base::shard::file::Place;
 use proofmass_base::shard::gather::Found;
 use proofmass_numerics::statistics::jcgm101::Stated;
 use proofmass_report::strapdown as page;
+use proofmass_report::study::further::terminal;
 use proofmass_report::study::jcgm101::sentence;
-use proofmass_report::study::variance as shares;
 use proofmass_simulate::decision::digits;
-use proofmass_simulate::decision::variance::{self, Variance};
+use proofmass_simulate::decision::further::{Further, Questions};
 use proofmass_simulate::ensemble::{Choice, Keeper};
 use proofmass_simulate::strapdown::answer::{Answer, answer_kept, flight};
 use proofmass_simulate::strapdown::backends::run_share;
@@ -41,8 +41,8 @@ pub(super) struct Asked<'a> {
     pub backend: Choice,
     /// Digits to which its last horizontal error is to be stated.
     pub digits: Option<u32>,
-    /// Says whether the variance of that error is to be shared among the sources.
-    pub variance: bool,
+    /// Questions about one error of it.
+    pub questions: Questions,
     /// Folder of the results.
     pub path: &'a Path,
 }
@@ -52,7 +52,7 @@ pub(super) struct Asked<'a> {
 /// # Errors
 /// As `study`; there is no stopped run to resume.
 pub(super) fn run(asked: Asked<'_>, study: &Study, motion: &InMotion, json: bool) -> Result<()> {
-    let Asked { request, resume, backend, digits, variance, path } = asked;
+    let Asked { request, resume, backend, digits, questions, path } = asked;
     let mut kept = match resume {
         true => Kept::resume(path, &study.identity)?,
         false => Kept::new(path, &study.identity),
@@ -62,8 +62,8 @@ pub(super) fn run(asked: Asked<'_>, study: &Study, motion: &InMotion, json: bool
     let control = progress::terminal();
     let answer = answer_kept(study, motion, backend, &mut kept, &control)?;
     let stated = digits.and_then(|digits| digits::stated_in_motion(&answer, digits));
-    let variance = variance.then(|| variance::variance(study, &control)).transpose()?;
-    let beside = Beside { stated: stated.as_ref(), variance: variance.as_ref() };
+    let further = questions.answer(study, &control)?;
+    let beside = Beside { stated: stated.as_ref(), further: &further };
     print(study, &answer, beside, None, json)?;
     write(&mut folder, study, &answer, beside)?;
     if !json {
@@ -79,31 +79,31 @@ fn files(motion: &InMotion) -> Vec<String> {
 }
 
 /// Answers next to the drift, where they were asked for.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Beside<'a> {
     /// The last horizontal error to a number of digits.
     stated: Option<&'a Stated>,
-    /// The variance of the position error in the plane, shared among the sources.
-    variance: Option<&'a Variance>,
+    /// Answers to questions about one error of it.
+    further: &'a Further,
 }
 
 fn print(study: &Study, answer: &Answer, beside: Beside<'_>, shards: Option<usize>, json: bool) -> Result<()> {
-    let Beside { stated, variance } = beside;
+    let Beside { stated, further } = beside;
     if json {
         let document = Document::of(study, answer, page::findings(answer));
         let document = document.with_digits(stated.cloned()).with_shards(shards);
-        return match variance {
-            None => sayln!("{}", to_json(&document)?),
-            Some(_) => sayln!("{}", to_json(&Extended { document, shards: None, variance })?),
+        return match further.is_empty() {
+            true => sayln!("{}", to_json(&document)?),
+            false => sayln!("{}", to_json(&Extended { document, shards: None, further })?),
         };
     }
     say(format_args!("{}", page::terminal(answer)))?;
     stated.map_or(Ok(()), |stated| sayln!("{}", sentence("Horizontal", stated)))?;
-    variance.map_or(Ok(()), |variance| say(format_args!("\n{}", shares::terminal(variance))))
+    terminal(further).iter().try_for_each(|text| say(format_args!("\n{text}")))
 }
 
 fn write(folder: &mut Folder, study: &Study, answer: &Answer, beside: Beside<'_>) -> Result<()> {
-    let page = page::page(study, answer, beside.stated, beside.variance);
+    let page = page::page(study, answer, beside.stated, beside.further);
     folder.write(REPORT, page.finish().as_bytes())?;
     if let Some(inflated) = page::inflated_toml(study, answer) {
         folder.write(INFLATED, inflated.as_bytes())?;
@@ -141,9 +141,10 @@ pub(crate) fn merge(
     let open = |(path, request)| Folder::open(path, output::Request { writes: files(motion), ..request });
     let folder = out.map(open).transpose()?;
     let answer = divided::merged(study, motion, found, &progress::terminal())?;
-    print(study, &answer, Beside::default(), Some(found.len()), json)?;
+    let beside = Beside { stated: None, further: Further::NONE };
+    print(study, &answer, beside, Some(found.len()), json)?;
     if let Some(mut folder) = folder {
-        write(&mut folder, study, &answer, Beside::default())?;
+        write(&mut folder, study, &answer, beside)?;
         if !json {
             sayln!("report:     {}", folder.path().join(REPORT).display())?;
         }

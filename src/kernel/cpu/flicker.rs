@@ -7,7 +7,7 @@
 use super::cheap_noise;
 use super::lanes::{Kernel, LANES, Lane};
 use super::stretch::Numbers;
-use crate::flicker::{RENEWED, RETAINED, place, slow_term};
+use crate::flicker::{HELD, RENEWED, RETAINED, place, slow_term};
 use crate::fragment::Fragment;
 use crate::numerics::elementary::{Real, fma};
 use crate::rng::Stream;
@@ -92,14 +92,34 @@ pub(super) fn add<T: Real>(
     let (level, first) = (numbers.level, numbers.from);
     if first == 0 {
         for j in 0..flicker.terms.len() {
-            flicker.terms[j] = numbers.pair(stream, 2 + j, 0)[0];
+            flicker.terms[j] = numbers.start(stream, 2 + j);
         }
     }
     numbers.bits(samples);
-    numbers.pair(stream, 1, first >> 4);
+    let is_dense = numbers.own.is_some();
+    match is_dense {
+        false => _ = numbers.pair(stream, 1, first >> 4),
+        true if first.is_multiple_of(HELD) => dense(numbers, stream, flicker, amplitudes),
+        true => {}
+    }
     let (slow, bits) = numbers.drawn();
-    let place = place(numbers.drawer.first_member);
-    level.run(AddFlicker { flicker, amplitudes, scale, first, place, bits, slow, out });
+    let place = if is_dense { 0 } else { place(numbers.drawer.first_member) };
+    level.run(AddFlicker { flicker, amplitudes, scale, first, place, is_dense, bits, slow, out });
+}
+
+/// Takes each slow term over the next samples by a number of its own.
+fn dense<T: Real>(numbers: &mut Numbers<'_, T>, stream: Stream, flicker: &mut Flicker<T>, amplitudes: &[T]) {
+    let counter = numbers.from / HELD;
+    flicker.slowest = Lane::splat(T::of(0.0));
+    for (j, (term, amplitude)) in flicker.terms.iter_mut().zip(amplitudes).enumerate().skip(2) {
+        if counter > 0 {
+            let number = numbers.pair(stream, 2 + j, counter)[0];
+            let left = -(HELD as f64) / 4f64.powi(j as i32);
+            let (keep, new) = (T::of(left.exp()), T::of((-(2.0 * left).exp_m1()).sqrt()));
+            (0..LANES).for_each(|l| term[l] = keep * term[l] + new * number[l]);
+        }
+        (0..LANES).for_each(|l| flicker.slowest[l] = *amplitude * term[l] + flicker.slowest[l]);
+    }
 }
 
 /// Renews the terms whose turn it is and adds `scale` times their weighted sum to consecutive
@@ -113,6 +133,8 @@ struct AddFlicker<'a, T> {
     pub first: u64,
     /// Place in the schedule of renewals at which these members began.
     pub place: u64,
+    /// Says whether the slow terms have been taken along, see [`dense`].
+    pub is_dense: bool,
     /// Small steps of each four samples that share a counter.
     pub bits: &'a [Lane<u32>],
     /// Numbers for the slow terms.
@@ -129,13 +151,14 @@ impl<T: Real> Kernel for AddFlicker<'_, T> {
         for (i, out) in self.out.iter_mut().enumerate() {
             let sample = self.first + i as u64;
             let bits = &self.bits[((sample >> 2) - (self.first >> 2)) as usize];
-            let renewed = slow_term(sample + self.place).filter(|&j| sample != 0 && j < terms.len());
+            let renewed =
+                slow_term(sample + self.place).filter(|&j| sample != 0 && j < terms.len() && !(self.is_dense && j > 1));
             match renewed {
                 Some(1) => step_fourth::<T, FMA>(keep, new, &mut terms[1], bits),
                 Some(j) => relax::<T, FMA>(keep, new, &mut terms[j], &self.slow[usize::from(j == 2)]),
                 None => {}
             }
-            if sample == 0 || renewed.is_some_and(|j| j > 1) {
+            if (sample == 0 && !self.is_dense) || renewed.is_some_and(|j| j > 1) {
                 *slowest = Lane::splat(T::of(0.0));
                 for (term, a) in terms.iter().zip(self.amplitudes).skip(2) {
                     for l in 0..LANES {

@@ -133,8 +133,8 @@ impl<T: Real> Imu<T> {
                 let [t0, t1, t2] = &mut turn;
                 let error = [&mut e0[..count], &mut e1[..count], &mut e2[..count]];
                 let turn = [&mut t0[..count], &mut t1[..count], &mut t2[..count]];
-                let drawer = Drawer { seed: tile.flight.seed(), first_member: self.first_member };
-                let mut instants = Numbers { level, drawer, from, until, room: &mut room, bits_of: None };
+                let drawer = self.drawer(tile.flight.seed());
+                let mut instants = Numbers { level, drawer, own: None, from, until, room: &mut room, bits_of: None };
                 let jitter = if tile.flight.jitters { instants.each(Stream::Jitter) } else { &[] };
                 let (passed, sample_s) = (from - still_samples, tile.flight.clock().sample_s());
                 level.run(Followed { numbers, passages, jitter, passed, sample_s, error, turn });
@@ -189,10 +189,15 @@ impl<T: Real> Imu<T> {
         }
     }
 
+    /// Who draws what no axis has of its own: under the indices of the first.
+    fn drawer(&self, seed: u64) -> Drawer {
+        Drawer { seed, ..self.axes[0].draw }
+    }
+
     /// Corrects the members' errors by a fix.
     fn correct(&mut self, flight: &Flight, fix: &Fix, number: u32, level: Level) {
+        let drawer = self.drawer(flight.seed());
         let Some(taken) = self.found.as_deref_mut() else { return };
-        let drawer = Drawer { seed: flight.seed(), first_member: self.first_member };
         let since_s = (fix.sample % CHUNK) as f64 * flight.clock().sample_s();
         level.run(Correct { state: &mut self.state, taken, fix, number, drawer, since_s });
     }

@@ -4,14 +4,17 @@
 //! Not for stepping them: that is `simulate` and the phases it calls.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::flicker::Flicker;
 use super::lanes::{LANES, Lane};
 use super::law_lanes::Acting;
 use super::low_pass::LowPass;
 use super::noise::Drawer;
+use super::own::Own;
 use super::reading::State;
 use super::sums::{BOUND_M_S2, CHUNK, Sums};
+use crate::chained::Chained;
 use crate::integrator::Integrator;
 use crate::job::Job;
 use crate::low_pass::WEIGHTS;
@@ -112,6 +115,8 @@ impl Active {
 #[derive(Debug, Clone)]
 pub struct Members<T> {
     pub(super) draw: Drawer,
+    /// Source of their random numbers, if these are not those of their index.
+    pub(super) own: Option<Own>,
     pub(super) active: Active,
     pub(super) columns: [Lane<T>; COLUMNS],
     pub(super) turns: [Lane<u32>; 2],
@@ -157,7 +162,7 @@ impl<T: Real> Members<T> {
         flicker_terms: usize,
         mut column: impl FnMut(u64) -> Result<Column, E>,
     ) -> Result<Box<Self>, E> {
-        let mut members = Box::new(Self::none(Drawer { seed, first_member: of.start }));
+        let mut members = Box::new(Self::none(Drawer::new(seed, of.start)));
         let mut laws = [Lane::splat(T::of(0.0)); coefficients::MOST];
         let mut low_pass = [Lane::splat(T::of(0.0)); WEIGHTS];
         let count = of.end.saturating_sub(of.start).min(LANES as u64) as usize;
@@ -192,6 +197,7 @@ impl<T: Real> Members<T> {
         let zero = Lane::splat(T::of(0.0));
         Self {
             draw,
+            own: None,
             active: Active::NONE,
             columns: [zero; COLUMNS],
             turns: [Lane::splat(0); 2],
@@ -209,12 +215,19 @@ impl<T: Real> Members<T> {
         }
     }
 
+    /// Lets them have their random numbers from a chain, if there is one, before they begin.
+    pub fn chain(&mut self, chained: Option<&Arc<dyn Chained>>) {
+        let first = self.draw.first_member;
+        self.own = chained.map(|chained| Own { chained: chained.clone(), first, block: None });
+    }
+
     /// Replaces every number that a tile changes by what `with` makes of it, always in the same
     /// order: to read them all, or to set them all to those of a run that was stopped.
     pub fn exchange(&mut self, with: &mut dyn FnMut(f64) -> f64) {
         // No `..`: a new field must decide here whether tiles change it.
         let Self {
             draw: _,
+            own: _,
             active: _,
             columns: _,
             turns: _,

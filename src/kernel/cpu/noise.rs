@@ -8,13 +8,16 @@ use super::lanes::{Kernel, LANES, Lane};
 use crate::numerics::elementary::{Real, gaussian_pair};
 use crate::rng::{MULTIPLIER_0, MULTIPLIER_1, Stream, WEYL_0, WEYL_1};
 
-/// Who draws: 64 members from `first` on.
+/// Who draws: 64 members.
 #[derive(Debug, Clone, Copy)]
 pub struct Drawer {
     /// Seed of the study.
     pub seed: u64,
     /// First member; a multiple of 64.
     pub first_member: u64,
+    /// Lower words of the indices under which they draw: their own, or those of other members, all
+    /// with the upper word of the first.
+    pub(super) low: Lane<u32>,
 }
 
 /// Stream word of a purpose; bias instability has one per group of terms.
@@ -24,6 +27,14 @@ pub fn stream(purpose: Stream, term: usize) -> u32 {
 }
 
 impl Drawer {
+    /// The members from `first_member` on, each under its own index.
+    pub fn new(seed: u64, first_member: u64) -> Self {
+        let mut low = Lane::splat(0);
+        // The first member is a multiple of 64, so the lane never carries into the high word.
+        (0..LANES).for_each(|l| low[l] = first_member as u32 | l as u32);
+        Self { seed, first_member, low }
+    }
+
     /// Philox4x32-10 for 64 members, word for word that of `rng`, in 64-bit lanes: a 32-bit
     /// multiplication that keeps both halves is one instruction there, and what piles up in the
     /// upper half is never looked at.
@@ -36,10 +47,9 @@ impl Drawer {
     fn words(&self, counter: u32, stream: u32, out: &mut [Lane<u32>; 4]) {
         const LOW: u64 = 0xFFFF_FFFF;
         const HALF: usize = LANES / 2;
-        // The first member is a multiple of 64, so the lane never carries into the high word.
-        let (low, high) = (self.first_member & LOW, self.first_member >> 32);
+        let high = self.first_member >> 32;
         for l in 0..HALF {
-            let mut pair = [l, l + HALF].map(|l| [u64::from(counter), low | l as u64, high, u64::from(stream)]);
+            let mut pair = [l, l + HALF].map(|l| [u64::from(counter), u64::from(self.low[l]), high, u64::from(stream)]);
             let mut key = [self.seed as u32, (self.seed >> 32) as u32];
             for _ in 0..10 {
                 for c in &mut pair {
@@ -161,7 +171,7 @@ mod tests {
 
     #[test]
     fn lanes_draw_what_a_single_philox_draws() {
-        let drawer = Drawer { seed: 0x1234_5678_9ABC_DEF0, first_member: (7 << 32) + 64 };
+        let drawer = Drawer::new(0x1234_5678_9ABC_DEF0, (7 << 32) + 64);
         let word = stream(Stream::GyroFlicker, 3);
         let mut four = [Lane::splat(0.0); 4];
         drawer.fill::<f64, false>(word, 1_000_000_000, 4, &mut four);

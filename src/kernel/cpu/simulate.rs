@@ -136,7 +136,11 @@ impl<T: Real> Simulate<'_, T> {
         let Stretch { room, felt } = stretch;
         let felt = &mut felt[here.clone()];
         let Errors { error, turn } = out;
-        let mut numbers = Numbers { level, drawer: m.draw, from, until, room, bits_of: None };
+        if let Some(own) = &mut m.own {
+            own.renumber(&mut m.draw, from);
+        }
+        let own = m.own.as_ref();
+        let mut numbers = Numbers { level, drawer: m.draw, own, from, until, room, bits_of: None };
 
         let substeps = shared.substeps as usize;
         let place = (from - self.first) as usize;

@@ -56,7 +56,7 @@ pub(super) fn add_markov<T: Real>(
 ) {
     let level = numbers.level;
     if numbers.from == 0 {
-        let start = numbers.pair(stream, 1, 0)[0];
+        let start = numbers.start(stream, 1);
         for l in 0..LANES {
             state[l] = terms.sigma[l] * start[l];
         }

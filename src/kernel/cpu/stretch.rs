@@ -5,6 +5,8 @@ use std::ops::Range;
 
 use super::lanes::{Lane, Level};
 use super::noise::{Draw, DrawSamples, Drawer, stream};
+use super::own::Own;
+use crate::chained::Once;
 use crate::numerics::elementary::Real;
 use crate::rng::Stream;
 
@@ -35,6 +37,8 @@ impl<T: Real> Room<T> {
 pub(crate) struct Numbers<'a, T> {
     pub level: Level,
     pub drawer: Drawer,
+    /// Source of the numbers that a member draws once, if it is not the index under which it draws.
+    pub(super) own: Option<&'a Own>,
     pub from: u64,
     /// The sample after the last.
     pub until: u64,
@@ -94,6 +98,14 @@ impl<T: Real> Numbers<'_, T> {
         let stream = stream(purpose, term);
         self.level.run(Draw { drawer: self.drawer, stream, counter: counter as u32, each: 2, out });
         &self.room.pair
+    }
+
+    /// Draws the number with which a process starts: the first of counter 0.
+    pub(crate) fn start(&mut self, purpose: Stream, term: usize) -> Lane<T> {
+        match self.own {
+            None => self.pair(purpose, term, 0)[0],
+            Some(own) => own.once(Once { seed: self.drawer.seed, counter: 0, stream: stream(purpose, term) }),
+        }
     }
 
     /// Returns what was drawn last: two numbers of one counter, and bits.

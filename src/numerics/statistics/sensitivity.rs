@@ -15,6 +15,7 @@
 use rand::Rng;
 use serde::Serialize;
 
+use super::Estimate;
 use crate::numerics::order;
 use crate::rng::{Philox, Stream};
 
@@ -40,16 +41,8 @@ pub struct Design {
     pub seed: u64,
 }
 
-/// A share of the variance, 1.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Estimate {
-    /// Share; sampling may carry it below 0 or beyond 1.
-    pub value: f64,
-    /// Ends of its 95 % interval, by bootstrap over members.
-    pub ci95: [f64; 2],
-}
-
-/// The shares of one group.
+/// The shares of one group, 1; sampling may carry one below 0 or beyond 1. Intervals are by
+/// bootstrap over members.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Share {
     /// Share that it makes alone (first-order Sobol index).

@@ -5,7 +5,7 @@ use super::moment::moment;
 use crate::html::Page;
 use crate::table::Table;
 use proofmass_base::number::significant;
-use proofmass_numerics::statistics::sensitivity::Estimate;
+use proofmass_numerics::statistics::Estimate;
 use proofmass_simulate::decision::variance::Variance;
 
 /// Explains the three shares.
@@ -15,7 +15,7 @@ const MEANING: &str = "Alone: the part of the variance that would go if this sou
     carry a share below zero.";
 
 /// The table with its sentences, for a terminal.
-pub fn terminal(variance: &Variance) -> String {
+pub(super) fn terminal(variance: &Variance) -> String {
     let held: String = held(variance).iter().map(|words| format!("{words}\n")).collect();
     format!("{}\n{}{held}", sentence(variance), table(variance))
 }

@@ -96,6 +96,7 @@ type Group<T> = Box<Members<T>>;
 /// The 64 members from `first` on, below `end`, ready to integrate.
 fn draw<T: Real>(job: &Job, first: u64, end: u64, flicker_terms: usize) -> Result<Group<T>> {
     let mut members = Members::new(job.seed, first..end, flicker_terms, |i| column(job, i))?;
+    members.chain(job.chained.as_ref());
     members.tilt(job.level_rad_per_m_s2());
     Ok(members)
 }

@@ -267,7 +267,11 @@ impl FlightCpu {
 
 /// The 64 members from `first` on, below `end`.
 fn draw<T: Real>(flight: &Flight, first: u64, end: u64, flicker_terms: usize) -> Result<Imu<T>> {
-    let axis = |job: &Job| Members::new(job.seed, first..end, flicker_terms, |i| column(job, i));
+    let axis = |job: &Job| -> Result<Box<Members<T>>> {
+        let mut members = Members::new(job.seed, first..end, flicker_terms, |i| column(job, i))?;
+        members.chain(job.chained.as_ref());
+        Ok(members)
+    };
     let [x, y, z] = &flight.axes;
     Ok(Imu::new(flight, first, [axis(x)?, axis(y)?, axis(z)?]))
 }

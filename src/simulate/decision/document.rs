@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use super::parts::Judged;
 use super::require::{Answer, Outcome, Value};
-use super::statistic::{Estimate, Limit};
+use super::statistic::Limit;
+use crate::statistics::Estimate;
 use crate::study::Study;
 
 /// The public document `proofmass.require/1`.

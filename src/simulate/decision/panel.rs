@@ -6,7 +6,8 @@
 //! the statistic, a standard error times 1.96 higher or lower, crosses: the interval of the
 //! statistic carried over to the value, without a slope.
 
-use super::statistic::{Estimate, Statistic, Z95};
+use super::statistic::{Statistic, Z95};
+use crate::statistics::Estimate;
 
 /// Members at two values.
 #[derive(Debug, Clone)]

@@ -9,11 +9,12 @@ use std::path::Path;
 use serde::Deserialize;
 use toml::Table;
 
-use super::statistic::{Estimate, Limit};
+use super::statistic::Limit;
 use super::values::{FIRST, Place, Work};
 use crate::control::Control;
 use crate::document::read_toml;
 use crate::error::{Error, Result};
+use crate::statistics::Estimate;
 use crate::study::StudyText;
 use crate::study::source::Sensor;
 

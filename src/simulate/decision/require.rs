@@ -8,11 +8,12 @@
 //! is reached.
 
 use super::panel::{Crossing, Panel};
-use super::statistic::{Estimate, Limit};
+use super::statistic::Limit;
 use super::values::{FIRST, Place, Work};
 use crate::control::Control;
 use crate::error::{Error, Kind, Result};
 use crate::numerics::order;
+use crate::statistics::Estimate;
 use crate::study::{Assignment, Study, StudyText};
 
 /// Ratio of neighbouring values of the first search, and how many of them there are in each

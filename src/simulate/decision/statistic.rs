@@ -10,6 +10,7 @@ use std::str::FromStr;
 
 use super::watched::Watched;
 use crate::error::nearest;
+use crate::statistics::Estimate;
 
 /// The 97.5 % quantile of the standard normal.
 pub const Z95: f64 = 1.959_963_985;
@@ -82,15 +83,6 @@ impl Statistic {
     }
 }
 
-/// A value with its 95 % confidence interval.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Estimate {
-    /// Estimate of the statistic, in the unit of its quantity.
-    pub value: f64,
-    /// 95 % confidence interval, lower and upper end.
-    pub ci95: [f64; 2],
-}
-
 /// Mean, variance (n − 1) and fourth central moment.
 fn central(values: &[f64]) -> (f64, f64, f64) {
     let n = values.len() as f64;
@@ -135,24 +127,41 @@ impl fmt::Display for Limit {
 
 const FORM: &str = "need STAT(QUANTITY, TIME_S) < NUMBER, e.g. \"p95(position_error_m, 60) < 10\"";
 
-impl FromStr for Limit {
-    type Err = String;
+/// A comparison in words: `NAME(QUANTITY, TIME_S) < NUMBER`, or with another sign.
+pub(super) struct Compared<'a> {
+    pub name: &'a str,
+    pub quantity: &'a str,
+    pub time_s: f64,
+    pub number: f64,
+}
 
-    /// `STAT(QUANTITY, TIME_S) < NUMBER`.
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (name, rest) = text.split_once('(').ok_or(FORM)?;
-        let (inside, rest) = rest.split_once(')').ok_or(FORM)?;
-        let (quantity, time) = inside.split_once(',').ok_or(FORM)?;
-        let number = rest.trim().strip_prefix('<').ok_or(FORM)?;
+impl<'a> Compared<'a> {
+    /// Reads one; `form` says how one is written.
+    pub(super) fn read(text: &'a str, sign: char, form: &str) -> Result<Self, String> {
+        let (name, rest) = text.split_once('(').ok_or(form)?;
+        let (inside, rest) = rest.split_once(')').ok_or(form)?;
+        let (quantity, time) = inside.split_once(',').ok_or(form)?;
+        let number = rest.trim().strip_prefix(sign).ok_or(form)?;
         let finite = |text: &str, what: &str| match text.trim().parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(format!("{what} is `{}`, not a number; {FORM}", text.trim())),
+            _ => Err(format!("{what} is `{}`, not a number; {form}", text.trim())),
         };
         let time_s = finite(time, "the time")?;
         if time_s <= 0.0 {
             return Err(format!("the time is {time_s} s: need more than zero"));
         }
-        let (statistic, quantity) = (statistic(name.trim())?, Watched::named(quantity.trim())?);
+        Ok(Self { name: name.trim(), quantity: quantity.trim(), time_s, number: finite(number, "the limit")? })
+    }
+}
+
+impl FromStr for Limit {
+    type Err = String;
+
+    /// `STAT(QUANTITY, TIME_S) < NUMBER`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let Compared { name, quantity, time_s, number } = Compared::read(text, '<', FORM)?;
+        let statistic = statistic(name)?;
+        let quantity = Watched::named(quantity)?;
         if matches!(statistic, Statistic::Circular(_)) && quantity != Watched::HORIZONTAL {
             return Err(format!(
                 "{} is a radius of the horizontal error: need {0}(horizontal_error_m, TIME_S), of a study with a \
@@ -160,7 +169,7 @@ impl FromStr for Limit {
                 statistic.name()
             ));
         }
-        Ok(Self { statistic, quantity, time_s, below: finite(number, "the limit")? })
+        Ok(Self { statistic, quantity, time_s, below: number })
     }
 }
 

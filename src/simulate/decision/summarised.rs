@@ -1,6 +1,7 @@
 //! A statistic of an ensemble of which only moments and histograms are kept, with its interval.
 
-use super::statistic::{Estimate, Statistic, Z95};
+use super::statistic::{Statistic, Z95};
+use crate::statistics::Estimate;
 use crate::statistics::Summary;
 use crate::statistics::histogram::BINS;
 

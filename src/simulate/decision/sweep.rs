@@ -2,13 +2,14 @@
 //! random numbers, and where a requirement is just met.
 
 use super::require::{self, Crossed};
-use super::statistic::{Estimate, Limit, Statistic};
+use super::statistic::{Limit, Statistic};
 use super::values::Place;
 use super::watched::Watched;
 use crate::control::Control;
 use crate::error::Result;
 use crate::kernel::flight::Flight;
 use crate::kernel::job::Job;
+use crate::statistics::Estimate;
 use crate::statistics::Summary;
 use crate::strapdown::aiding;
 use crate::study::{Assignment, Axis, Study, StudyText};

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::statistic::Estimate;
 use super::sweep::{Point, Sweep};
 use super::watched::Watched;
+use crate::statistics::Estimate;
 use crate::statistics::Summary;
 use crate::study::Study;
 

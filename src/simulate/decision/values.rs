@@ -10,6 +10,8 @@ use super::watched::{IN_MOTION, Watched};
 use crate::backend::{cpu, flight};
 use crate::control::{Control, Progress};
 use crate::error::{Error, Result};
+use crate::kernel::flight::Flight;
+use crate::kernel::job::Job;
 use crate::strapdown::aiding;
 use crate::study::Study;
 
@@ -17,7 +19,7 @@ use crate::study::Study;
 pub const FIRST: u64 = 1024;
 /// Most integration steps of one study along one axis, and along a trajectory: some minutes on two
 /// cores.
-const MOST_STEPS: [u64; 2] = [20_000_000_000, 4_000_000_000];
+pub(super) const MOST_STEPS: [u64; 2] = [20_000_000_000, 4_000_000_000];
 /// Between these lies the most members of one study.
 const MOST_MEMBERS: [u64; 2] = [1 << 18, 1 << 24];
 /// Members that are integrated together.
@@ -72,6 +74,56 @@ impl Place {
     }
 }
 
+/// A study's ensemble up to one time, ready to integrate.
+pub enum Run {
+    /// Along one axis, with the samples of its still start counted.
+    OneAxis(Job, u64),
+    /// Along a trajectory.
+    InMotion(Box<Flight>),
+}
+
+impl Run {
+    /// Up to `samples` from the end of the still start.
+    ///
+    /// # Errors
+    /// A member that cannot be stepped; an error that the study does not have.
+    pub fn of(study: &Study, samples: u64, quantities: impl IntoIterator<Item = Watched>) -> Result<Self> {
+        quantities.into_iter().try_for_each(|quantity| quantity.check(study))?;
+        Ok(match &study.in_motion {
+            Some(motion) => Self::InMotion(Box::new(aiding::flight(study, motion, vec![samples])?)),
+            None => {
+                let job = study.job(study.integrator()?.integrator, vec![samples]);
+                let samples = samples + job.clock.still_samples;
+                Self::OneAxis(job, samples)
+            }
+        })
+    }
+
+    /// Errors of members that begin at a multiple of 256 and fit the memory together, NaN of those
+    /// that have failed.
+    ///
+    /// # Errors
+    /// A member that cannot be stepped; stopped.
+    pub fn several<const N: usize>(
+        &self,
+        quantities: [Watched; N],
+        members: Range<u64>,
+        control: &Control,
+    ) -> Result<Vec<[f64; N]>> {
+        match self {
+            Self::InMotion(flight) => {
+                let places = quantities.map(|quantity| IN_MOTION[quantity.place()].1.place());
+                let rows = flight::outcomes_at(flight, members, control)?;
+                Ok(rows.into_iter().map(|row| places.map(|at| row[at])).collect())
+            }
+            Self::OneAxis(job, samples) => {
+                let rows = cpu::outcomes_at::<f32>(job, members, *samples, control)?;
+                Ok(rows.into_iter().map(|row| quantities.map(|quantity| row[quantity.place()])).collect())
+            }
+        }
+    }
+}
+
 /// Who watches, and the count of members that were integrated.
 pub struct Work<'a> {
     control: &'a Control,
@@ -112,25 +164,8 @@ impl<'a> Work<'a> {
         quantities: [Watched; N],
         members: Range<u64>,
     ) -> Result<Vec<[f64; N]>> {
-        quantities.iter().try_for_each(|quantity| quantity.check(study))?;
-        match &study.in_motion {
-            Some(motion) => {
-                let flight = aiding::flight(study, motion, vec![samples])?;
-                let places = quantities.map(|quantity| IN_MOTION[quantity.place()].1.place());
-                self.batches(members, |batch, control| {
-                    let rows = flight::outcomes_at(&flight, batch, control)?;
-                    Ok(rows.into_iter().map(|row| places.map(|at| row[at])).collect())
-                })
-            }
-            None => {
-                let job = study.job(study.integrator()?.integrator, vec![samples]);
-                let samples = samples + job.clock.still_samples;
-                self.batches(members, |batch, control| {
-                    let rows = cpu::outcomes_at::<f32>(&job, batch, samples, control)?;
-                    Ok(rows.into_iter().map(|row| quantities.map(|quantity| row[quantity.place()])).collect())
-                })
-            }
-        }
+        let run = Run::of(study, samples, quantities)?;
+        self.batches(members, |batch, control| run.several(quantities, batch, control))
     }
 
     /// Returns what `integrate` gives for one batch after the other.

@@ -66,6 +66,16 @@ impl Watched {
         }
     }
 
+    /// Its name in words and its unit, e.g. "north position error" and "m".
+    pub fn words(self) -> (String, &'static str) {
+        let (error, part) = self.name().split_once('.').unwrap_or((self.name(), ""));
+        let units = [("_m_s2", "m/s²"), ("_m_s", "m/s"), ("_m", "m"), ("_rad", "rad")];
+        let found = units.into_iter().find_map(|(suffix, unit)| Some((error.strip_suffix(suffix)?, unit)));
+        let (error, unit) = found.unwrap_or((error, "1"));
+        let words = error.trim_end_matches("_ned").replace('_', " ");
+        (format!("{part} {words}").trim_start().to_owned(), unit)
+    }
+
     /// Its place among the errors of a study that has it.
     pub fn place(self) -> usize {
         match self {
@@ -136,6 +146,10 @@ mod tests {
             assert_eq!(Watched::named(name).map(Watched::name), Ok(name));
         }
         assert_eq!(Watched::named("horizontal_error_m"), Ok(Watched::HORIZONTAL));
+        let words = |name: &str| Watched::named(name).map(|watched| watched.words());
+        assert_eq!(words("position_error_m"), Ok(("position error".into(), "m")));
+        assert_eq!(words("velocity_error_ned_m_s.north"), Ok(("north velocity error".into(), "m/s")));
+        assert_eq!(words("acceleration_error_m_s2"), Ok(("acceleration error".into(), "m/s²")));
         let suggested = |name: &str| Watched::named(name).expect_err("misspelt");
         assert!(suggested("horizontal_eror_m").contains("did you mean `horizontal_error_m`"));
     }

@@ -94,6 +94,7 @@ pub fn job(sensor: Sensor, members: u64, report_s: &[f64], force: Sine, integrat
         integrator,
         temperature: Arc::default(),
         gravity_m_s2: STANDARD_GRAVITY_M_S2,
+        chained: None,
     }
 }
 

@@ -37,7 +37,7 @@ fn known_answers() -> Vec<Row> {
 }
 
 fn sample(stream: u32) -> Vec<f64> {
-    let drawer = Drawer { seed: 7, first_member: 0 };
+    let drawer = Drawer::new(7, 0);
     let mut four = [Lane::splat(0.0_f32); 4];
     let mut numbers = Vec::with_capacity(4 * LANES * 16_384);
     for counter in 0..16_384 {
