@@ -9,7 +9,7 @@ use super::study::Given;
 use crate::units::key::Key;
 
 /// Most coefficients that there may be.
-pub const MOST: usize = 28;
+pub const MOST: usize = 35;
 
 /// A law that a study can run: one that gives a key for each of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,6 +63,7 @@ pub fn laws() -> &'static [StudyLaw] {
         let mut first = 0;
         let runnable = Term::all().into_iter().filter(|term| !term.study().is_empty());
         runnable
+            .map(|term| term.in_studies())
             .chain(Term::of_studies())
             .map(|term| {
                 let law = StudyLaw { term, first, dimensions: dimensions(&term) };
@@ -88,9 +89,16 @@ pub fn keys() -> impl Iterator<Item = &'static Key> {
     KEYS.iter().copied()
 }
 
-/// Coefficients of the laws of one proof mass, SI; 0 where it does not follow a law.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+/// Coefficients of the laws of one proof mass, SI; a strength of 0 where it does not follow a law.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coefficients([f64; MOST]);
+
+impl Default for Coefficients {
+    /// Those of a mass that follows no law: what each is worth where it is left out.
+    fn default() -> Self {
+        Self::given(|key| key.absent * key.factor)
+    }
+}
 
 impl Coefficients {
     /// The coefficients that each key is given.

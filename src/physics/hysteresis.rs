@@ -67,7 +67,8 @@ pub(crate) const SHARP: Candidate = Candidate {
     ..CANDIDATE
 };
 
-/// Declares its keys in a study. A run begins without a memory: z = 0.
+/// Declares its keys in a study, which runs the form with an exponent. A run begins without a memory:
+/// z = 0.
 pub const GIVEN: &[Given] = &[
     Given::new(Key::new(
         83,
@@ -86,6 +87,17 @@ pub const GIVEN: &[Given] = &[
         1.0,
         Sign::Any,
     )),
+    Given::new(
+        Key::new(
+            104,
+            "sensor.hysteresis_exponent",
+            "exponent n by which the spring with memory yields",
+            "1",
+            1.0,
+            Sign::Positive,
+        )
+        .or(1.0),
+    ),
 ];
 
 impl Law for Hysteresis {
@@ -134,16 +146,17 @@ impl Law for Hysteresis {
         (s.velocity * sharp * (p[1] + p[2].abs())).min(4.0 * s.omega_rad_s)
     }
     fn study(&self) -> &'static [Given] {
-        match self.0 {
-            Sharpness::One => GIVEN,
-            Sharpness::Own => &[],
-        }
+        GIVEN
+    }
+    fn in_studies(&self) -> Self {
+        Self(Sharpness::Own)
     }
     fn wgsl(&self) -> &'static str {
-        "fn hysteresis_rates(at: Instant, p0: f32, p1: f32, p2: f32, own: f32) -> f32 {
-    return at.v - (p1 * abs(at.v) * own + p2 * at.v * abs(own));
+        "fn hysteresis_rates(at: Instant, p0: f32, p1: f32, p2: f32, p3: f32, own: f32) -> f32 {
+    let bent = p1 * abs(at.v) * own + p2 * at.v * abs(own);
+    return at.v - bent * pow(max(p1 * abs(own), 1e-6), p3 - 1.0);
 }
-fn hysteresis(at: Instant, p0: f32, p1: f32, p2: f32, own: f32, sum: f32) -> f32 {
+fn hysteresis(at: Instant, p0: f32, p1: f32, p2: f32, p3: f32, own: f32, sum: f32) -> f32 {
     return fma(-p0, own, sum);
 }"
     }

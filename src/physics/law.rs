@@ -131,6 +131,13 @@ pub trait Law {
     fn study(&self) -> &'static [Given] {
         &[]
     }
+    /// The form of it that studies run, where one holds the others.
+    fn in_studies(&self) -> Self
+    where
+        Self: Copy,
+    {
+        *self
+    }
     /// The law for the GPU: a function of its id (hyphens as underscores) with the arguments (at,
     /// its parameters, sum), as `force` below; empty where no study can run it. One with states of
     /// its own has them behind its parameters, as a number or a vector of two, and a second

@@ -34,6 +34,15 @@ macro_rules! library {
                 vec![$(Self::$run(super::$only::$run)),*]
             }
 
+            /// The form of it that studies run.
+            pub(super) fn in_studies(&self) -> Self {
+                match self {
+                    $(Self::$law(law) => Self::$law(law.in_studies()),)*
+                    $(Self::$run(law) => Self::$run(law.in_studies()),)*
+                    $(Self::$other(law) => Self::$other(law.in_studies())),*
+                }
+            }
+
             /// The laws, in each of their forms, that a recording with this many environment
             /// columns is tried against.
             pub fn tried(environments: usize, input: bool) -> Vec<Self> {
@@ -180,11 +189,13 @@ mod tests {
             let form = FreeForm { law, size: 1.0, extent: Extent::Wide };
             assert!(matches!(form.coordinates(&scales)[0], Coordinate::Bounded(_, 0.0, _)), "{law:?}");
         }
-        for term in Term::all() {
+        for term in Term::all().into_iter().map(|term| term.in_studies()) {
             for (given, coordinate) in term.study().iter().zip(term.coordinates(&scales)) {
                 let least = match coordinate {
                     Coordinate::Log(low, _) | Coordinate::Bounded(_, low, _) => low,
-                    Coordinate::Linear(_) | Coordinate::Held => f64::NEG_INFINITY,
+                    Coordinate::Linear(_) => f64::NEG_INFINITY,
+                    // A reference that is chosen from sizes of the motion, not fitted.
+                    Coordinate::Held => 0.0,
                 };
                 let refused = given.key.sign != Sign::Any;
                 assert!(!refused || least >= 0.0, "{}: {}", term.id(), given.key.path);

@@ -4,7 +4,7 @@
 //! The strength is stated as the damping at a velocity v_r, which is chosen and not fitted (see
 //! `power_law_stiffness`): c v_r^(1−n) is the coefficient of |v|ⁿ⁻¹v. It is not searched for
 //! ([`Law::tried`]): a diagnosis looks for it in the place of a drag, or of a friction, that departs
-//! from its form. No study runs it.
+//! from its form.
 
 use crate::numerics::elementary::{Real, fma};
 
@@ -13,6 +13,8 @@ use super::law::{Law, Role};
 use super::power::{Exponent, LEAST, bounded_power};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
+use super::study::Given;
+use crate::units::key::{Key, Sign};
 
 /// Damping force c (|v|/v_r)ⁿ⁻¹ v per unit mass.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -37,6 +39,34 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     confusable_with: &["quadratic-damping", "coulomb-friction", "squeeze-film-damping", "hysteresis"],
     reference: "Elliott, Ghandchi Tehrani & Langley, Phil. Trans. R. Soc. A 373 (2015)",
 };
+
+/// Declares its keys in a study.
+pub(crate) const GIVEN: &[Given] = &[
+    Given::new(Key::new(
+        101,
+        "sensor.power_law_damping_per_s",
+        "damping by a power of the velocity c",
+        "1/s",
+        1.0,
+        Sign::NotNegative,
+    )),
+    Given::new(Key::new(
+        102,
+        "sensor.power_law_damping_at_m_s",
+        "velocity v_r at which it is that",
+        "m/s",
+        1.0,
+        Sign::Positive,
+    )),
+    Given::new(Key::new(
+        103,
+        "sensor.power_law_damping_exponent",
+        "exponent n of that power",
+        "1",
+        1.0,
+        Sign::Positive,
+    )),
+];
 
 impl Law for PowerLawDamping {
     fn candidate(&self) -> &'static Candidate {
@@ -64,6 +94,14 @@ impl Law for PowerLawDamping {
     /// friction.
     fn fastest_rad_s(&self, p: &[f64], s: &Scales) -> f64 {
         if p[2] < 1.0 { 7.0 * s.omega_rad_s } else { 0.0 }
+    }
+    fn study(&self) -> &'static [Given] {
+        GIVEN
+    }
+    fn wgsl(&self) -> &'static str {
+        "fn power_law_damping(at: Instant, p0: f32, p1: f32, p2: f32, sum: f32) -> f32 {
+    return fma(-(p0 * pow(max(abs(at.v) / p1, 1e-6), p2 - 1.0)), at.v, sum);
+}"
     }
     #[inline(always)]
     fn force<T: Real, const FMA: bool>(

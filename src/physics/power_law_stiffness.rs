@@ -6,7 +6,7 @@
 //! the origin to the force there, and k x_r^(1−n) is the coefficient of |x|ⁿ⁻¹x.
 //!
 //! Next to the cube (`cubic_stiffness`) it is not searched for ([`Law::tried`]): a diagnosis looks
-//! for it in the place of a cube that departs from its form. No study runs it.
+//! for it in the place of a cube that departs from its form.
 
 use crate::numerics::elementary::{Real, fma};
 
@@ -15,6 +15,8 @@ use super::law::{Law, Role};
 use super::power::{Exponent, LEAST, bounded_power};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
+use super::study::Given;
+use crate::units::key::{Key, Sign};
 
 /// Restoring force k (|x|/x_r)ⁿ⁻¹ x per unit mass.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -40,6 +42,34 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     reference: "Nayfeh & Mook, Nonlinear Oscillations, 1979, ch. 2; Kovacic & Brennan, The Duffing Equation, 2011, ch. 2",
 };
 
+/// Declares its keys in a study.
+pub(crate) const GIVEN: &[Given] = &[
+    Given::new(Key::new(
+        98,
+        "sensor.power_law_stiffness_per_s2",
+        "stiffness of the power-law spring k",
+        "1/s²",
+        1.0,
+        Sign::Any,
+    )),
+    Given::new(Key::new(
+        99,
+        "sensor.power_law_stiffness_at_m",
+        "displacement x_r at which it is that",
+        "m",
+        1.0,
+        Sign::Positive,
+    )),
+    Given::new(Key::new(
+        100,
+        "sensor.power_law_stiffness_exponent",
+        "exponent n of that power",
+        "1",
+        1.0,
+        Sign::Positive,
+    )),
+];
+
 impl Law for PowerLawStiffness {
     fn candidate(&self) -> &'static Candidate {
         &CANDIDATE
@@ -56,6 +86,14 @@ impl Law for PowerLawStiffness {
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
         [2.0, 5.0].map(|n| vec![0.01 * s.omega_rad_s.powi(2), 2.0 * s.output, n]).to_vec()
+    }
+    fn study(&self) -> &'static [Given] {
+        GIVEN
+    }
+    fn wgsl(&self) -> &'static str {
+        "fn power_law_stiffness(at: Instant, p0: f32, p1: f32, p2: f32, sum: f32) -> f32 {
+    return fma(-(p0 * pow(max(abs(at.x) / p1, 1e-6), p2 - 1.0)), at.x, sum);
+}"
     }
     #[inline(always)]
     fn force<T: Real, const FMA: bool>(

@@ -44,7 +44,8 @@ fn in_part(all: &Tolerances) -> Option<(&'static Key, String)> {
     laws().iter().find_map(|law| {
         let keys = || law.given().iter().map(|given| &given.key);
         let has = keys().find(|key| all[key].is_some())?;
-        let lacks: Vec<String> = keys().filter(|key| all[key].is_none()).map(|key| format!("`{}`", key.path)).collect();
+        let lacks: Vec<String> =
+            keys().filter(|key| all[key].is_none() && key.absent == 0.0).map(|key| format!("`{}`", key.path)).collect();
         (!lacks.is_empty()).then(|| (has, lacks.join(" and ")))
     })
 }
@@ -94,7 +95,7 @@ pub(super) struct Moved<'a> {
 }
 
 /// Refuses steps in which a mass moves so far that its spring with memory is no longer followed:
-/// β + |γ| times the way of a substep must stay where Runge–Kutta is stable. The way is that of a
+/// n(β + |γ|), or β + |γ| where n is below one, times the way of a substep must stay where Runge–Kutta is stable. The way is that of a
 /// well damped mass at its resonance, for the largest force that is seen. Members that go farther
 /// all the same leave their range and are reported as failed.
 pub(super) fn followed_memory(name: &str, moved: &Moved<'_>) -> Result<()> {
@@ -102,7 +103,7 @@ pub(super) fn followed_memory(name: &str, moved: &Moved<'_>) -> Result<()> {
     const MOST: f64 = 2.5;
     /// Instants at which the force is looked at.
     const LOOKS: u32 = 4096;
-    let [strength, beta, gamma] = [0, 1, 2].map(|place: usize| &hysteresis::GIVEN[place].key);
+    let [strength, beta, gamma, exponent] = [0, 1, 2, 3].map(|place: usize| &hysteresis::GIVEN[place].key);
     let Some(mass) = moved.stiffest.filter(|mass| mass.laws.of(strength) != 0.0) else { return Ok(()) };
     // Apart by the golden section, so that no sine has its zeros at all of them.
     let at = |n: u32| {
@@ -111,7 +112,8 @@ pub(super) fn followed_memory(name: &str, moved: &Moved<'_>) -> Result<()> {
     };
     let shared_m_s2 = (0..=LOOKS).map(at).fold(moved.waveform.standing_m_s2().abs(), f64::max);
     let force_m_s2 = moved.gain * shared_m_s2 + moved.own_sine_m_s2;
-    let per_m = mass.laws.of(beta).abs() + mass.laws.of(gamma).abs();
+    // The memory's own rate where it is full: n times that of n = 1.
+    let per_m = mass.laws.of(exponent).max(1.0) * (mass.laws.of(beta).abs() + mass.laws.of(gamma).abs());
     let speed_m_s = force_m_s2 / mass.natural_frequency_rad_s;
     let longest_s = MOST / (per_m * speed_m_s);
     if moved.substep_s <= longest_s {

@@ -61,10 +61,10 @@ impl Tolerances {
         term.row().keys.iter().find(|key| self[key].is_some())
     }
 
-    /// The SI value of a key for one member, whose probability of a lower one is drawn; zero if it
-    /// was left out.
+    /// The SI value of a key for one member, whose probability of a lower one is drawn; what it is
+    /// worth when absent if it was left out.
     pub fn draw(&self, key: &Key, probability: impl Fn(&Key) -> f64) -> f64 {
-        self.draw_or(key, Number::Fixed(0.0), probability)
+        self.draw_or(key, Number::Fixed(key.absent), probability)
     }
 
     /// The SI value of a key for one member; what `absent` draws if it was left out.
@@ -102,7 +102,7 @@ impl Tolerances {
 
     /// Mean and variance over members, SI.
     pub fn moments(&self, key: &Key) -> (f64, f64) {
-        let (mean, variance) = self[key].map_or((0.0, 0.0), |n| n.moments(key.is_cut_at_zero()));
+        let (mean, variance) = self[key].map_or((key.absent, 0.0), |n| n.moments(key.is_cut_at_zero()));
         (mean * key.factor, variance * key.factor * key.factor)
     }
 }

@@ -35,6 +35,7 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("own states: linear modes move as the exponential of their matrix, of order 4", modes),
         test("own states: a spring with memory follows its closed form and its equation", memory),
+        test("own states: a spring and a damping by a power are the stated laws where it is theirs", powers),
         test(
             "own states: under a steady force a low-pass shows a parasitic mode from the beginning on",
             behind_a_low_pass,
@@ -52,10 +53,15 @@ const ZETA: f64 = 0.1;
 const FORCE: Sine = Sine { amplitude_m_s2: 0.5, frequency_hz: 1.3, offset_m_s2: 0.1 };
 
 /// A proof mass of 2 Hz with these parameters of a law, SI.
-fn mass(law: &str, parameters: [f64; 3]) -> Result<ProofMass, Failed> {
-    let law = laws().iter().find(|l| l.term.id() == law).ok_or("it is not listed")?;
+fn mass<const N: usize>(law: &str, parameters: [f64; N]) -> Result<ProofMass, Failed> {
     let plain = ProofMass { natural_frequency_rad_s: OMEGA, damping_ratio: ZETA, ..ProofMass::default() };
-    Ok(law.given().iter().zip(parameters).fold(plain, |mass, (given, value)| mass.with(&given.key, value)))
+    with(plain, law, &parameters)
+}
+
+/// A mass with these parameters of a law as well; further ones are what they are when left out.
+fn with(mass: ProofMass, law: &str, parameters: &[f64]) -> Result<ProofMass, Failed> {
+    let law = laws().iter().find(|l| l.term.id() == law).ok_or("it is not listed")?;
+    Ok(law.given().iter().zip(parameters).fold(mass, |mass, (given, value)| mass.with(&given.key, *value)))
 }
 
 /// Error of the reading of one noiseless member, m/s², in f64, after `seconds` in steps of `step_s`.
@@ -190,11 +196,11 @@ fn memory() -> Result<(), Failed> {
         check((own * x + k * x - force).abs() > 0.05, "a spring without a bend holds it too (control)")?;
     }
     // Loops under a sine, by the equation itself.
-    let loops = |beta: f64| {
+    let loops = |beta: f64, n: f64| {
         let (h, steps) = (2e-5, 100_000);
         let slope = |t: f64, [x, v, z]: [f64; 3]| {
             let pull = FORCE.specific_force_m_s2(t) - own * x - 2.0 * ZETA * OMEGA * v - k * z;
-            [v, pull, v - beta * v.abs() * z - gamma * v * z.abs()]
+            [v, pull, v - (beta * v.abs() * z + gamma * v * z.abs()) * (beta * z.abs()).powf(n - 1.0)]
         };
         let add = |s: [f64; 3], d: [f64; 3], by: f64| std::array::from_fn(|i| s[i] + by * d[i]);
         let begin = [FORCE.offset_m_s2 / own, 0.0, 0.0];
@@ -209,17 +215,43 @@ fn memory() -> Result<(), Failed> {
         own * end[0] - FORCE.specific_force_m_s2(2.0)
     };
     let got = error(hysteretic, Arc::new(FORCE), 1e-3, 2.0)?;
-    near("reading error in a loop", got, loops(beta), 1e-5)?;
-    check((got - loops(0.8 * beta)).abs() > 1e-4, "a fifth less memory moves alike (control)")
+    near("reading error in a loop", got, loops(beta, 1.0), 1e-5)?;
+    check((got - loops(0.8 * beta, 1.0)).abs() > 1e-4, "a fifth less memory moves alike (control)")?;
+    let sharp = error(mass("hysteresis", [k, beta, gamma, 2.5])?, Arc::new(FORCE), 1e-3, 2.0)?;
+    near("reading error in a sharper loop", sharp, loops(beta, 2.5), 1e-5)?;
+    check((sharp - got).abs() > 1e-4, "a sharper loop moves alike (control)")
 }
 
-/// An ensemble with every error and all three laws, behind a low-pass.
+/// Of the third power a spring is the cubic one, of the second a damping the quadratic one; by any
+/// other they are other laws.
+fn powers() -> Result<(), Failed> {
+    let moved = |law: &str, p: &[f64]| -> Result<f64, Failed> {
+        error(with(mass::<0>(law, [])?, law, p)?, Arc::new(FORCE), 1e-3, 2.0)
+    };
+    let at: f64 = 0.003;
+    for (power, plain, n, strength) in [
+        ("power-law-stiffness", "cubic-stiffness", 3.0, 2e7 * at * at),
+        ("power-law-damping", "quadratic-damping", 2.0, 300.0 * at),
+    ] {
+        let known = moved(plain, &[strength * at.powf(1.0 - n)])?;
+        near(power, moved(power, &[strength, at, n])?, known, 1e-9)?;
+        check((moved(power, &[strength, at, n - 0.2])? - known).abs() > 1e-4, format!("{power}: alike (control)"))?;
+        check((moved(power, &[0.0, at, n])? - known).abs() > 1e-3, format!("{power}: nothing to see"))?;
+    }
+    Ok(())
+}
+
+/// An ensemble with every error, all three laws and two powers, behind a low-pass.
 fn all(members: u64) -> Result<Job, Failed> {
     let mut sensor = everything();
     let mut every = mass("coupled-mode", [0.2, 25.0, 0.1])?;
-    for (law, parameters) in [("parasitic-mode", [0.1, 40.0, 0.05]), ("hysteresis", [30.0, 5.0, 3.0])] {
-        let law = laws().iter().find(|l| l.term.id() == law).ok_or("it is not listed")?;
-        every = law.given().iter().zip(parameters).fold(every, |mass, (given, value)| mass.with(&given.key, value));
+    for (law, parameters) in [
+        ("parasitic-mode", &[0.1, 40.0, 0.05][..]),
+        ("hysteresis", &[30.0, 5.0, 3.0, 1.4]),
+        ("power-law-stiffness", &[20.0, 0.01, 2.3]),
+        ("power-law-damping", &[0.5, 0.05, 1.5]),
+    ] {
+        every = with(every, law, parameters)?;
     }
     (every.force_noise_m_s_rts, sensor.accelerometer.readout_lowpass_s) = (1e-3, 0.01);
     sensor.proof_mass = Some(every);

@@ -32,6 +32,8 @@ pub struct Key {
     pub factor: f64,
     /// Sign that a value may have.
     pub sign: Sign,
+    /// Value of a study that leaves the key out, in its unit: 0 where it then does nothing.
+    pub absent: f64,
     /// Says whether it is a one-sided noise density n, whose factor holds N = n/√2; else it is the
     /// coefficient itself.
     pub one_sided: bool,
@@ -51,7 +53,13 @@ impl Key {
         sign: Sign,
     ) -> Self {
         assert!(slot < SLOTS);
-        Self { slot, path, name, unit, factor, sign, one_sided: false }
+        Self { slot, path, name, unit, factor, sign, absent: 0.0, one_sided: false }
+    }
+
+    /// The same key, which is worth this where a study leaves it out.
+    pub const fn or(mut self, absent: f64) -> Self {
+        self.absent = absent;
+        self
     }
 
     /// The same key, declared as a one-sided noise density.

@@ -14,6 +14,7 @@ use crate::physics::bias_drift::{BiasDrift, Course};
 use crate::physics::coefficients::{Coefficients, StudyLaw, laws};
 use crate::physics::creeping_friction::CreepingFriction;
 use crate::physics::dimension::Units;
+use crate::physics::hysteresis::{Hysteresis, Sharpness};
 use crate::physics::law::Noise;
 use crate::physics::library::Term;
 use crate::physics::one_sided_stop::OneSidedStop;
@@ -161,13 +162,16 @@ fn sensor(data: &Data, fit: &Fit, per_input: f64, warm: bool, mut not_expressibl
 }
 
 /// Returns the form in which a study has this term, with its values: a stop on one side stands at a
-/// place, a friction of any shape but the sharp one is one law, and a spring next to a temperature follows it.
+/// place, a friction of any shape but the sharp one is one law, a spring with memory has an exponent, and one next to a temperature follows it.
 fn as_a_study_has_it(term: &Term, p: &[f64], warm: bool) -> (Term, Vec<f64>) {
     match term {
         Term::EndStop(stop) => OneSidedStop::values_of(*stop, p)
             .map_or((*term, p.to_vec()), |values| (Term::OneSidedStop(OneSidedStop), values.to_vec())),
         Term::ShapedFriction(friction) => {
             (Term::CreepingFriction(CreepingFriction), CreepingFriction::values_of(*friction, p).to_vec())
+        }
+        Term::Hysteresis(Hysteresis(Sharpness::One)) => {
+            (Term::Hysteresis(Hysteresis(Sharpness::Own)), [&p[..3], &[1.0]].concat())
         }
         Term::StiffnessDrift(_) if warm && term.environment().is_some() => {
             (Term::WarmStiffness(WarmStiffness), p.to_vec())
@@ -186,7 +190,6 @@ fn why_not(term: &Term) -> &'static str {
         Term::ReadoutSaturation(_) => "a study's range is the same on both sides of zero",
         Term::ReadoutLowpass(_) => "a study's low-pass has one pole",
         Term::BiasDrift(_) => "a study's ramp is a straight line",
-        Term::Hysteresis(_) => "a study's spring with memory yields with n = 1",
         Term::InputLag(_) => "it belongs to what recorded the input, not to the sensor",
         _ => "a study has no key for it",
     }
