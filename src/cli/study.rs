@@ -76,7 +76,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["sweep", "limit", "shard", "emit"])]
     pub variance: bool,
     /// Find the probability that an error exceeds a limit, e.g. 'abs(position_error_m, 60) > 100',
-    /// down to one in 10¹⁰, with its 95 % interval; on the CPU
+    /// down to one in 10¹⁰, with its 95 % interval; on the CPU, with as many members as that takes
     #[arg(long, value_name = "EVENT", conflicts_with_all = ["sweep", "limit", "shard", "emit"])]
     pub risk: Option<Exceeds>,
     /// With --sweep: find where this requirement is just met, e.g. 'p95(position_error_m, 60) < 10'

@@ -142,7 +142,7 @@ pub fn risk(study: &Study, event: &Exceeds, control: &Control) -> Result<Risk> {
         event: *event,
         probability: found.probability,
         exceeded: exceeded
-            .map(|(k, error)| Exceeded { probability: 0.1f64.powi(k as i32 + 1), error: *error })
+            .map(|(k, error)| Exceeded { probability: 10f64.powi(k as i32 + 1).recip(), error: *error })
             .collect(),
         members: found.states,
     })
