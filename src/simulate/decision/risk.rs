@@ -20,7 +20,7 @@ use crate::statistics::subset::{self, Exceedance, REPEATS, Space};
 use crate::study::Study;
 
 /// Members of the sample of each event, where the run is short enough: one in 10⁷ then has a 95 %
-/// interval of ± 12 to 16 % (eight studies, sixteen and twelve seeds each).
+/// interval of ± 12 to 16 % (four studies, twelve or sixteen seeds each).
 const MEMBERS: u64 = 10_000;
 /// Fewest of them.
 const FEWEST_MEMBERS: u64 = 1000;
