@@ -69,6 +69,7 @@ mod suite {
     pub mod parity;
     pub mod plan;
     pub mod planted;
+    pub mod powers;
     pub mod ranks;
     pub mod read_linear;
     pub mod read_quantity;
@@ -159,6 +160,7 @@ fn main() {
         // parity: CPU and GPU agree.
         suite::parity::tests(),
         // readout: a low-pass and a delay behind the proof mass follow their closed forms.
+        suite::powers::tests(),
         suite::read_linear::tests(),
         suite::read_quantity::tests(),
         suite::readout::tests(),

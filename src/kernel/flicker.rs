@@ -54,10 +54,10 @@ pub(crate) const SPREAD: u32 = 0x9E37_79B9;
 /// Places up to the longest time a term is held, 4¹⁵ samples.
 pub(super) const PLACE_MASK: u32 = (1 << 26) - 1;
 
-/// Samples over which the slow terms of a chain's members are held, whatever their time constant:
-/// each takes a number of its own. Where terms take turns instead, a run's drift depends on whether
-/// one of the slowest happens to be renewed in it, and five standard deviations are exceeded some
-/// times as often as by a normal law (two, as often).
+/// Samples for which members of a chain hold a slow term, whatever its time constant. An ordinary
+/// member renews one slow term at a time instead, so its drift depends on whether one of the
+/// slowest happens to be renewed during the run. Seen over many members that is a mixture of normal
+/// laws: right at two standard deviations, exceeded several times too often at five.
 pub(super) const HELD: u64 = 16;
 
 /// Returns where in the schedule the 64 members from `first_member` on begin, samples.

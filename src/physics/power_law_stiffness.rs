@@ -5,8 +5,8 @@
 //! (about the largest that the recording reaches) and not fitted: k is the slope of the line from
 //! the origin to the force there, and k x_r^(1−n) is the coefficient of |x|ⁿ⁻¹x.
 //!
-//! Next to the cube (`cubic_stiffness`) it is not searched for ([`Law::tried`]): a diagnosis looks
-//! for it in the place of a cube that departs from its form.
+//! The search does not try it next to the cube (`cubic_stiffness`, [`Law::tried`]); a diagnosis tries
+//! it instead of a cube where the cube does not fit.
 
 use crate::numerics::elementary::{Real, fma};
 

@@ -59,9 +59,9 @@ fn reach(estimate: Estimate) -> f64 {
     (estimate.ci95[1] / estimate.value).ln()
 }
 
-/// Returns whether a probability is another, to twice its interval, which one in a hundred misses
-/// with eight repeats (Student's t with seven degrees of freedom), and 5 % for what the law of the
-/// noise and single precision leave.
+/// Returns whether a probability is another, to twice its interval (4.7 standard errors, which
+/// Student's law with seven degrees of freedom exceeds once in five hundred) and 5 % for what the
+/// noise's small steps and single precision leave.
 fn agrees(estimate: Estimate, truth: f64) -> bool {
     (estimate.value / truth).ln().abs() < 2.0 * reach(estimate) + 0.05
 }
@@ -79,7 +79,7 @@ fn gaussian() -> Result<(), Failed> {
     let got = found(BIAS_AND_NOISE, &format!("abs(position_error_m, {T}) > {limit}"))?;
     let estimate = probability(&got)?;
     check(agrees(estimate, truth), format!("{estimate:?}, {truth:e}"))?;
-    // Counting takes 0.05⁻²/p members for ± 10 % (two standard deviations), 4 times fewer for 20.
+    // Members that counting takes for a 95 % interval of ± 20 %: the count has a variance of itself.
     let counted = 1.96f64.powi(2) / (0.2 * 0.2 * truth);
     check(reach(estimate) < 0.2 && (got.members as f64) < 1e-3 * counted, format!("{estimate:?}, {}", got.members))?;
     for exceeded in &got.exceeded {

@@ -189,7 +189,7 @@ impl<T: Real> Imu<T> {
         }
     }
 
-    /// Who draws what no axis has of its own: under the indices of the first.
+    /// Draws jitter and fixes, which belong to no axis, under the indices of the first axis.
     fn drawer(&self, seed: u64) -> Drawer {
         Drawer { seed, ..self.axes[0].draw }
     }

@@ -55,13 +55,13 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// None yet, of runs of so many samples.
+    /// An empty chain for runs of this many samples.
     pub fn new(samples: u64) -> Self {
         let block_samples = samples.div_ceil(BLOCKS).next_multiple_of(STRETCH);
         Self { links: RwLock::default(), block_samples }
     }
 
-    /// Blocks of a run of so many samples.
+    /// Number of blocks in a run of this many samples.
     pub fn blocks(&self, samples: u64) -> u64 {
         samples.div_ceil(self.block_samples)
     }
