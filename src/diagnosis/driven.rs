@@ -53,7 +53,7 @@ use verdict::by_simulation::{self, Simulation};
 use verdict::conclude::{self, Conclusion};
 pub use verdict::detail::Detail;
 use verdict::dropped::Dropped;
-use verdict::{answer, findings};
+use verdict::{answer, findings, of_class};
 
 /// Part of the base model's error to which another way of the input between its samples must bring
 /// it.
@@ -141,6 +141,8 @@ fn by_likelihood(recording: &Recording, taken: Taken, model: &model::Driven, con
     let conclusion = diagnosis.conclude(&selection, &scales);
     let (selection, conclusion, simulation) = diagnosis.simulated(selection, conclusion, &scales);
     let Diagnosis { data, notes, .. } = diagnosis;
+    let conclusion = of_class::fitted(&data, &selection, conclusion, &scales, control)
+        .map_err(|s| Refusal::from(s).of(recording, &model.columns))?;
     let mut answer = answer::answer(&asked, &data, &scales, &selection, &conclusion, notes);
     simulation.told(&mut answer, &conclusion, data.own_test);
     Ok(answer)

@@ -11,6 +11,7 @@
 //! colour of the noise and the fineness of sampling do not matter.
 
 pub(crate) mod evidence;
+mod expanded;
 pub(crate) mod fit;
 pub(crate) mod kind;
 pub(crate) mod levels;

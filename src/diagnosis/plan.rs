@@ -1,5 +1,5 @@
 //! Plans the next experiment: of those that a shaker allows, the shortest after which a diagnosis most
-//! probably decides rightly, whichever of the rivals is true.
+//! probably decides rightly, where each of the rivals is as likely to be true as another.
 //!
 //! Chain: `limits` → `experiment` → `question` → `asked` → `simulated` → `chance` → `strength` → `search` →
 //! `confirm`. One idea throughout: what the best rival leaves of the truth's motion, over the noise, is a

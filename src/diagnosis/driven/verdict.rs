@@ -16,6 +16,7 @@ pub(in crate::driven) mod isolation;
 mod naming_rules;
 pub(in crate::driven) mod noise_words;
 mod objection;
+pub(in crate::driven) mod of_class;
 mod product;
 mod readout_memory;
 pub(in crate::driven) mod residual_tests;

@@ -91,6 +91,9 @@ pub(crate) enum Form {
     /// With an exponent or a shape that is fitted: named only in the place of a stated law of its
     /// argument that it betters.
     Exponent,
+    /// One that shows next to a stated law of its argument alone: it is tried there, against that law with an
+    /// exponent of its own.
+    Beside,
     /// With its shape free: it shows on what the residual depends and is never named.
     Free,
 }
@@ -141,6 +144,11 @@ pub(crate) trait Kind: Sync {
     fn residuals(&self, set: &[usize], points: &[Point]) -> Vec<Option<Vec<f64>>>;
     /// Residual with its derivatives; `None` where the model breaks down.
     fn linearise(&self, set: &[usize], point: &Point) -> Option<Linearised>;
+    /// Returns whether the exponent of the law at a place may be the odd whole number of a smooth force, by its
+    /// 95 % interval: then it is a term of a series by itself, and needs no further one.
+    fn may_be_whole(&self, _set: &[usize], _place: usize, _point: &Point, _deviations: &[f64]) -> bool {
+        false
+    }
     /// Moves a point into the allowed region.
     fn confine(&self, set: &[usize], point: &mut Point);
     /// Which shared coordinates are on a bound.

@@ -83,7 +83,7 @@ pub(crate) fn again<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, found: &
 fn judged<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, found: Arc<Fitted>, searches: bool) -> Found {
     let (best, named) = held(search, &base, &found, searches);
     // At the noise, too, a law may be another one of its kind, by more than laws are inexact by.
-    let bent = search.with_exponents(best.clone());
+    let bent = search.or_expanded(search.with_exponents(best.clone()));
     let is_other = best.error - bent.error > EXACT * (base.error - best.error);
     let (best, mut named) = if is_other { held(search, &base, &bent, searches) } else { (best, named) };
     named.sort_by(|a, b| b.gain.removed.total_cmp(&a.gain.removed));
@@ -166,7 +166,8 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
         let stated = search.kind.form(other) == Form::Stated && !search.kind.excludes(other, law);
         (same && kept && simple && stated && search.as_good(f, best)).then(|| (other, f.clone()))
     };
-    let rivals = search.all().iter().filter_map(instead).collect();
+    let mut rivals: Vec<(usize, Arc<Fitted>)> = search.all().iter().filter_map(instead).collect();
+    rivals.extend(search.expansions(best, &without, place));
     Some(Named { place, gain, rivals, departs: None })
 }
 

@@ -251,11 +251,36 @@ fn asked(verdict: &Verdict, of_first: Sensor, refusal: &Refusal<'_>) -> Result<Q
     }
 }
 
+/// The most likely value and two so many standard deviations to both sides, of equal weight, have the variance of
+/// a normal law: √1.5.
+const APART: f64 = 1.224_744_871_391_589;
+
 fn with_values(term: Term, numbers: &[Number]) -> Known {
-    let value = |name: &str| numbers.iter().find(|n| n.name == name).map_or(0.0, |n| n.value);
-    let mut values: Vec<f64> = term.candidate().parameters.iter().map(|p| value(p.name)).collect();
-    values.resize(term.values(), 0.0);
-    Known { term, values, sensor: None }
+    let parameters = term.candidate().parameters;
+    let found = |name: &str| numbers.iter().find(|n| n.name == name);
+    let set = |value: &dyn Fn(usize, &Number) -> f64| {
+        let named = parameters.iter().enumerate().map(|(j, p)| found(p.name).map_or(0.0, |n| value(j, n)));
+        let mut values: Vec<f64> = named.collect();
+        values.resize(term.values(), 0.0);
+        values
+    };
+    // Each parameter at both ends, no three of them in step.
+    let ends = [[1.0, -1.0, 1.0, -1.0], [-1.0, 1.0, 1.0, -1.0]];
+    let likely = ends.map(|end| set(&|j, n| n.away(APART * end[j % end.len()]))).to_vec();
+    Known { term, values: set(&|_, n| n.value), likely, sensor: None }
+}
+
+impl Number {
+    /// So many standard deviations away, in the logarithm where it is of one sign; one that ends at zero does not
+    /// change its sign.
+    fn away(&self, deviations: f64) -> f64 {
+        let [low, high] = self.ci95;
+        if low * high > 0.0 && self.value * low > 0.0 {
+            return self.value * ((high / low).ln() / 3.92 * deviations).exp();
+        }
+        let there = self.value + (high - low) / 3.92 * deviations;
+        if low == 0.0 { there.max(0.0) } else { there }
+    }
 }
 
 /// "cubic-stiffness=1%" as a law and its strength; the values follow once the motion is known.
@@ -282,5 +307,5 @@ fn shown(text: &str) -> Result<(Known, Strength)> {
         return Err(refuse(format!("{id} is no force that is a part of the spring's"), hint));
     }
     let strength = if is_share { Strength::Share(0.01 * number) } else { Strength::Value(number) };
-    Ok((Known { term, values: vec![0.0; term.values()], sensor: None }, strength))
+    Ok((Known { term, values: vec![0.0; term.values()], likely: Vec::new(), sensor: None }, strength))
 }

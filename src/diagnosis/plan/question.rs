@@ -29,8 +29,18 @@ pub struct Known {
     pub term: Term,
     /// Its parameters, then where its states begin.
     pub values: Vec<f64>,
+    /// Other values as likely as these, where the parameters are known by intervals: of all together, mean and
+    /// variance of each parameter are the interval's.
+    pub likely: Vec<Vec<f64>>,
     /// The sensor where it follows this law, if another one than where it follows the first.
     pub sensor: Option<Sensor>,
+}
+
+impl Known {
+    /// The law with each of its other likely values.
+    pub(super) fn each_likely(&self) -> Vec<Self> {
+        self.likely.iter().map(|values| Self { values: values.clone(), ..self.clone() }).collect()
+    }
 }
 
 /// Strength of a law that is to be shown.

@@ -10,12 +10,14 @@ use crate::parallel;
 use super::chance::Comparisons;
 use super::experiment::{self, Experiment, Shape};
 use super::limits::{Limit, Limits};
-use super::question::{Purpose, Question};
+use super::question::{Known, Purpose, Question};
 use super::simulated::{Motion, Truth};
 use super::strength::{SHORTEST, lengths, settled};
 
 /// Experiments of one length that are looked at closely.
 const FINALISTS: usize = 3;
+/// Laws that a truth is held against at other values than the most likely ones.
+const NEAREST: usize = 5;
 /// Doublings of a limit that are looked at.
 const DOUBLINGS: i32 = 6;
 
@@ -24,7 +26,8 @@ const DOUBLINGS: i32 = 6;
 pub struct Proposal {
     /// The experiment.
     pub experiment: Experiment,
-    /// Probability that the diagnosis decides rightly, whichever of the rivals is true: the least of all.
+    /// Probability that the diagnosis decides rightly, where each rival is as likely to be true as another; no
+    /// more than where none of them is.
     pub probability: f64,
     /// The same for each rival, in order, and where none of them is true.
     pub each: Vec<f64>,
@@ -98,9 +101,35 @@ pub fn search(question: &Question, limits: &Limits, probability: f64, control: &
     let best = look.shortest().map_err(stopped)?;
     let Some(first) = best.first() else { return Err(nothing()) };
     let reached = look.is_reached(first);
-    let broadband = if reached { look.broadband(first).map_err(stopped)? } else { None };
+    let broadband = if reached { look.broadband().map_err(stopped)? } else { None };
     let binding = if reached { None } else { Some(look.binding(first).map_err(stopped)?) };
     Ok(Planned { question: question.clone(), reached, best, broadband, binding })
+}
+
+/// The mean of all rivals, and no more than the last: where none of them is true.
+fn overall(each: &[f64]) -> f64 {
+    let Some((none, rivals)) = each.split_last() else { return 0.0 };
+    none.min(rivals.iter().sum::<f64>() / rivals.len().max(1) as f64)
+}
+
+/// Laws that the truth is held against.
+enum Against {
+    /// All of the library, by the search of a diagnosis.
+    All,
+    /// Some, by the same search.
+    These(Vec<&'static str>),
+    /// The tied ones, by one linear step.
+    Tied,
+}
+
+/// An experiment under one truth.
+struct Seen {
+    /// Probability that the diagnosis decides rightly.
+    decides: f64,
+    /// Half the width of the law's interval, where that is asked.
+    half_width: Option<f64>,
+    /// The laws that come nearest to it.
+    nearest: Vec<&'static str>,
 }
 
 /// A search within some limits.
@@ -127,42 +156,65 @@ impl Look<'_> {
         order::sort_by_key(proposals, |p| if is_narrowing { width(p) } else { -p.probability });
     }
 
-    /// Every truth: each rival, and none.
-    fn truths(&self) -> impl Iterator<Item = Truth<'_>> {
-        let q = self.question;
-        let own = q.rivals.iter().map(Some).chain([None]);
-        own.map(|own| Truth { sensor: q.sensor_with(own), common: &q.common, own })
-    }
-
-    /// An experiment as a diagnosis would see it; `closely`: by its own search among all laws. `None` where
-    /// it cannot be simulated.
+    /// An experiment as a diagnosis would see it; `closely`: by its own search among all laws, at all values that
+    /// are likely. `None` where it cannot be simulated.
     fn proposal(&self, experiment: Experiment, closely: bool) -> Result<Option<Proposal>, Stopped> {
         let (mut each, mut half_width) = (Vec::new(), None);
-        for truth in self.truths() {
-            self.control.go_on()?;
-            let Some(motion) = Motion::of(&truth, &experiment, self.limits) else { return Ok(None) };
-            let tells = truth.own.is_some() && motion.tells_apart();
-            let rivals = match truth.own {
-                Some(_) if closely && tells => motion.best(self.control)?,
-                _ => motion.nearly(&self.question.rivals),
-            };
-            let comparisons = Comparisons {
-                rows: motion.rows(),
-                without: motion.without(),
-                values: truth.own.map_or(0, |k| k.term.values()),
-                rivals: &rivals,
-                tried: Motion::tried(),
-            };
-            each.push(match truth.own {
-                Some(_) if tells => comparisons.named(),
-                Some(_) => 0.0,
-                None => comparisons.silent(),
-            });
-            let asks_width = matches!(self.question.purpose, Purpose::Narrow(_)) && truth.own.is_some();
-            half_width = half_width.or(if asks_width { motion.half_width() } else { None });
+        let is_wide = closely && self.question.purpose == Purpose::Decide;
+        for rival in &self.question.rivals {
+            let against = if closely { Against::All } else { Against::Tied };
+            let Some(seen) = self.where_true(Some(rival), &experiment, &against)? else { return Ok(None) };
+            half_width = half_width.or(seen.half_width);
+            let likely = if is_wide { rival.each_likely() } else { Vec::new() };
+            let (mut decides, count) = (seen.decides, likely.len() + 1);
+            let nearest = Against::These(seen.nearest);
+            for other in likely {
+                let Some(seen) = self.where_true(Some(&other), &experiment, &nearest)? else { return Ok(None) };
+                decides += seen.decides;
+            }
+            each.push(decides / count as f64);
         }
-        let probability = each.iter().fold(1.0, |a: f64, p| a.min(*p));
-        Ok(Some(Proposal { experiment, probability, each, half_width }))
+        let Some(silent) = self.where_true(None, &experiment, &Against::Tied)? else { return Ok(None) };
+        each.push(silent.decides);
+        Ok(Some(Proposal { experiment, probability: overall(&each), each, half_width }))
+    }
+
+    /// An experiment where a law is true, or none. `None` where it cannot be simulated.
+    fn where_true(
+        &self,
+        own: Option<&Known>,
+        experiment: &Experiment,
+        against: &Against,
+    ) -> Result<Option<Seen>, Stopped> {
+        self.control.go_on()?;
+        let q = self.question;
+        let truth = Truth { sensor: q.sensor_with(own), common: &q.common, own };
+        let Some(motion) = Motion::of(&truth, experiment, self.limits) else { return Ok(None) };
+        let tells = own.is_some() && motion.tells_apart();
+        let mut rivals = match against {
+            Against::All if tells => motion.best(|_| true, self.control)?,
+            Against::These(ids) if tells => motion.best(|id| ids.contains(&id), self.control)?,
+            _ => motion.nearly(&q.rivals),
+        };
+        let comparisons = Comparisons {
+            rows: motion.rows(),
+            without: motion.without(),
+            values: own.map_or(0, |k| k.term.values()),
+            rivals: &rivals,
+            tried: Motion::tried(),
+        };
+        let decides = match own {
+            Some(_) if tells => comparisons.named(),
+            Some(_) => 0.0,
+            None => comparisons.silent(),
+        };
+        let asks_width = matches!(q.purpose, Purpose::Narrow(_)) && own.is_some();
+        order::sort_by_key(&mut rivals, |r| r.fitted);
+        Ok(Some(Seen {
+            decides,
+            half_width: if asks_width { motion.half_width() } else { None },
+            nearest: rivals.iter().take(NEAREST).map(|r| r.id).collect(),
+        }))
     }
 
     fn all(&self, shapes: &[(Shape, f64)], seconds: f64, closely: bool) -> Result<Vec<Proposal>, Stopped> {
@@ -187,32 +239,42 @@ impl Look<'_> {
         self.all(&finalists, seconds, true)
     }
 
-    /// The shortest experiments that answer the question; the best of the longest where none does.
+    /// The shortest experiments that answer the question, the best and the next best of another shape; those of
+    /// the longest where none does.
     fn shortest(&self) -> Result<Vec<Proposal>, Stopped> {
         let (hz, zeta) = (self.question.sensor.resonance_hz(), self.question.sensor.base[ZETA]);
-        let shapes = experiment::all(self.limits, hz, zeta);
-        let lengths = lengths(self.limits, &self.question.sensor);
-        let progress = self.control.stage("lengths of experiments", lengths.len() as u64);
+        let progress = self.control.stage("lengths of experiments", self.lengths().len() as u64);
+        let mut best = self.shortest_of(&experiment::all(self.limits, hz, zeta), || progress.step())?;
+        let Some(first) = best.first().map(|p| p.experiment.shape) else { return Ok(best) };
+        let other = best.iter().position(|p| p.experiment.shape != first);
+        let next = other.map(|at| best.swap_remove(at));
+        best.truncate(1);
+        best.extend(next);
+        Ok(best)
+    }
+
+    fn lengths(&self) -> Vec<f64> {
+        lengths(self.limits, &self.question.sensor)
+    }
+
+    /// The shortest of some shapes that answer the question; the best of the longest where none does.
+    fn shortest_of(&self, shapes: &[(Shape, f64)], looked: impl Fn()) -> Result<Vec<Proposal>, Stopped> {
+        let lengths = self.lengths();
         for (i, seconds) in lengths.iter().enumerate() {
-            let found = self.best(&shapes, *seconds, i + 1 == lengths.len())?;
-            progress.step();
-            if !found.first().is_some_and(|p| self.is_reached(p) || i + 1 == lengths.len()) {
-                continue;
+            let is_last = i + 1 == lengths.len();
+            let found = self.best(shapes, *seconds, is_last)?;
+            looked();
+            if is_last || found.first().is_some_and(|p| self.is_reached(p)) {
+                return self.shortened(found, i.checked_sub(1).map_or(*seconds, |i| lengths[i]));
             }
-            let mut best = self.shortened(found, i.checked_sub(1).map_or(*seconds, |i| lengths[i]))?;
-            let first = best[0].experiment.shape;
-            let other = best.iter().position(|p| p.experiment.shape != first);
-            let next = other.map(|at| best.swap_remove(at));
-            best.truncate(1);
-            best.extend(next);
-            return Ok(best);
         }
         Ok(Vec::new())
     }
 
     /// The same with the best made shorter, down to this length, while it answers the question.
     fn shortened(&self, mut found: Vec<Proposal>, from_s: f64) -> Result<Vec<Proposal>, Stopped> {
-        let (mut low, mut high) = (from_s, found[0].experiment.seconds);
+        let Some(first) = found.first() else { return Ok(found) };
+        let (mut low, mut high) = (from_s, first.experiment.seconds);
         for _ in 0..2 {
             if !self.is_reached(&found[0]) || low >= high {
                 break;
@@ -226,19 +288,11 @@ impl Look<'_> {
         Ok(found)
     }
 
-    /// The shortest broadband multisine that does as well as an experiment.
-    fn broadband(&self, best: &Proposal) -> Result<Option<Proposal>, Stopped> {
+    /// The shortest broadband multisine that does as well.
+    fn broadband(&self) -> Result<Option<Proposal>, Stopped> {
         let shape = [experiment::broadband(self.limits, self.question.sensor.resonance_hz())];
-        for seconds in lengths(self.limits, &self.question.sensor) {
-            if seconds < 0.5 * best.experiment.seconds {
-                continue;
-            }
-            let found = self.all(&shape, seconds, false)?;
-            if let Some(found) = found.into_iter().find(|p| self.is_reached(p)) {
-                return Ok(Some(found));
-            }
-        }
-        Ok(None)
+        let found = self.shortest_of(&shape, || ())?;
+        Ok(found.into_iter().next().filter(|p| self.is_reached(p)))
     }
 
     /// The limit that, doubled, helps most, and by how much it would have to grow.

@@ -193,14 +193,21 @@ impl Motion {
         others.filter_map(stepped).collect()
     }
 
-    /// Returns what the best of every law of the library leaves, by the search of a diagnosis.
+    /// Returns what the best of every law of the library with such an id leaves, by the search of a diagnosis.
     ///
     /// # Errors
     /// Stopped.
-    pub(super) fn best(&self, control: &Control) -> Result<Vec<Rival>, Stopped> {
+    pub(super) fn best(
+        &self,
+        is_asked: impl Fn(&'static str) -> bool,
+        control: &Control,
+    ) -> Result<Vec<Rival>, Stopped> {
         let own = self.own.as_ref().map(|k| k.term.id());
         let has = |t: &Term| self.common.structure.terms.iter().any(|c| c.id() == t.id());
-        let open = |t: &Term| t.noise().is_none() && t.role() != Role::Lattice && Some(t.id()) != own && !has(t);
+        let open = |t: &Term| {
+            let is_law = t.noise().is_none() && t.role() != Role::Lattice;
+            is_law && Some(t.id()) != own && !has(t) && is_asked(t.id())
+        };
         let laws: Vec<Term> = Term::tried(0, true).into_iter().filter(open).collect();
         let model = judge(&self.data, self.common.clone(), &self.scales);
         // Those that the law can be mistaken for are fitted apart from the others, as a diagnosis does: where

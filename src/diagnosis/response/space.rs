@@ -1,9 +1,10 @@
 //! The laws that a resonator may follow next to the base model: the library's, with exponents and
 //! free forms of their arguments.
 //!
-//! A quadratic spring is none of them: to a lock-in, which reads the fundamental alone, αx² is a
+//! A quadratic spring is none of them by itself: to a lock-in, which reads the fundamental alone, αx² is a
 //! cubic spring of β = −10α²/(9ω₀²) (Nayfeh & Mook, Nonlinear Oscillations, § 4.2), and it is
-//! reported with a softening one as what it cannot be told from. Nor is a spring with memory: the
+//! reported with a softening one as what it cannot be told from. Next to a cubic one, which it may nearly cancel,
+//! it shows by what the two leave at large amplitudes. Nor is a spring with memory: the
 //! fundamental of its loop is that of a spring and a friction, whatever its form.
 
 use std::sync::LazyLock;
@@ -20,6 +21,7 @@ use crate::physics::power::Exponent;
 use crate::physics::power_law_damping::PowerLawDamping;
 use crate::physics::power_law_stiffness::PowerLawStiffness;
 use crate::physics::quadratic_damping::QuadraticDamping;
+use crate::physics::quadratic_stiffness::QuadraticStiffness;
 use crate::physics::readout_delay::ReadoutDelay;
 use crate::physics::readout_lowpass::ReadoutLowpass;
 use crate::physics::scales::Scales;
@@ -81,7 +83,12 @@ pub(super) fn members(scales: &Scales, with_time: bool) -> Vec<Member> {
         forms.push(free(Freed::Drift, scales.duration_s));
     }
     let stated = stated(with_time).into_iter().map(|term| Member { term, form: Form::Stated });
-    stated.chain(powers().into_iter().map(|term| Member { term, form: Form::Exponent })).chain(forms).collect()
+    let beside = [Member { term: Term::QuadraticStiffness(QuadraticStiffness), form: Form::Beside }];
+    stated
+        .chain(beside)
+        .chain(powers().into_iter().map(|term| Member { term, form: Form::Exponent }))
+        .chain(forms)
+        .collect()
 }
 
 /// Quantity that a law depends on.

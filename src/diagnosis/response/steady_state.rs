@@ -160,6 +160,12 @@ impl Cycle<'_> {
         Phasor::new(along(&self.turns.cos[h]) * size, -along(&self.turns.sin[h]) * size)
     }
 
+    /// Returns whether the force along a sine of this amplitude has a mean.
+    fn has_mean(&self, a: f64) -> bool {
+        let force = self.force(&[Phasor::from(0.0), Phasor::from(a)]);
+        self.harmonic(&force, 0).norm() > HEARD * force.iter().fold(0.0f64, |most, f| most.max(f.abs()))
+    }
+
     /// Fundamental of the force along a motion of amplitude `a` with harmonics up to this one.
     fn fundamental(&self, a: f64, harmonics: usize) -> Phasor {
         let mut motion = vec![Phasor::from(0.0), Phasor::from(a)];
@@ -207,6 +213,8 @@ impl Table {
         }
         let cycle = |omega_rad_s: f64| Cycle { mass, laws: &acting, omega_rad_s, turns: &TURNS };
         let middle = cycle(at_rad_s[1]);
+        // An even force acts by the mean and the second harmonic that it makes, and by them alone.
+        let harmonics = if middle.has_mean(0.7 * most) { HARMONICS } else { harmonics };
         let [bare, full] = [1, harmonics].map(|h| middle.fundamental(0.7 * most, h));
         let harmonics = if (full - bare).norm() > HEARD * bare.norm() { harmonics } else { 1 };
         // A spring alone is the same at every frequency, but for its harmonics.

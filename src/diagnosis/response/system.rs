@@ -26,6 +26,8 @@ pub(super) const OWN: usize = 5;
 const BLOCK: usize = 3;
 /// Coordinate of a strength at which a law joins a model.
 const JOINS: f64 = 0.05;
+/// Part of the spring's force at which an even one begins.
+const EVEN: f64 = 0.3;
 /// Beginnings of a law that are followed.
 const FOLLOWED: usize = 2;
 /// Damping ratios of a second mode, in that of the first.
@@ -177,6 +179,8 @@ impl<'a> System<'a> {
         let s = &self.sizes.laws;
         let starts = match term {
             Term::FreeForm(_) => vec![vec![0.0; term.values()]],
+            // An even force shows by its square: next to nothing it has no slope.
+            Term::QuadraticStiffness(_) => vec![vec![EVEN * s.omega_rad_s.powi(2) / s.output]],
             // In radians over the band.
             Term::ReadoutDelay(_) => [0.05, 0.5, 1.5, 3.0].map(|turn| vec![turn * s.interval_s]).to_vec(),
             // Nearby alone does a second mode show.
@@ -316,6 +320,15 @@ impl Kind for System<'_> {
         let residual = self.residual(&at);
         let finite = shared.iter().chain([&residual]).all(|c| c.iter().all(|v| v.is_finite()));
         finite.then_some(Linearised { residual, shared, starts: Vec::new() })
+    }
+
+    fn may_be_whole(&self, set: &[usize], place: usize, point: &Point, deviations: &[f64]) -> bool {
+        let term = self.members[set[place]].term;
+        let (Term::PowerLawStiffness(_), Some(c)) = (term, self.law_coordinates(&term).pop()) else { return false };
+        let exponent = self.coordinates(set, place).end - 1;
+        let reach = 1.96 * deviations[exponent].min(1e3);
+        let [low, high] = [-reach, reach].map(|r| value(c, point.shared[exponent] + r));
+        (2..=4).map(|k| f64::from(2 * k + 1)).any(|whole| low < whole && whole < high)
     }
 
     fn confine(&self, set: &[usize], point: &mut Point) {

@@ -18,7 +18,8 @@ pub fn page(planned: &Planned, wish: f64, confirmed: &[Confirmed], files: &[&str
     page.table(&table(planned, files));
     page.paragraph(
         "A probability is that of a right decision by `diagnose`, were this rival true, for white noise of the size that \
-         the verdict measured. The least of them counts.",
+         the verdict measured and over the values that its intervals hold likely. What is stated first is the mean of \
+         the rivals.",
     );
     page.section("To play");
     let drawn: Vec<_> =

@@ -60,8 +60,9 @@ fn gives(planned: &Planned, proposal: &Proposal) -> String {
             short(interval.half_width)
         ),
         (Purpose::Decide, _) if rivals.len() > 1 => format!(
-            "whether {} is true, or none of them, `diagnose` then says so with a probability of {probability}",
-            rivals.join(" or ")
+            "whether {} is true, or none of them, `diagnose` then says so with a probability of {probability}{}",
+            rivals.join(" or "),
+            least(&rivals, proposal)
         ),
         _ => {
             let known = planned.question.rivals.first();
@@ -72,6 +73,13 @@ fn gives(planned: &Planned, proposal: &Proposal) -> String {
             format!("`diagnose` then names {} with a probability of {probability}", law.unwrap_or_default())
         }
     }
+}
+
+/// The rival that is decided for least, where that is less than what is stated by a twentieth or more.
+fn least(rivals: &[&str], proposal: &Proposal) -> String {
+    let least = rivals.iter().zip(&proposal.each).min_by(|a, b| a.1.total_cmp(b.1));
+    let far = least.filter(|(_, p)| **p < proposal.probability - 0.05);
+    far.map_or(String::new(), |(id, p)| format!(", least where {id} is true: {}", percent(*p)))
 }
 
 /// The limit in the way.
