@@ -33,6 +33,8 @@ pub struct Proposal {
     pub each: Vec<f64>,
     /// Half the width of the 95 % interval of the first rival's first parameter.
     pub half_width: Option<f64>,
+    /// Laws that come nearest to each rival; empty where it was held against the others by one linear step.
+    nearest: Vec<Vec<&'static str>>,
 }
 
 /// The limit that is most in the way.
@@ -101,7 +103,7 @@ pub fn search(question: &Question, limits: &Limits, probability: f64, control: &
     let best = look.shortest().map_err(stopped)?;
     let Some(first) = best.first() else { return Err(nothing()) };
     let reached = look.is_reached(first);
-    let broadband = if reached { look.broadband().map_err(stopped)? } else { None };
+    let broadband = if reached { look.broadband(first).map_err(stopped)? } else { None };
     let binding = if reached { None } else { Some(look.binding(first).map_err(stopped)?) };
     Ok(Planned { question: question.clone(), reached, best, broadband, binding })
 }
@@ -110,6 +112,17 @@ pub fn search(question: &Question, limits: &Limits, probability: f64, control: &
 fn overall(each: &[f64]) -> f64 {
     let Some((none, rivals)) = each.split_last() else { return 0.0 };
     none.min(rivals.iter().sum::<f64>() / rivals.len().max(1) as f64)
+}
+
+/// Care that is taken with an experiment.
+#[derive(Clone, Copy)]
+enum Care<'a> {
+    /// The rivals against each other, by one linear step.
+    Nearly,
+    /// All laws, by the search of a diagnosis.
+    Closely,
+    /// The same, of the laws that came nearest in another one.
+    Like(&'a Proposal),
 }
 
 /// Laws that the truth is held against.
@@ -156,27 +169,45 @@ impl Look<'_> {
         order::sort_by_key(proposals, |p| if is_narrowing { width(p) } else { -p.probability });
     }
 
-    /// An experiment as a diagnosis would see it; `closely`: by its own search among all laws, at all values that
-    /// are likely. `None` where it cannot be simulated.
-    fn proposal(&self, experiment: Experiment, closely: bool) -> Result<Option<Proposal>, Stopped> {
-        let (mut each, mut half_width) = (Vec::new(), None);
-        let is_wide = closely && self.question.purpose == Purpose::Decide;
-        for rival in &self.question.rivals {
-            let against = if closely { Against::All } else { Against::Tied };
+    /// An experiment as a diagnosis would see it. `None` where it cannot be simulated.
+    fn proposal(&self, experiment: Experiment, care: Care<'_>) -> Result<Option<Proposal>, Stopped> {
+        let (mut each, mut half_width, mut nearest) = (Vec::new(), None, Vec::new());
+        for (place, rival) in self.question.rivals.iter().enumerate() {
+            let against = match care {
+                Care::Nearly => Against::Tied,
+                Care::Closely => Against::All,
+                Care::Like(other) => other.nearest.get(place).map_or(Against::All, |n| Against::These(n.clone())),
+            };
             let Some(seen) = self.where_true(Some(rival), &experiment, &against)? else { return Ok(None) };
             half_width = half_width.or(seen.half_width);
-            let likely = if is_wide { rival.each_likely() } else { Vec::new() };
-            let (mut decides, count) = (seen.decides, likely.len() + 1);
-            let nearest = Against::These(seen.nearest);
-            for other in likely {
-                let Some(seen) = self.where_true(Some(&other), &experiment, &nearest)? else { return Ok(None) };
-                decides += seen.decides;
-            }
-            each.push(decides / count as f64);
+            each.push(seen.decides);
+            nearest.push(seen.nearest);
         }
         let Some(silent) = self.where_true(None, &experiment, &Against::Tied)? else { return Ok(None) };
         each.push(silent.decides);
-        Ok(Some(Proposal { experiment, probability: overall(&each), each, half_width }))
+        if matches!(care, Care::Nearly) {
+            nearest.clear();
+        }
+        Ok(Some(Proposal { experiment, probability: overall(&each), each, half_width, nearest }))
+    }
+
+    /// A proposal over all values that are likely. `None` where some of them cannot be simulated.
+    fn widened(&self, mut proposal: Proposal) -> Result<Option<Proposal>, Stopped> {
+        if self.question.purpose != Purpose::Decide {
+            return Ok(Some(proposal));
+        }
+        for (place, rival) in self.question.rivals.iter().enumerate() {
+            let near = Against::These(proposal.nearest.get(place).cloned().unwrap_or_default());
+            let likely = rival.each_likely();
+            let mut decides = proposal.each[place];
+            for other in &likely {
+                let Some(seen) = self.where_true(Some(other), &proposal.experiment, &near)? else { return Ok(None) };
+                decides += seen.decides;
+            }
+            proposal.each[place] = decides / (likely.len() + 1) as f64;
+        }
+        proposal.probability = overall(&proposal.each);
+        Ok(Some(proposal))
     }
 
     /// An experiment where a law is true, or none. `None` where it cannot be simulated.
@@ -217,10 +248,10 @@ impl Look<'_> {
         }))
     }
 
-    fn all(&self, shapes: &[(Shape, f64)], seconds: f64, closely: bool) -> Result<Vec<Proposal>, Stopped> {
+    fn all(&self, shapes: &[(Shape, f64)], seconds: f64, care: Care<'_>) -> Result<Vec<Proposal>, Stopped> {
         let rate_hz = self.limits.rate_hz;
         let looked = parallel::map(shapes, |(shape, level)| {
-            self.proposal(Experiment { shape: *shape, level: *level, seconds, rate_hz }, closely)
+            self.proposal(Experiment { shape: *shape, level: *level, seconds, rate_hz }, care)
         });
         let mut found: Vec<Proposal> =
             looked.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
@@ -228,41 +259,60 @@ impl Look<'_> {
         Ok(found)
     }
 
-    /// The best of one length: all by one step, those that promise most closely, no two of one shape.
-    fn best(&self, shapes: &[(Shape, f64)], seconds: f64, always: bool) -> Result<Vec<Proposal>, Stopped> {
-        let promising = self.all(shapes, seconds, false)?;
+    /// The best of one length: all by one step, those that promise most with more care.
+    fn best(
+        &self,
+        shapes: &[(Shape, f64)],
+        seconds: f64,
+        always: bool,
+        care: Care<'_>,
+    ) -> Result<Vec<Proposal>, Stopped> {
+        let promising = self.all(shapes, seconds, Care::Nearly)?;
         if !always && !promising.first().is_some_and(|p| self.is_reached(p)) {
             return Ok(promising);
         }
         let finalists: Vec<(Shape, f64)> =
             promising.iter().take(FINALISTS).map(|p| (p.experiment.shape, p.experiment.level)).collect();
-        self.all(&finalists, seconds, true)
+        let mut closely = self.all(&finalists, seconds, care)?;
+        let is_worth_it = closely.first().is_some_and(|p| always || self.is_reached(p));
+        if is_worth_it && let Some(widened) = self.widened(closely[0].clone())? {
+            closely[0] = widened;
+        }
+        Ok(closely)
     }
 
     /// The shortest experiments that answer the question, the best and the next best of another shape; those of
     /// the longest where none does.
     fn shortest(&self) -> Result<Vec<Proposal>, Stopped> {
         let (hz, zeta) = (self.question.sensor.resonance_hz(), self.question.sensor.base[ZETA]);
-        let progress = self.control.stage("lengths of experiments", self.lengths().len() as u64);
-        let mut best = self.shortest_of(&experiment::all(self.limits, hz, zeta), || progress.step())?;
+        let progress =
+            self.control.stage("lengths of experiments", lengths(self.limits, &self.question.sensor).len() as u64);
+        let shapes = experiment::all(self.limits, hz, zeta);
+        let mut best = self.shortest_of(&shapes, 0.0, Care::Closely, || progress.step())?;
         let Some(first) = best.first().map(|p| p.experiment.shape) else { return Ok(best) };
         let other = best.iter().position(|p| p.experiment.shape != first);
-        let next = other.map(|at| best.swap_remove(at));
+        let next = other.map(|at| self.widened(best.swap_remove(at))).transpose()?.flatten();
         best.truncate(1);
         best.extend(next);
+        if !self.is_reached(&best[0]) {
+            self.rank(&mut best);
+        }
         Ok(best)
     }
 
-    fn lengths(&self) -> Vec<f64> {
-        lengths(self.limits, &self.question.sensor)
-    }
-
-    /// The shortest of some shapes that answer the question; the best of the longest where none does.
-    fn shortest_of(&self, shapes: &[(Shape, f64)], looked: impl Fn()) -> Result<Vec<Proposal>, Stopped> {
-        let lengths = self.lengths();
-        for (i, seconds) in lengths.iter().enumerate() {
+    /// The shortest of some shapes that answer the question, no shorter than this; the best of the longest where
+    /// none does.
+    fn shortest_of(
+        &self,
+        shapes: &[(Shape, f64)],
+        from_s: f64,
+        care: Care<'_>,
+        looked: impl Fn(),
+    ) -> Result<Vec<Proposal>, Stopped> {
+        let lengths = lengths(self.limits, &self.question.sensor);
+        for (i, seconds) in lengths.iter().enumerate().filter(|(_, s)| **s >= from_s) {
             let is_last = i + 1 == lengths.len();
-            let found = self.best(shapes, *seconds, is_last)?;
+            let found = self.best(shapes, *seconds, is_last, care)?;
             looked();
             if is_last || found.first().is_some_and(|p| self.is_reached(p)) {
                 return self.shortened(found, i.checked_sub(1).map_or(*seconds, |i| lengths[i]));
@@ -280,7 +330,9 @@ impl Look<'_> {
                 break;
             }
             let seconds = (low * high).sqrt();
-            match self.proposal(Experiment { seconds, ..found[0].experiment }, true)?.filter(|p| self.is_reached(p)) {
+            let shorter = self.proposal(Experiment { seconds, ..found[0].experiment }, Care::Like(&found[0]))?;
+            let shorter = shorter.filter(|p| self.is_reached(p)).map(|p| self.widened(p)).transpose()?.flatten();
+            match shorter.filter(|p| self.is_reached(p)) {
                 Some(shorter) => (found[0], high) = (shorter, seconds),
                 None => low = seconds,
             }
@@ -288,10 +340,10 @@ impl Look<'_> {
         Ok(found)
     }
 
-    /// The shortest broadband multisine that does as well.
-    fn broadband(&self) -> Result<Option<Proposal>, Stopped> {
+    /// The shortest broadband multisine that does as well as an experiment.
+    fn broadband(&self, best: &Proposal) -> Result<Option<Proposal>, Stopped> {
         let shape = [experiment::broadband(self.limits, self.question.sensor.resonance_hz())];
-        let found = self.shortest_of(&shape, || ())?;
+        let found = self.shortest_of(&shape, 0.5 * best.experiment.seconds, Care::Like(best), || ())?;
         Ok(found.into_iter().next().filter(|p| self.is_reached(p)))
     }
 
@@ -305,7 +357,7 @@ impl Look<'_> {
             let grown = [(shape, if limit == Limit::Input { factor * level } else { level })];
             progress.step();
             let Some(seconds) = lengths(&limits, &self.question.sensor).last().copied() else { return Ok(None) };
-            Ok(look.all(&grown, seconds, false)?.into_iter().next())
+            Ok(look.all(&grown, seconds, Care::Nearly)?.into_iter().next())
         };
         let mut doubled = Limit::ALL.map(|limit| (limit, best.clone()));
         for (limit, proposal) in &mut doubled {
