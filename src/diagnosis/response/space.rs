@@ -56,6 +56,9 @@ fn stated(with_time: bool) -> Vec<Term> {
     all
 }
 
+/// The law that shows next to another spring alone.
+const BESIDE: Term = Term::QuadraticStiffness(QuadraticStiffness);
+
 /// Laws with an exponent or a shape of their own.
 fn powers() -> Vec<Term> {
     let mut all = vec![
@@ -83,12 +86,9 @@ pub(super) fn members(scales: &Scales, with_time: bool) -> Vec<Member> {
         forms.push(free(Freed::Drift, scales.duration_s));
     }
     let stated = stated(with_time).into_iter().map(|term| Member { term, form: Form::Stated });
-    let beside = [Member { term: Term::QuadraticStiffness(QuadraticStiffness), form: Form::Beside }];
-    stated
-        .chain(beside)
-        .chain(powers().into_iter().map(|term| Member { term, form: Form::Exponent }))
-        .chain(forms)
-        .collect()
+    let beside = Member { term: BESIDE, form: Form::Beside };
+    let powers = powers().into_iter().map(|term| Member { term, form: Form::Exponent });
+    stated.chain([beside]).chain(powers).chain(forms).collect()
 }
 
 /// Quantity that a law depends on.
@@ -137,7 +137,7 @@ pub(super) fn excludes(one: &Term, other: &Term) -> bool {
 /// States what can be named in sweeps.
 pub static CANDIDATES: LazyLock<Vec<Candidate>> = LazyLock::new(|| {
     // A friction with a shape of its own is one of the same name.
-    let mut all: Vec<Term> = stated(true).into_iter().chain(powers()).collect();
+    let mut all: Vec<Term> = stated(true).into_iter().chain([BESIDE]).chain(powers()).collect();
     all.retain(|term| !matches!(term, Term::ShapedFriction(_)));
     let ids: Vec<&str> = all.iter().map(|term| term.id()).collect();
     let of_sweeps = |candidate: &Candidate| -> Candidate {
