@@ -271,15 +271,17 @@ fn with_values(term: Term, numbers: &[Number]) -> Known {
 }
 
 impl Number {
-    /// So many standard deviations away, in the logarithm where it is of one sign; one that ends at zero does not
-    /// change its sign.
+    /// So many standard deviations away, in the logarithm where it is of one sign: by the end away from zero where the
+    /// other is zero.
     fn away(&self, deviations: f64) -> f64 {
         let [low, high] = self.ci95;
-        if low * high > 0.0 && self.value * low > 0.0 {
-            return self.value * ((high / low).ln() / 3.92 * deviations).exp();
+        let [near, far] = if self.value < 0.0 { [high, low] } else { [low, high] };
+        let of_one_sign =
+            if near * self.value > 0.0 { (far / near).ln() / 3.92 } else { (far / self.value).ln() / 1.96 };
+        if near * self.value >= 0.0 && of_one_sign.is_finite() {
+            return self.value * (of_one_sign * deviations).exp();
         }
-        let there = self.value + (high - low) / 3.92 * deviations;
-        if low == 0.0 { there.max(0.0) } else { there }
+        self.value + (high - low) / 3.92 * deviations
     }
 }
 
@@ -308,4 +310,25 @@ fn shown(text: &str) -> Result<(Known, Strength)> {
     }
     let strength = if is_share { Strength::Share(0.01 * number) } else { Strength::Value(number) };
     Ok((Known { term, values: vec![0.0; term.values()], likely: Vec::new(), sensor: None }, strength))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // Of the best value and both others: the mean is the value and the variance that of the interval, in the
+    // logarithm where it is of one sign. Control: at one standard deviation it would be two thirds of it.
+    #[test]
+    fn values_that_are_likely_have_the_variance_of_the_interval() {
+        let number = |value, ci95| Number { name: "k".into(), value, unit: String::new(), ci95 };
+        let variance = |of: &dyn Fn(f64) -> f64| [-APART, 0.0, APART].map(|d| of(d).powi(2)).iter().sum::<f64>() / 3.0;
+        let plain = number(1.0, [1.0 - 1.96 * 2.0, 1.0 + 1.96 * 2.0]);
+        assert!((variance(&|d| plain.away(d) - 1.0) - 4.0).abs() < 1e-12);
+        let signed = number(-3.0, [-3.0 * 1.96f64.exp(), -3.0 * (-1.96f64).exp()]);
+        assert!((variance(&|d| (signed.away(d) / -3.0).ln()) - 1.0).abs() < 1e-12);
+        assert!((variance(&|d| (signed.away(d / APART) / -3.0).ln()) - 2.0 / 3.0).abs() < 1e-12);
+        // One that ends at zero is known by its other end.
+        let ended = number(0.5, [0.0, 0.5 * 1.96f64.exp()]);
+        assert!((variance(&|d| (ended.away(d) / 0.5).ln()) - 1.0).abs() < 1e-12);
+    }
 }

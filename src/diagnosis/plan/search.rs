@@ -357,7 +357,8 @@ impl Look<'_> {
             let grown = [(shape, if limit == Limit::Input { factor * level } else { level })];
             progress.step();
             let Some(seconds) = lengths(&limits, &self.question.sensor).last().copied() else { return Ok(None) };
-            Ok(look.all(&grown, seconds, Care::Nearly)?.into_iter().next())
+            let found = look.all(&grown, seconds, Care::Like(best))?.into_iter().next();
+            Ok(found.map(|p| look.widened(p)).transpose()?.flatten())
         };
         let mut doubled = Limit::ALL.map(|limit| (limit, best.clone()));
         for (limit, proposal) in &mut doubled {
@@ -368,13 +369,13 @@ impl Look<'_> {
         let mut ranked: Vec<Proposal> = doubled.iter().map(|d| d.1.clone()).collect();
         self.rank(&mut ranked);
         let limit = doubled.iter().find(|d| d.1 == ranked[0]).map_or(Limit::Input, |d| d.0);
-        let mut factor = None;
-        for power in 1..=DOUBLINGS {
-            let grown = 2f64.powi(power);
-            if with(limit, grown)?.is_some_and(|p| self.is_reached(&p)) {
-                factor = Some(grown);
+        let mut factor = self.is_reached(&ranked[0]).then_some(2.0);
+        for power in 2..=DOUBLINGS {
+            if factor.is_some() {
                 break;
             }
+            let grown = 2f64.powi(power);
+            factor = with(limit, grown)?.is_some_and(|p| self.is_reached(&p)).then_some(grown);
         }
         Ok(Binding { limit, factor, doubled: doubled.map(|(limit, p)| (limit, p.probability)) })
     }
