@@ -1,5 +1,5 @@
-//! Holds a law with an exponent of its own against its expansion: the stated law with one more has as many
-//! coordinates, and over a short range of the argument the one imitates the other.
+//! Compares a law whose exponent is fitted with the first terms of a series: the stated law plus one more. Both
+//! have as many coordinates, and over a limited range of amplitudes either can imitate the other.
 
 use std::sync::Arc;
 
@@ -8,8 +8,8 @@ use super::kind::{Form, Kind};
 use super::search::Search;
 
 impl<K: Kind> Search<'_, K> {
-    /// Sets that have two laws in the place of one whose exponent is its own, the stated one and a further one,
-    /// and no more coordinates. None where the law has no such exponent.
+    /// Sets in which the law with a fitted exponent is replaced by the stated law and a further one, with no more
+    /// coordinates. Empty if the exponent of the law is not fitted, or may be a whole number.
     fn expanded(&self, best: &Fitted, without: &Fitted, place: usize) -> Vec<Arc<Fitted>> {
         let law = best.set[place];
         let is_whole = || self.kind.may_be_whole(&best.set, place, &best.point, &best.deviations);
@@ -21,7 +21,7 @@ impl<K: Kind> Search<'_, K> {
         all.filter(|f| f.point.shared.len() <= best.point.shared.len()).collect()
     }
 
-    /// The laws of such sets that are as good as the best one, each with its set.
+    /// Laws of such sets that fit as well as the best one, each with its set.
     pub(super) fn expansions(&self, best: &Fitted, without: &Fitted, place: usize) -> Vec<(usize, Arc<Fitted>)> {
         let as_good = self.expanded(best, without, place).into_iter().filter(|f| self.as_good(f, best));
         let own = |f: Arc<Fitted>| {
@@ -31,7 +31,7 @@ impl<K: Kind> Search<'_, K> {
         as_good.flat_map(own).collect()
     }
 
-    /// The set, or where one of its laws has an exponent of its own and is not as good as an expansion, that.
+    /// The set itself, unless replacing a fitted exponent in this way fits better: then the best such set.
     pub(super) fn or_expanded(&self, best: Arc<Fitted>) -> Arc<Fitted> {
         let of_place = |place: usize| {
             let without = self.without(&best, place)?;

@@ -91,8 +91,8 @@ pub(crate) enum Form {
     /// With an exponent or a shape that is fitted: named only in the place of a stated law of its
     /// argument that it betters.
     Exponent,
-    /// One that shows next to a stated law of its argument alone: it is tried there, against that law with an
-    /// exponent of its own.
+    /// Visible only next to a stated law of the same argument: tried there, as an alternative to a fitted
+    /// exponent.
     Beside,
     /// With its shape free: it shows on what the residual depends and is never named.
     Free,
@@ -144,8 +144,8 @@ pub(crate) trait Kind: Sync {
     fn residuals(&self, set: &[usize], points: &[Point]) -> Vec<Option<Vec<f64>>>;
     /// Residual with its derivatives; `None` where the model breaks down.
     fn linearise(&self, set: &[usize], point: &Point) -> Option<Linearised>;
-    /// Returns whether the exponent of the law at a place may be the odd whole number of a smooth force, by its
-    /// 95 % interval: then it is a term of a series by itself, and needs no further one.
+    /// Returns whether the 95 % interval of a law's exponent contains an odd whole number, as a smooth symmetric
+    /// force has: then it is one term of a series by itself, and needs no further one.
     fn may_be_whole(&self, _set: &[usize], _place: usize, _point: &Point, _deviations: &[f64]) -> bool {
         false
     }

@@ -251,8 +251,8 @@ fn asked(verdict: &Verdict, of_first: Sensor, refusal: &Refusal<'_>) -> Result<Q
     }
 }
 
-/// The most likely value and two so many standard deviations to both sides, of equal weight, have the variance of
-/// a normal law: √1.5.
+/// Distance of the outer two of three equally weighted values from the middle one, in standard deviations, that
+/// gives them the variance of a normal law: √1.5.
 const APART: f64 = 1.224_744_871_391_589;
 
 fn with_values(term: Term, numbers: &[Number]) -> Known {
@@ -264,15 +264,15 @@ fn with_values(term: Term, numbers: &[Number]) -> Known {
         values.resize(term.values(), 0.0);
         values
     };
-    // Each parameter at both ends, no three of them in step.
+    // Each parameter takes both ends once, and neighbouring parameters do not move together.
     let ends = [[1.0, -1.0, 1.0, -1.0], [-1.0, 1.0, 1.0, -1.0]];
     let likely = ends.map(|end| set(&|j, n| n.away(APART * end[j % end.len()]))).to_vec();
     Known { term, values: set(&|_, n| n.value), likely, sensor: None }
 }
 
 impl Number {
-    /// So many standard deviations away, in the logarithm where it is of one sign: by the end away from zero where the
-    /// other is zero.
+    /// The value this many standard deviations away: in its logarithm if the interval does not cross zero, with the
+    /// far end alone giving the spread if the near end is zero.
     fn away(&self, deviations: f64) -> f64 {
         let [low, high] = self.ci95;
         let [near, far] = if self.value < 0.0 { [high, low] } else { [low, high] };

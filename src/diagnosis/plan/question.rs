@@ -29,8 +29,8 @@ pub struct Known {
     pub term: Term,
     /// Its parameters, then where its states begin.
     pub values: Vec<f64>,
-    /// Other values as likely as these, where the parameters are known by intervals: of all together, mean and
-    /// variance of each parameter are the interval's.
+    /// Two more sets of values, if the parameters are known by intervals: together with the first they have the
+    /// intervals' variance. Empty if the strength is given.
     pub likely: Vec<Vec<f64>>,
     /// The sensor where it follows this law, if another one than where it follows the first.
     pub sensor: Option<Sensor>,

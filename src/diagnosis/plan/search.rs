@@ -191,23 +191,22 @@ impl Look<'_> {
         Ok(Some(Proposal { experiment, probability: overall(&each), each, half_width, nearest }))
     }
 
-    /// A proposal over all values that are likely. `None` where some of them cannot be simulated.
-    fn widened(&self, mut proposal: Proposal) -> Result<Option<Proposal>, Stopped> {
+    /// A proposal averaged over all likely values; at those where the experiment cannot be done it decides nothing.
+    fn widened(&self, mut proposal: Proposal) -> Result<Proposal, Stopped> {
         if self.question.purpose != Purpose::Decide {
-            return Ok(Some(proposal));
+            return Ok(proposal);
         }
         for (place, rival) in self.question.rivals.iter().enumerate() {
             let near = Against::These(proposal.nearest.get(place).cloned().unwrap_or_default());
             let likely = rival.each_likely();
             let mut decides = proposal.each[place];
             for other in &likely {
-                let Some(seen) = self.where_true(Some(other), &proposal.experiment, &near)? else { return Ok(None) };
-                decides += seen.decides;
+                decides += self.where_true(Some(other), &proposal.experiment, &near)?.map_or(0.0, |seen| seen.decides);
             }
             proposal.each[place] = decides / (likely.len() + 1) as f64;
         }
         proposal.probability = overall(&proposal.each);
-        Ok(Some(proposal))
+        Ok(proposal)
     }
 
     /// An experiment where a law is true, or none. `None` where it cannot be simulated.
@@ -259,7 +258,8 @@ impl Look<'_> {
         Ok(found)
     }
 
-    /// The best of one length: all by one step, those that promise most with more care.
+    /// The best of one length: all by one step, the most promising with more care, the first of these at all likely
+    /// values. Those by one step if none answers the question, unless `always`.
     fn best(
         &self,
         shapes: &[(Shape, f64)],
@@ -275,8 +275,8 @@ impl Look<'_> {
             promising.iter().take(FINALISTS).map(|p| (p.experiment.shape, p.experiment.level)).collect();
         let mut closely = self.all(&finalists, seconds, care)?;
         let is_worth_it = closely.first().is_some_and(|p| always || self.is_reached(p));
-        if is_worth_it && let Some(widened) = self.widened(closely[0].clone())? {
-            closely[0] = widened;
+        if is_worth_it {
+            closely[0] = self.widened(closely[0].clone())?;
         }
         Ok(closely)
     }
@@ -291,7 +291,7 @@ impl Look<'_> {
         let mut best = self.shortest_of(&shapes, 0.0, Care::Closely, || progress.step())?;
         let Some(first) = best.first().map(|p| p.experiment.shape) else { return Ok(best) };
         let other = best.iter().position(|p| p.experiment.shape != first);
-        let next = other.map(|at| self.widened(best.swap_remove(at))).transpose()?.flatten();
+        let next = other.map(|at| self.widened(best.swap_remove(at))).transpose()?;
         best.truncate(1);
         best.extend(next);
         if !self.is_reached(&best[0]) {
@@ -331,7 +331,7 @@ impl Look<'_> {
             }
             let seconds = (low * high).sqrt();
             let shorter = self.proposal(Experiment { seconds, ..found[0].experiment }, Care::Like(&found[0]))?;
-            let shorter = shorter.filter(|p| self.is_reached(p)).map(|p| self.widened(p)).transpose()?.flatten();
+            let shorter = shorter.filter(|p| self.is_reached(p)).map(|p| self.widened(p)).transpose()?;
             match shorter.filter(|p| self.is_reached(p)) {
                 Some(shorter) => (found[0], high) = (shorter, seconds),
                 None => low = seconds,
@@ -358,7 +358,7 @@ impl Look<'_> {
             progress.step();
             let Some(seconds) = lengths(&limits, &self.question.sensor).last().copied() else { return Ok(None) };
             let found = look.all(&grown, seconds, Care::Like(best))?.into_iter().next();
-            Ok(found.map(|p| look.widened(p)).transpose()?.flatten())
+            found.map(|p| look.widened(p)).transpose()
         };
         let mut doubled = Limit::ALL.map(|limit| (limit, best.clone()));
         for (limit, proposal) in &mut doubled {

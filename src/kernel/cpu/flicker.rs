@@ -107,7 +107,7 @@ pub(super) fn add<T: Real>(
     level.run(AddFlicker { flicker, amplitudes, scale, first, place, is_dense, bits, slow, out });
 }
 
-/// Steps every slow term over the next 16 samples, each with a random number of its own.
+/// Steps every slow term by 16 samples at once, with one random number per term.
 fn dense<T: Real>(numbers: &mut Numbers<'_, T>, stream: Stream, flicker: &mut Flicker<T>, amplitudes: &[T]) {
     let counter = numbers.from / HELD;
     flicker.slowest = Lane::splat(T::of(0.0));
