@@ -51,6 +51,7 @@ mod suite {
     pub mod law;
     pub mod laws;
     pub mod limits;
+    pub mod long_decays;
     pub mod mistakes;
     pub mod motion;
     pub mod motion_keys;
@@ -304,6 +305,7 @@ fn main() {
         // creeping_friction: dry friction that is smooth about standstill.
         suite::creeping_friction::tests(),
         suite::dense_decays::tests(),
+        suite::long_decays::tests(),
         // held_chaos: chaotic motion under an input that is held between its samples.
         suite::held_chaos::tests(),
         // shares: under an input, each name with the part of the error that it removes.

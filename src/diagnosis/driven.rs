@@ -30,6 +30,7 @@ use super::answer::Answer;
 use super::model;
 use super::recordings::Recordings;
 
+use decay::alone;
 use identification::chaos;
 use identification::fit::{self, Fit};
 use identification::refined_scales::refined;
@@ -79,11 +80,15 @@ pub(crate) fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, co
     let recording = &recordings.train[0];
     let taken = several::taken(recordings, model, settled, control)?;
     let trace = taken.prepared.data.trace.clone();
-    let answer = match decayed(recording, &taken, model) {
+    let answer = match alone::decayed(recording, &taken, model) {
         None if model.output_is != model::Output::Displacement => {
             return Err(Refusal::Cause(NOT_SIMULATED.to_owned()).of(recording, &model.columns));
         }
-        None => by_likelihood(recording, taken, model, control)?,
+        None => {
+            let alone = (taken.pieces.len() == 1 && !taken.prepared.data.own_test).then(|| taken.clone());
+            let by_segments = |refusal| alone.and_then(|one| alone::segmented(recording, &one, model)).ok_or(refusal);
+            by_likelihood(recording, taken, model, control).or_else(by_segments)?
+        }
         Some((answer, false)) => answer,
         Some((answer, true)) if model.output_is != model::Output::Displacement => answer,
         // Noise is named last, from what remains, by its likelihood.
@@ -92,24 +97,6 @@ pub(crate) fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, co
         }
     };
     Ok(Answer { trace: trace.steps(), ..answer })
-}
-
-/// The answer of a free decay, and whether what its model leaves is noise with a memory; `None` where
-/// an input drives it, samples are kept for validation, or nothing swings.
-fn decayed(recording: &Recording, taken: &Taken, model: &model::Driven) -> Option<(Answer, bool)> {
-    let Taken { prepared, pieces, judging } = taken;
-    let is_displacement = model.output_is == model::Output::Displacement;
-    let is_driven = prepared.data.input.is_some();
-    if (is_driven && is_displacement) || prepared.data.own_test || pieces.len() != 1 {
-        return None;
-    }
-    let decay = match is_driven {
-        true => decay::driven::driven(prepared)?,
-        false => decay::searched::decay(&prepared.data, &prepared.filled)?,
-    };
-    let asked = Asked { recording, pieces, judging, columns: &model.columns, unit: model.unit.as_deref() };
-    let answer = decay::answer::answer(&asked, &decay, prepared.notes.clone());
-    Some((answer, decay.leaves_noise_with_memory()))
 }
 
 /// Returns whether an answer names something, and noise alone.

@@ -86,7 +86,7 @@ pub fn diagnose(recording: &Recording, model: &model::Response, control: &Contro
     let fewer = rested.as_ref().and_then(|rested| {
         let fewer = system.over(rested);
         let (search, base) = Search::begin(&fewer, deviation.powi(2), &base.point)?;
-        let again = names::again(&search, base, &found)?;
+        let again = names::again(&search, base, &found, |fitted| fitted.point.clone())?;
         drop(search);
         Some((fewer, again))
     });

@@ -5,6 +5,7 @@
 //! proof mass (`simulated`) by free simulation from the base model (`base_model`, `searched`, under
 //! an input `driven`); `answer` reports what was found, in the units of what was read (`read`).
 
+pub(in crate::driven) mod alone;
 pub mod answer;
 mod base_model;
 pub mod driven;

@@ -67,6 +67,15 @@ pub(crate) enum Argument {
 }
 
 impl Argument {
+    /// Returns whether what depends on one may depend on the other: both are displacement, or velocity, in part.
+    pub(crate) fn overlaps(self, other: Self) -> bool {
+        let parts = |argument: Self| match argument {
+            Self::Both | Self::Path => [Self::Displacement, Self::Velocity],
+            one => [one, one],
+        };
+        parts(self).iter().any(|part| parts(other).contains(part))
+    }
+
     /// The word for it in public documents.
     pub(crate) fn word(self) -> &'static str {
         match self {

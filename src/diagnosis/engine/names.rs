@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::evidence::Gain;
 use super::fit::Fitted;
-use super::kind::{Argument, Form, Kind};
+use super::kind::{Argument, Form, Kind, Point};
 use super::levels::{AT_NOISE, CLEAR, EXACT, TOGETHER};
 use super::search::{Search, sorted};
 
@@ -67,12 +67,17 @@ pub(crate) fn names<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, known: O
     Found { alone, ..judged }
 }
 
-/// Says what holds of the best set on rows that are finer than those it was found on, with the rivals found
-/// there, and with what only they show.
-pub(crate) fn again<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, found: &Found) -> Option<Found> {
-    let best = search.at(&found.best.set, &found.best.point)?;
+/// Says what holds of the best set on other rows than those it was found on, with the rivals found there, and
+/// with what only these rows show. A set is fitted from where `begin` says.
+pub(crate) fn again<K: Kind>(
+    search: &Search<'_, K>,
+    base: Arc<Fitted>,
+    found: &Found,
+    begin: impl Fn(&Fitted) -> Point,
+) -> Option<Found> {
+    let best = search.at(&found.best.set, &begin(&found.best))?;
     for (_, rival) in found.named.iter().flat_map(|n| &n.rivals) {
-        search.at(&rival.set, &rival.point);
+        search.at(&rival.set, &begin(rival));
     }
     let best = search.grown(&base, best);
     let judged = judged(search, base, best, false);
@@ -90,7 +95,8 @@ fn judged<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, found: Arc<Fitted>
     let together = search.gain(&base, &best);
     let whole = !named.is_empty() && named.len() == best.set.len();
     let enough = together.share >= TOGETHER || excess(search, &best) < AT_NOISE;
-    let (model, imitations) = if whole && enough { (best, Vec::new()) } else { (base.clone(), found.set.clone()) };
+    let is_argued = whole && enough && !is_outdone_by_another_argument(search, &base, &best);
+    let (model, imitations) = if is_argued { (best, Vec::new()) } else { (base.clone(), found.set.clone()) };
     if !imitations.is_empty() {
         named.clear();
     }
@@ -178,6 +184,20 @@ fn departs<K: Kind>(search: &Search<'_, K>, model: &Arc<Fitted>, place: usize) -
     }
     let best = search.freed(model, place)?;
     search.holds(model, &best).then(|| (best.clone(), search.gain(model, &best)))
+}
+
+/// Returns whether a free form of another argument alone does better than a set of laws, whatever the form of
+/// one of them: they imitate it. In a decay, time is an argument that every amplitude goes along with.
+fn is_outdone_by_another_argument<K: Kind>(search: &Search<'_, K>, base: &Arc<Fitted>, model: &Arc<Fitted>) -> bool {
+    let kind = search.kind;
+    if model.set.is_empty() || excess(search, model) < AT_NOISE {
+        return false;
+    }
+    let is_other = |law: &usize| !model.set.iter().any(|own| kind.argument(*own).overlaps(kind.argument(*law)));
+    let others = (0..kind.laws()).filter(|law| kind.form(*law) == Form::Free && is_other(law));
+    let freed: Vec<Arc<Fitted>> = (0..model.set.len()).filter_map(|place| search.freed(model, place)).collect();
+    let outdoes = |free: &Arc<Fitted>| std::iter::once(model).chain(&freed).all(|own| search.holds(own, free));
+    others.filter_map(|law| search.with(base, law)).any(|free| outdoes(&free))
 }
 
 /// Arguments of which a free form betters a model, the largest share first; none where it leaves no

@@ -69,10 +69,9 @@ pub(super) fn base(rows: Rows, cycle: f64, begins: &[[f64; 3]]) -> Option<(Syste
     Some((system, fitted))
 }
 
-/// Returns the point where the base model begins: each segment from the sine through its first half
-/// cycle.
+/// Returns the point where the base model begins.
 fn beginning(system: &System) -> Point {
-    let (s, rows) = (&system.scales, &system.rows);
+    let s = &system.scales;
     let coordinates = system.shared_coordinates(&[]);
     let of = |place: &usize| match *place {
         GAIN => s.gain,
@@ -81,6 +80,12 @@ fn beginning(system: &System) -> Point {
         _ => s.centre,
     };
     let shared = coordinates.iter().zip(system.oscillator().iter().map(of)).map(|(c, v)| z(*c, v)).collect();
+    Point { shared, starts: starts(system) }
+}
+
+/// Returns where each segment begins: as the sine through its first half cycle does.
+pub(super) fn starts(system: &System) -> Vec<Vec<f64>> {
+    let (s, rows) = (&system.scales, &system.rows);
     let half = ((PI / (s.omega_rad_s * s.interval_s)).ceil() as usize).max(4);
     let start = |segment: &Range<usize>| {
         // Normal equations of a cosine and a sine.
@@ -96,5 +101,5 @@ fn beginning(system: &System) -> Point {
         let (a, b) = if rows.data.observed.output == Output::Velocity { (-b, a) } else { (a, b) };
         vec![a / (0.1 * s.output), b / (0.1 * s.output)]
     };
-    Point { shared, starts: rows.layout.segments.iter().map(start).collect() }
+    rows.layout.segments.iter().map(start).collect()
 }

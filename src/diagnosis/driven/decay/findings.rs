@@ -49,8 +49,9 @@ pub(super) fn findings(decay: &Decay, data: &Data, unit: &str) -> Vec<String> {
     }
     if rows.of > 1 {
         all.push(format!(
-            "of the decay's {} cycles one segment of some four in {} is fitted, from the first on",
+            "of the decay's {} cycles one segment of some {} in {} is fitted, from the first on",
             short(decay.cycles()),
+            short((rows.layout.rows() * rows.step) as f64 / rows.layout.segments.len() as f64 / motion.cycle),
             rows.of
         ));
     }

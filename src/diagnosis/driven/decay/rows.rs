@@ -18,14 +18,18 @@ use super::swings::Motion;
 const PER_CYCLE: f64 = 40.0;
 /// Half the width of a parabola, in rows that are left.
 const HALF: f64 = 0.75;
-/// Cycles of a segment.
+/// Cycles of a segment in which laws are searched first.
 pub(super) const CYCLES: f64 = 4.0;
+/// Times that a segment is as long where shorter ones show nothing.
+pub(super) const LONGER: f64 = 4.0;
 /// Rows of a segment at least.
 pub(super) const LEAST_SEGMENT: f64 = 24.0;
 /// Rows of a cycle that are kept where there are many cycles.
 const FEW_PER_CYCLE: f64 = 16.0;
 /// Rows in all at about; of more, segments are left out evenly, the first one never.
 const MOST: f64 = 2000.0;
+/// … in long segments.
+const MOST_LONG: f64 = 8192.0;
 /// Rows in all at most that numbers are fitted to.
 const MOST_SAMPLES: usize = 20_000;
 /// Blocks in all at least, where each keeps some rows.
@@ -60,12 +64,14 @@ pub(super) fn in_samples(rows: &Rows, term: &Term, parameters: &[f64], which: us
     }
 }
 
-/// Rows of a motion in which laws are searched; `filled` were not recorded.
-pub(super) fn rows(data: &Data, motion: &Motion, filled: &[Range<usize>]) -> Rows {
+/// Rows of a motion in which laws are searched, in segments of about so many `cycles`; `filled` were not
+/// recorded.
+pub(super) fn rows(data: &Data, motion: &Motion, filled: &[Range<usize>], cycles: f64) -> Rows {
     let seen = motion.stretches.iter().map(Range::len).sum::<usize>() as f64;
-    let step = (motion.cycle / PER_CYCLE).max((seen / MOST).min(motion.cycle / FEW_PER_CYCLE)).max(1.0) as usize;
+    let most = (MOST * cycles / CYCLES).min(MOST_LONG);
+    let step = (motion.cycle / PER_CYCLE).max((seen / most).min(motion.cycle / FEW_PER_CYCLE)).max(1.0) as usize;
     let half = half(step);
-    let length = (CYCLES * motion.cycle / step as f64).max(LEAST_SEGMENT);
+    let length = (cycles * motion.cycle / step as f64).max(LEAST_SEGMENT);
     let mut parts: Vec<Vec<usize>> = Vec::new();
     for stretch in &motion.stretches {
         let all: Vec<usize> = (stretch.start + half..stretch.end.saturating_sub(half)).step_by(step).collect();
@@ -74,7 +80,7 @@ pub(super) fn rows(data: &Data, motion: &Motion, filled: &[Range<usize>]) -> Row
     }
     parts.retain(|p| p.len() >= 3 * LEAST_BLOCK);
     let total: usize = parts.iter().map(Vec::len).sum();
-    let of = ((total as f64 / MOST).round() as usize).max(1);
+    let of = ((total as f64 / most).round() as usize).max(1);
     let rows = taken(data, parts.into_iter().step_by(of), step, filled);
     let samples = (step > 1).then(|| Arc::new(taken(data, runs(&rows, 1), 1, filled)));
     Rows { layout: blocks(rows.layout, motion.cycle, step), of, samples, ..rows }

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::driven::base::{OMEGA, ZETA};
 use crate::driven::identification::step_length::coarsest;
 use crate::driven::intake::data::Data;
 use crate::driven::intake::input::Interpolation;
@@ -14,14 +15,17 @@ use crate::driven::simulated::system::System;
 use crate::driven::simulation::filter::{Nothing, States};
 use crate::engine::fit::{Fitted, MOST_STEPS, fit};
 use crate::engine::kind::Point;
-use crate::engine::levels::FOLLOWED;
+use crate::engine::levels::{AT_NOISE, FOLLOWED, TOGETHER};
 use crate::engine::names::{self, Found};
 use crate::engine::search::Search;
 use crate::physics::scales::Scales;
 
 use super::base_model::{self, base};
-use super::rows;
+use super::rows::{self, CYCLES, LONGER};
 use super::swings::{self, Motion};
+
+/// Long segments at least.
+const FEWEST_SEGMENTS: usize = 4;
 
 /// A decay that was searched.
 pub(crate) struct Decay {
@@ -54,9 +58,16 @@ pub(super) struct Numbers {
 pub(crate) fn decay(data: &Data, filled: &[Range<usize>]) -> Option<Decay> {
     let motion = swings::motion(&data.reading, data.hull.clone(), reading_noise(&Sample::of(data))?.deviation)?;
     let data = seen(data, TAU * data.rate_hz / motion.cycle);
-    let rows = rows::rows(&data, &motion, filled);
+    let first = rows::rows(&data, &motion, filled, CYCLES);
     let begins = base_model::free(data.rate_hz, motion.cycle);
-    let mut decay = searched(data, rows, motion, &begins, true)?;
+    let mut decay = searched(data, first, motion, &begins, true)?;
+    let mut cycles = CYCLES;
+    let longest = decay.motion.stretches.iter().map(Range::len).max().unwrap_or(0) as f64 / decay.motion.cycle;
+    while decay.is_at_noise() && LONGER * cycles < longest {
+        cycles *= LONGER;
+        let Some(longer) = decay.longer(cycles, filled) else { break };
+        decay = longer;
+    }
     if let Some(rows) = rows::finer(&decay.data, &decay.system.rows, &decay.motion, filled) {
         decay = decay.at(rows, decay.system.scales.fineness).unwrap_or(decay);
     }
@@ -133,14 +144,53 @@ pub(super) fn begun(shorter: &System, longer: &System, point: &Point) -> Point {
 }
 
 impl Decay {
+    /// Returns whether laws, or a free form of what the rest depends on, account for what the base model leaves.
+    pub(crate) fn is_accounted_for(&self) -> bool {
+        let gains = self.found.together.into_iter().chain(self.found.rest.iter().map(|rest| rest.gain));
+        gains.map(|gain| gain.share).any(|share| share >= TOGETHER)
+    }
+
+    /// Returns whether the model leaves the noise alone.
+    fn is_at_noise(&self) -> bool {
+        self.found.model.variance < (1.0 + AT_NOISE) * self.variance
+    }
+
+    /// The same decay searched in segments of about so many cycles. A frequency that moves by less than a
+    /// short one shows loses its phase in a long one, and laws that are alike in a short one part. `None`
+    /// where they are too few, or no oscillator follows them.
+    fn longer(&self, cycles: f64, filled: &[Range<usize>]) -> Option<Self> {
+        let rows = rows::rows(&self.data, &self.motion, filled, cycles);
+        if rows.layout.segments.len() < FEWEST_SEGMENTS {
+            return None;
+        }
+        if self.found.named.is_empty() {
+            let values = self.system.shared_values(&[], &self.found.base.point);
+            let begins = [[1.0, self.system.own(OMEGA, &values), self.system.own(ZETA, &values)]];
+            return searched(self.data.clone(), rows, self.motion.clone(), &begins, true);
+        }
+        let scales = Scales { interval_s: rows.data.interval_s(), ..self.system.scales.clone() };
+        let system = System { rows, scales, ..self.system.clone() };
+        let starts = base_model::starts(&system);
+        self.again(system, |fitted| {
+            // Behind the motion stand the states of laws that have one.
+            let states = fitted.point.starts.first().map_or(0, Vec::len);
+            let begun = |start: &Vec<f64>| start.iter().copied().chain(std::iter::repeat(0.0)).take(states).collect();
+            Point { starts: starts.iter().map(begun).collect(), ..fitted.point.clone() }
+        })
+    }
+
     /// The laws that were found, judged and measured on more rows, which no parabola bends, or with shorter
     /// steps; `None` where no fit comes to rest there.
     fn at(&self, rows: Rows, fineness: f64) -> Option<Self> {
         let scales = Scales { interval_s: rows.data.interval_s(), fineness, ..self.system.scales.clone() };
-        let system = System { rows, scales, ..self.system.clone() };
+        self.again(System { rows, scales, ..self.system.clone() }, |fitted| fitted.point.clone())
+    }
+
+    /// The laws that were found, judged on other rows, where their fits begin at these points.
+    fn again(&self, system: System, begin: impl Fn(&Fitted) -> Point) -> Option<Self> {
         let variance = variance(&self.noise, &system);
-        let (search, base) = Search::begin(&system, variance, &self.found.base.point)?;
-        let found = names::again(&search, base, &self.found)?;
+        let (search, base) = Search::begin(&system, variance, &begin(&self.found.base))?;
+        let found = names::again(&search, base, &self.found, begin)?;
         drop(search);
         let numbers = numbers(&system, &found, variance);
         Some(Self { system, variance, found, numbers, data: self.data.clone(), motion: self.motion.clone(), ..*self })

@@ -40,7 +40,7 @@ const PIECE: usize = 20;
 const LARGEST: f64 = 1e100;
 
 /// Data that can be fitted, and what was noticed on the way.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Prepared {
     /// The recording as fits see it.
     pub data: Data,

@@ -36,7 +36,7 @@ pub struct Piece {
 }
 
 /// Recordings joined into one sequence.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Taken {
     /// All recordings as one data set.
     pub prepared: Prepared,
