@@ -163,6 +163,11 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
     if on_bound || best.is_impossible || may_be_zero || is_patch || !search.holds(&without, best) {
         return None;
     }
+    // What a free form of another one of the laws takes up as well is no further law.
+    let others_freed = || (0..without.set.len()).filter_map(|place| search.freed(&without, place));
+    if leaves(best) && others_freed().any(|freed| search.holds(best, &freed)) {
+        return None;
+    }
     let law = best.set[place];
     let instead = |f: &Arc<Fitted>| {
         let same = f.set.len() == best.set.len() && sorted(&f.set) != sorted(&best.set);
