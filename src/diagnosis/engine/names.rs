@@ -163,7 +163,7 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
     if on_bound || best.is_impossible || may_be_zero || is_patch || !search.holds(&without, best) {
         return None;
     }
-    // What a free form of another one of the laws takes up as well is no further law.
+    // Where the other laws do better with one of their forms free, this one only made up for that form.
     let others_freed = || (0..without.set.len()).filter_map(|place| search.freed(&without, place));
     if leaves(best) && others_freed().any(|freed| search.holds(best, &freed)) {
         return None;
