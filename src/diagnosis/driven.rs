@@ -85,9 +85,11 @@ pub(crate) fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, co
             return Err(Refusal::Cause(NOT_SIMULATED.to_owned()).of(recording, &model.columns));
         }
         None => {
-            let alone = (taken.pieces.len() == 1 && !taken.prepared.data.own_test).then(|| taken.clone());
-            let by_segments = |refusal| alone.and_then(|one| alone::segmented(recording, &one, model)).ok_or(refusal);
-            by_likelihood(recording, taken, model, control).or_else(by_segments)?
+            let alone = alone::may_be_segmented(&taken).then(|| taken.clone());
+            by_likelihood(recording, taken, model, control).or_else(|refusal| {
+                let alone = alone.filter(|_| !control.cancelled());
+                alone.and_then(|one| alone::segmented(recording, &one, model)).ok_or(refusal)
+            })?
         }
         Some((answer, false)) => answer,
         Some((answer, true)) if model.output_is != model::Output::Displacement => answer,

@@ -16,7 +16,7 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("long decay: a stop that no few cycles show is named with its numbers", stop),
         test("long decay: one that is knocked again and again is searched to its end", knocked),
-        test("long decay: a spring that follows a course of time is no law of the amplitude", course),
+        test("long decay: a spring that changes with time is not taken for a law of amplitude", course),
     ]
 }
 

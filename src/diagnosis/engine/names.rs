@@ -191,8 +191,8 @@ fn departs<K: Kind>(search: &Search<'_, K>, model: &Arc<Fitted>, place: usize) -
     search.holds(model, &best).then(|| (best.clone(), search.gain(model, &best)))
 }
 
-/// Returns whether a free form of another argument alone does better than a set of laws, whatever the form of
-/// one of them: they imitate it. In a decay, time is an argument that every amplitude goes along with.
+/// Returns whether a free form of another argument alone does better than a set of laws, even with the form of one
+/// of them free: the laws only imitate it. In a decay the amplitude falls with time, so one can stand for the other.
 fn is_outdone_by_another_argument<K: Kind>(search: &Search<'_, K>, base: &Arc<Fitted>, model: &Arc<Fitted>) -> bool {
     let kind = search.kind;
     if model.set.is_empty() || excess(search, model) < AT_NOISE {

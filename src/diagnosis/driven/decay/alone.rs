@@ -29,14 +29,21 @@ pub(in crate::driven) fn decayed(
     Some((of_decay(recording, taken, model, &decay), decay.leaves_noise_with_memory()))
 }
 
+/// Returns whether a recording that is refused as a whole may be searched in segments: it has an input, and no
+/// samples are kept for validation.
+pub(in crate::driven) fn may_be_segmented(taken: &Taken) -> bool {
+    let data = &taken.prepared.data;
+    taken.pieces.len() == 1 && !data.own_test && data.input.is_some()
+}
+
 /// The answer where an input drives a mass whose resonance moves so far that no oscillator follows the whole
-/// recording: in short segments one may. `None` where it does not depend on anything there either.
+/// recording: in short segments one may. `None` where nothing accounts for what the base model leaves there.
 pub(in crate::driven) fn segmented(recording: &Recording, taken: &Taken, model: &model::Driven) -> Option<Answer> {
-    taken.prepared.data.input.as_ref()?;
     let decay = driven::driven(&taken.prepared)?;
     decay.is_accounted_for().then(|| of_decay(recording, taken, model, &decay))
 }
 
+/// Puts what a search found into the answer that all kinds give.
 fn of_decay(recording: &Recording, taken: &Taken, model: &model::Driven, decay: &Decay) -> Answer {
     let Taken { prepared, pieces, judging } = taken;
     let asked = Asked { recording, pieces, judging, columns: &model.columns, unit: model.unit.as_deref() };

@@ -20,7 +20,7 @@ const PER_CYCLE: f64 = 40.0;
 const HALF: f64 = 0.75;
 /// Cycles of a segment in which laws are searched first.
 pub(super) const CYCLES: f64 = 4.0;
-/// Times that a segment is as long where shorter ones show nothing.
+/// Factor by which segments are lengthened where shorter ones show only noise.
 pub(super) const LONGER: f64 = 4.0;
 /// Rows of a segment at least.
 pub(super) const LEAST_SEGMENT: f64 = 24.0;
@@ -28,7 +28,7 @@ pub(super) const LEAST_SEGMENT: f64 = 24.0;
 const FEW_PER_CYCLE: f64 = 16.0;
 /// Rows in all at about; of more, segments are left out evenly, the first one never.
 const MOST: f64 = 2000.0;
-/// … in long segments.
+/// Rows in all at most where segments are lengthened.
 const MOST_LONG: f64 = 8192.0;
 /// Rows in all at most that numbers are fitted to.
 const MOST_SAMPLES: usize = 20_000;
@@ -64,8 +64,8 @@ pub(super) fn in_samples(rows: &Rows, term: &Term, parameters: &[f64], which: us
     }
 }
 
-/// Rows of a motion in which laws are searched, in segments of about so many `cycles`; `filled` were not
-/// recorded.
+/// Rows of a motion in which laws are searched, in segments of about `cycles` cycles each; rows in `filled` were
+/// not recorded.
 pub(super) fn rows(data: &Data, motion: &Motion, filled: &[Range<usize>], cycles: f64) -> Rows {
     let seen = motion.stretches.iter().map(Range::len).sum::<usize>() as f64;
     let most = (MOST * cycles / CYCLES).min(MOST_LONG);

@@ -24,7 +24,7 @@ use super::base_model::{self, base};
 use super::rows::{self, CYCLES, LONGER};
 use super::swings::{self, Motion};
 
-/// Long segments at least.
+/// Fewest segments into which a decay may be divided once they are lengthened.
 const FEWEST_SEGMENTS: usize = 4;
 
 /// A decay that was searched.
@@ -155,9 +155,9 @@ impl Decay {
         self.found.model.variance < (1.0 + AT_NOISE) * self.variance
     }
 
-    /// The same decay searched in segments of about so many cycles. A frequency that moves by less than a
-    /// short one shows loses its phase in a long one, and laws that are alike in a short one part. `None`
-    /// where they are too few, or no oscillator follows them.
+    /// Searches the same decay in segments of about `cycles` cycles each. A small shift in frequency, hidden in
+    /// a short segment, builds up a phase error in a long one, which also tells similar laws apart. `None` if
+    /// too few segments are left, or if no oscillator follows them.
     fn longer(&self, cycles: f64, filled: &[Range<usize>]) -> Option<Self> {
         let rows = rows::rows(&self.data, &self.motion, filled, cycles);
         if rows.layout.segments.len() < FEWEST_SEGMENTS {
@@ -172,7 +172,7 @@ impl Decay {
         let system = System { rows, scales, ..self.system.clone() };
         let starts = base_model::starts(&system);
         self.again(system, |fitted| {
-            // Behind the motion stand the states of laws that have one.
+            // The states of laws that have one come after displacement and velocity.
             let states = fitted.point.starts.first().map_or(0, Vec::len);
             let begun = |start: &Vec<f64>| start.iter().copied().chain(std::iter::repeat(0.0)).take(states).collect();
             Point { starts: starts.iter().map(begun).collect(), ..fitted.point.clone() }
