@@ -2,6 +2,7 @@
 //! shown as ignored, with the reason, where it is absent.
 
 mod suite {
+    pub mod ac_coupled;
     pub mod aiding;
     pub mod allan;
     pub mod architecture;
@@ -162,6 +163,7 @@ fn main() {
         suite::parity::tests(),
         // readout: a low-pass and a delay behind the proof mass follow their closed forms.
         suite::powers::tests(),
+        suite::ac_coupled::tests(),
         suite::read_linear::tests(),
         suite::read_quantity::tests(),
         suite::readout::tests(),

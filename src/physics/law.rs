@@ -24,9 +24,9 @@ pub enum Role {
     InputDelay,
     /// The input that is recorded acts before. Parameter 0 is by how much, in s.
     InputLead,
-    /// The displacement is read through a low-pass. Parameter 0 is its time constant in s, state 0
-    /// what it holds.
-    LowPass,
+    /// The displacement is read through a filter at this place of the readout. Parameter 0 is its
+    /// time constant in s, state 0 what a low-pass of that holds.
+    Filter(Place),
     /// The reading is changed at this place of the readout.
     Readout(Place),
     /// No simulation changes; it shows in which values readings take.
@@ -36,14 +36,25 @@ pub enum Role {
     Noise(Noise),
 }
 
+/// Order of a derivative by time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    /// The rate of change.
+    First,
+    /// The rate of that.
+    Second,
+}
+
 /// Places in the readout, in the order in which a reading passes them. The offset of the base model
 /// is added before `Input`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Place {
     /// Displacements of further modes are added to that of the mass.
     Modes,
-    /// A first-order low-pass.
+    /// A low-pass.
     LowPass,
+    /// A high-pass.
+    HighPass,
     /// A static nonlinearity of the reading.
     Nonlinearity,
     /// Part of the input is added.
@@ -79,15 +90,14 @@ impl Role {
 
     /// Returns whether its states follow each step of the mass by an exact solution.
     pub fn follows(self) -> bool {
-        matches!(self, Self::Mode | Self::LowPass)
+        matches!(self, Self::Mode | Self::Filter(_))
     }
 
     /// Place in the readout at which it acts, if it does.
     pub fn place(self) -> Option<Place> {
         match self {
             Self::Mode => Some(Place::Modes),
-            Self::LowPass => Some(Place::LowPass),
-            Self::Readout(place) => Some(place),
+            Self::Filter(place) | Self::Readout(place) => Some(place),
             _ => None,
         }
     }
@@ -206,6 +216,12 @@ pub trait Law {
     /// Carries its states over one step of the mass by exact solution (roles that follow).
     #[inline(always)]
     fn follow(&self, _stride: &Stride, _constants: &Constants, _p: &[Lanes], _own: &mut [Lanes]) {}
+
+    /// Returns the first or second derivative of what the low-pass in it shows of displacement `x`, whose
+    /// velocity is `v` (role filter).
+    fn smoothed(&self, _order: Order, _motion: [&Lanes; 2], _p: &[Lanes], _own: &[Lanes]) -> Lanes {
+        [0.0; LANES]
+    }
 
     /// `sum` and the acceleration that the law adds to it.
     #[inline(always)]

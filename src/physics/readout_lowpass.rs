@@ -8,7 +8,7 @@
 
 use super::candidate::{Candidate, Kind, Parameter};
 use super::free_oscillator::transition;
-use super::law::{Law, Role};
+use super::law::{Law, Order, Place, Role};
 use super::scales::{Coordinate, Scales};
 use super::state::{Constants, Instant, LANES, Lanes, MOST_STAGED, MOST_VALUES, Stride};
 
@@ -64,7 +64,7 @@ impl Law for ReadoutLowpass {
         }
     }
     fn role(&self) -> Role {
-        Role::LowPass
+        Role::Filter(Place::LowPass)
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
         let tau = Coordinate::Log(1e-4 / s.omega_rad_s, 100.0 / s.omega_rad_s);
@@ -161,6 +161,15 @@ impl Law for ReadoutLowpass {
     #[inline(always)]
     fn reading(&self, _: &Instant<'_, f64>, _: &[f64; MOST_VALUES], own: &[f64; MOST_STAGED], _: f64) -> f64 {
         own[0]
+    }
+    fn smoothed(&self, order: Order, [x, v]: [&Lanes; 2], p: &[Lanes], own: &[Lanes]) -> Lanes {
+        let of = |l: usize| match (self.0, order) {
+            (Poles::One, Order::First) => (x[l] - own[0][l]) / p[0][l],
+            (Poles::One, Order::Second) => (v[l] - (x[l] - own[0][l]) / p[0][l]) / p[0][l],
+            (Poles::Two, Order::First) => own[1][l],
+            (Poles::Two, Order::Second) => (x[l] - own[0][l] - p[0][l] * own[1][l]) / (p[1][l] * p[0][l]).powi(2),
+        };
+        std::array::from_fn(of)
     }
     /// The first order alone: see the module.
     fn tried(_: usize) -> Vec<Self> {

@@ -78,6 +78,7 @@ pub(super) fn readout(sweeps: &Sweeps, sizes: &Sizes, values: &Values, k: usize)
             // About the resonance, so that the constant angle stays the gain's.
             Term::ReadoutDelay(_) => all *= Phasor::from_polar(1.0, -(omega - sizes.laws.omega_rad_s) * law.values[0]),
             Term::ReadoutLowpass(_) => all /= Phasor::new(1.0, omega * law.values[0]),
+            Term::ReadoutHighpass(_) => all /= Phasor::new(1.0, -1.0 / (omega * law.values[0])),
             _ => {}
         }
     }

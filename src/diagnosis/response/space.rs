@@ -23,6 +23,7 @@ use crate::physics::power_law_stiffness::PowerLawStiffness;
 use crate::physics::quadratic_damping::QuadraticDamping;
 use crate::physics::quadratic_stiffness::QuadraticStiffness;
 use crate::physics::readout_delay::ReadoutDelay;
+use crate::physics::readout_highpass::ReadoutHighpass;
 use crate::physics::readout_lowpass::ReadoutLowpass;
 use crate::physics::scales::Scales;
 use crate::physics::shaped_friction::{Shape, ShapedFriction};
@@ -49,6 +50,7 @@ fn stated(with_time: bool) -> Vec<Term> {
         Term::ParasiticMode(ParasiticMode),
         Term::ReadoutDelay(ReadoutDelay),
         Term::ReadoutLowpass(ReadoutLowpass::default()),
+        Term::ReadoutHighpass(ReadoutHighpass),
     ];
     if with_time {
         all.push(Term::StiffnessDrift(StiffnessDrift::default()));
@@ -99,9 +101,8 @@ pub(super) fn argument(term: &Term) -> Argument {
         // To a lock-in a film is a damping by the third power: x²x′ and |x′|²x′ have the same fundamental but for ω².
         Term::SqueezeFilmDamping(_) => Argument::Velocity,
         Term::StiffnessDrift(_) => Argument::Time,
-        Term::CoupledMode(_) | Term::ParasiticMode(_) | Term::ReadoutDelay(_) | Term::ReadoutLowpass(_) => {
-            Argument::Frequency
-        }
+        Term::CoupledMode(_) | Term::ParasiticMode(_) | Term::ReadoutDelay(_) => Argument::Frequency,
+        Term::ReadoutLowpass(_) | Term::ReadoutHighpass(_) => Argument::Frequency,
         Term::FreeForm(form) => match form.law {
             Freed::Drag => Argument::Velocity,
             Freed::Film => Argument::Both,
@@ -128,7 +129,7 @@ pub(super) fn excludes(one: &Term, other: &Term) -> bool {
         },
         Term::StiffnessDrift(_) => 6,
         // A phase in proportion to frequency, either way.
-        Term::ReadoutDelay(_) | Term::ReadoutLowpass(_) => 5,
+        Term::ReadoutDelay(_) | Term::ReadoutLowpass(_) | Term::ReadoutHighpass(_) => 5,
         _ => 0,
     };
     one.id() == other.id() || (group(one) != 0 && group(one) == group(other))

@@ -12,7 +12,6 @@ use crate::engine::fit::{Fitted, MOST_STEPS, fit};
 use crate::engine::kind::Point;
 use crate::model::Output;
 use crate::numerics::moments::{mean_sd, rms};
-use crate::physics::law::Role;
 
 /// Damping ratios at which the base model of a free motion begins.
 const ZETAS: [f64; 4] = [0.003, 0.03, 0.15, 0.5];
@@ -56,10 +55,6 @@ pub(super) fn base(rows: Rows, cycle: f64, begins: &[[f64; 3]]) -> Option<(Syste
     scales.residual = rms(fitted.model.residual.iter().copied());
     scales.lines_hz = lines_hz;
     system.members = space::members(system.rows.data.environments, is_driven, &system.scales);
-    // A low-pass holds a displacement.
-    if system.rows.data.observed.output != Output::Displacement {
-        system.members.retain(|m| m.term.role() != Role::LowPass);
-    }
     // Coordinates are measured by the sizes, which have moved.
     let turn = |s: &Vec<f64>, before: f64| vec![s[0], s[1] * before / system.scales.omega_rad_s];
     let before = begin[1];

@@ -83,9 +83,9 @@ impl Identifiability {
 /// Returns whether a law changes how the reading answers the input at each frequency, and nothing
 /// else.
 pub(super) fn is_linear(term: &Term) -> bool {
-    use Role::{InputDelay, InputLead, LowPass, Mode, Readout};
-    matches!(term.role(), InputDelay | InputLead | LowPass | Mode | Readout(Place::Input))
-        || matches!(term, Term::CoupledMode(_))
+    use Role::{Filter, InputDelay, InputLead, Mode, Readout};
+    matches!(term.role(), InputDelay | InputLead | Filter(_) | Mode | Readout(Place::Input))
+        || matches!(term, Term::CoupledMode(_) | Term::InputHighpass(_))
 }
 
 /// Frequencies of the lines of the input that move the reading beyond its noise, strongest first;

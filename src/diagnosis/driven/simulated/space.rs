@@ -36,7 +36,7 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
         let is_hidden = match t {
             Term::ReadoutSaturation(_) => !is_driven,
             Term::PeriodicDisturbance(_) => is_driven,
-            _ => t.role() == Role::LowPass && !is_driven,
+            _ => matches!(t.role(), Role::Filter(_)) && !is_driven,
         };
         let is_shape = matches!(t, Term::ShapedFriction(_));
         t.noise().is_none() && t.role() != Role::Lattice && !is_hidden && !is_shape
@@ -97,6 +97,8 @@ pub(in crate::driven) fn argument(term: &Term) -> Argument {
         | Term::ReadoutDelay(_)
         | Term::InputLag(_)
         | Term::ReadoutLowpass(_)
+        | Term::ReadoutHighpass(_)
+        | Term::InputHighpass(_)
         | Term::Feedthrough(_) => Argument::Frequency,
         Term::FreeForm(form) => match form.law {
             Freed::Drag => Argument::Velocity,

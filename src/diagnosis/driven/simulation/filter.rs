@@ -174,7 +174,7 @@ impl Pass<'_> {
         let mut own = [[0.0; LANES]; MOST_STATES];
         let (later, earlier): (Vec<_>, Vec<_>) = movers(self.parts.terms, self.parts.first, self.parts.parameters)
             .into_iter()
-            .partition(|m| m.role == Role::LowPass);
+            .partition(|m| matches!(m.role, Role::Filter(_)));
         for m in &earlier {
             m.term.begin(&x, &v, &values(m), &mut own[m.state..]);
         }
@@ -198,8 +198,13 @@ impl Pass<'_> {
         let seen = self.parts.observed.output;
         let mut y = if seen == Output::Displacement { at.x } else { plan.observed(at, acting, motion) };
         for r in &plan.sensing {
-            if seen != Output::Displacement && r.role == Role::Mode {
-                continue;
+            match r.role {
+                Role::Mode if seen != Output::Displacement => continue,
+                Role::Filter(place) if seen != Output::Displacement => {
+                    plan.filtered(r, place, at, motion, &mut y);
+                    continue;
+                }
+                _ => {}
             }
             r.term.reading(at, &r.values, &motion.own[r.state..], &mut y);
         }

@@ -9,7 +9,7 @@
 use crate::driven::intake::observed::Observed;
 use crate::model::Output;
 use crate::physics::coulomb_friction::{self, Sliding};
-use crate::physics::law::{Place, Role};
+use crate::physics::law::{Order, Place, Role};
 use crate::physics::library::Term;
 use crate::physics::state::{BaseLanes, Constants, Instants, LANES, Lanes, MOST_STAGED, Staged, Stride};
 
@@ -125,8 +125,8 @@ impl<'a> Plan<'a> {
         };
         let moving = placed(|t| t.role() == Role::Force);
         let mut followers = placed(|t| t.role().follows());
-        // A low-pass sees the others where they have come to.
-        followers.sort_by_key(|m| m.role == Role::LowPass);
+        // A filter sees the others where they have come to.
+        followers.sort_by_key(|m| matches!(m.role, Role::Filter(_)));
         let constants = followers.iter().map(|m| m.term.constants(&m.values, step_s)).collect();
         let place = |m: &Mover<'a>| m.role.place();
         let mut readers = placed(|t| t.role().place().is_some());
@@ -156,7 +156,7 @@ impl<'a> Plan<'a> {
             adding,
             late_s: delay(of(Role::InputDelay), of(Role::InputLead)),
             friction: rubbing.map(|(t, first)| coulomb_friction::resistance(&parameters[*first..first + t.values()])),
-            lagging: placed(|t| t.role() == Role::LowPass).first().map(|m| m.state),
+            lagging: placed(|t| t.role() == Role::Filter(Place::LowPass)).first().map(|m| m.state),
         }
     }
 
@@ -306,6 +306,26 @@ impl<'a> Plan<'a> {
         y.map(|seen| observed.displacement(seen))
     }
 
+    /// Passes the velocity or acceleration of mass and modes together, as the displacement that stands for
+    /// it, through a filter.
+    pub(super) fn filtered(
+        &self,
+        filter: &Mover<'_>,
+        place: Place,
+        at: &Instants<'_, f64, LANES>,
+        motion: &StepState,
+        y: &mut Lanes,
+    ) {
+        let observed = self.parts.observed;
+        let order = if observed.output == Output::Velocity { Order::First } else { Order::Second };
+        let (x, v) = together(&self.modes, &motion.own, [&at.x, &at.v]);
+        let smooth = filter.term.smoothed(order, [&x, &v], &filter.values, &motion.own[filter.state..]);
+        for l in 0..LANES {
+            let smooth = observed.displacement(smooth[l]);
+            y[l] = if place == Place::HighPass { y[l] - smooth } else { smooth };
+        }
+    }
+
     /// Dry friction at a lane's velocity and acceleration, as a reading that is the mean over its sample
     /// sees it turn round.
     fn mean_friction(&self, friction: &[Lanes; 2], [v, acceleration]: [f64; 2], l: usize) -> f64 {
@@ -321,7 +341,7 @@ impl<'a> Plan<'a> {
         let (x0, v0) =
             if modes.is_empty() { (stride.x0, stride.v0) } else { together(modes, own, [&stride.x0, &stride.v0]) };
         for (m, constants) in self.followers.iter().zip(&self.constants) {
-            if m.role == Role::LowPass && !modes.is_empty() {
+            if matches!(m.role, Role::Filter(_)) && !modes.is_empty() {
                 let (x1, v1) = together(modes, own, [&stride.x1, &stride.v1]);
                 let seen = Stride { x0, v0, x1, v1, ..stride };
                 m.term.follow(&seen, constants, &m.values, &mut own[m.state..]);

@@ -3,7 +3,7 @@
 
 use crate::driven::base::{BASE, INITIAL, OFFSET, OMEGA, OMEGAS_PER_SAMPLE, PER_RECORDING, ZETA, ZETAS};
 use crate::driven::intake::input::MOST_STEPS;
-use crate::physics::law::{Noise, Role};
+use crate::physics::law::{Noise, Place, Role};
 use crate::physics::library::Term;
 use crate::physics::scales::{Coordinate, Scales};
 
@@ -132,7 +132,7 @@ impl ModelStructure {
             match term.noise() {
                 Some(Noise::Force) => noisy.force = point[*first],
                 Some(Noise::Walk) => noisy.walk = point[*first],
-                None if term.role() == Role::LowPass => noisy.lag_s = point[*first],
+                None if term.role() == Role::Filter(Place::LowPass) => noisy.lag_s = point[*first],
                 None => {}
             }
         }
