@@ -15,6 +15,7 @@ pub mod detail;
 mod effects;
 mod intake;
 mod jumps;
+mod laws;
 mod location;
 mod noise;
 mod places;

@@ -108,7 +108,7 @@ impl Made<'_> {
 }
 // End of the generator.
 
-fn recording(rows: &[[f64; 4]]) -> Recording {
+pub(super) fn recording(rows: &[[f64; 4]]) -> Recording {
     let names = ["frequency_hz", "x_m", "y_m", "drive_m_s2"];
     let column =
         |(i, name): (usize, &str)| Column { name: name.to_owned(), values: rows.iter().map(|r| r[i]).collect() };
@@ -116,12 +116,12 @@ fn recording(rows: &[[f64; 4]]) -> Recording {
     Recording { path: "sweeps.csv".into(), rows: rows.len(), rate_hz: 1.0, columns, ..Recording::default() }
 }
 
-fn asked() -> Result<Model, Failed> {
+pub(super) fn asked() -> Result<Model, Failed> {
     let text = "kind = \"response\"\n[columns]\nfrequency = \"frequency_hz\"\nx = \"x_m\"\ny = \"y_m\"\ndrive = \"drive_m_s2\"\n";
     Ok(model::parse("model.toml", text)?)
 }
 
-fn diagnosed(recording: &Recording, model: &Model) -> Result<(Verdict, response::Detail), Failed> {
+pub(super) fn diagnosed(recording: &Recording, model: &Model) -> Result<(Verdict, response::Detail), Failed> {
     let diagnosis = worded(diagnose(recording, model, &Control::silent())?);
     let Detail::Response(detail) = diagnosis.detail else { return Err("another kind".into()) };
     Ok((diagnosis.verdict, *detail))

@@ -160,12 +160,13 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
         [false, false] => false,
         _ => leaves(best) && search.freed(best, place).is_none_or(|freed| leaves(&freed)),
     };
-    if on_bound || best.is_impossible || may_be_zero || is_patch || !search.holds(&without, best) {
+    let may_be_nothing = may_be_zero || (strengths.is_empty() && reaches_a_bound(search.kind, best, own.start));
+    if on_bound || best.is_impossible || may_be_nothing || is_patch || !search.holds(&without, best) {
         return None;
     }
     // Where the other laws do better with one of their forms free, this one only made up for that form.
     let others_freed = || (0..without.set.len()).filter_map(|place| search.freed(&without, place));
-    if leaves(best) && others_freed().any(|freed| search.holds(best, &freed)) {
+    if others_freed().any(|freed| search.holds(best, &freed)) {
         return None;
     }
     let law = best.set[place];
@@ -180,6 +181,19 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
     let mut rivals: Vec<(usize, Arc<Fitted>)> = search.all().iter().filter_map(instead).collect();
     rivals.extend(search.expansions(best, &without, place));
     Some(Named { place, gain, rivals, departs: None })
+}
+
+/// Returns whether the 95 % interval of a coordinate reaches a bound: of a law without a strength that can be zero,
+/// such as a low-pass, the first one ends where the law is nothing.
+fn reaches_a_bound<K: Kind>(kind: &K, model: &Fitted, coordinate: usize) -> bool {
+    let reach = CLEAR * model.deviations[coordinate];
+    [-reach, reach].into_iter().any(|by| {
+        let mut end = model.point.clone();
+        end.shared[coordinate] += by;
+        let wanted = end.shared[coordinate];
+        kind.confine(&model.set, &mut end);
+        (end.shared[coordinate] - wanted).abs() > 1e-9 * (1.0 + wanted.abs())
+    })
 }
 
 /// The model with the form of one of its laws free, where that holds over the stated form.

@@ -245,13 +245,13 @@ impl<'a, K: Kind> Search<'a, K> {
         fits.min_by(|a, b| a.error.total_cmp(&b.error))
     }
 
-    /// The set without the law at a place, and where no fit of that comes to rest, the best set of
-    /// fewer of its laws that does.
+    /// The set without the law at a place, fitted from here too, so that no law is named for a minimum that the
+    /// others have without it; where no fit of it comes to rest, the best set of fewer of its laws that does.
     pub(crate) fn weighed_without(&self, from: &Fitted, place: usize) -> Option<Arc<Fitted>> {
         let law = from.set[place];
         let is_part = |f: &Arc<Fitted>| !f.set.contains(&law) && f.set.iter().all(|l| from.set.contains(l));
         let fewer = || self.all().into_iter().filter(is_part).min_by(|a, b| a.error.total_cmp(&b.error));
-        self.without(from, place).or_else(fewer)
+        self.reduced(from, place, 0.0).or_else(fewer)
     }
 
     /// Without the laws that do not hold next to the others.
@@ -273,9 +273,15 @@ impl<'a, K: Kind> Search<'a, K> {
 
     /// The set without the law at a place.
     pub(crate) fn without(&self, from: &Fitted, place: usize) -> Option<Arc<Fitted>> {
+        self.reduced(from, place, f64::INFINITY)
+    }
+
+    /// The same, where the fit so far leaves more than is promised, the better one of that and of a fit from here.
+    fn reduced(&self, from: &Fitted, place: usize, promised: f64) -> Option<Arc<Fitted>> {
         let mut set = from.set.clone();
         set.remove(place);
-        self.at(&set, &self.kind.without(&from.set, &from.point, place))
+        let point = self.kind.without(&from.set, &from.point, place);
+        self.remembered(&set, promised, || fit(self.kind, &set, &point, MOST_STEPS))
     }
 
     /// The fit of a set so far, where it leaves no more than is promised here; else the better one of it and of

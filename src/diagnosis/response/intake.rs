@@ -53,6 +53,13 @@ impl Sweeps {
         [fold(f64::min, f64::INFINITY), fold(f64::max, 0.0)]
     }
 
+    /// Distance between the neighbouring frequencies around this one, Hz; nothing outside the band.
+    pub(super) fn spacing_hz(&self, at_hz: f64) -> f64 {
+        let below = self.frequency_hz.iter().copied().filter(|f| *f <= at_hz).reduce(f64::max);
+        let above = self.frequency_hz.iter().copied().filter(|f| *f > at_hz).reduce(f64::min);
+        below.zip(above).map_or(0.0, |(below, above)| above - below)
+    }
+
     /// Returns whether a sweep goes up.
     pub(super) fn rises(&self, sweep: &Range<usize>) -> bool {
         self.frequency_hz[sweep.end - 1] >= self.frequency_hz[sweep.start]

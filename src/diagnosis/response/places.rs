@@ -145,20 +145,22 @@ impl<'a> Placing<'a> {
         for omega_rad_s in (0..PLACES).map(|i| low + (high - low) * (i as f64 + 0.5) / PLACES as f64) {
             for damping_per_s in WIDTHS.map(|width| width * (high - low)) {
                 let mass = Oscillator { omega_rad_s, damping_per_s };
-                for moves in MOVES.into_iter().map(|widths| widths * damping_per_s).filter(|m| *m < high - low) {
-                    for strength in [1.0, -1.0].map(|sign| sign * 2.0 * omega_rad_s * moves / most) {
-                        for ((m, k), force) in motion.iter_mut().zip(&self.steps.chosen).zip(forces) {
-                            *m = self.motion(*k, *force, &mass, strength);
-                        }
-                        let left = self.steps.left(&motion);
-                        if best.is_none_or(|b| left < b.left) {
-                            best = Some(Node { mass, strength, left });
-                        }
+                let moves = MOVES.into_iter().map(|widths| widths * damping_per_s).filter(|m| *m < high - low);
+                let strengths = moves.flat_map(|m| [1.0, -1.0].map(|sign| sign * 2.0 * omega_rad_s * m / most));
+                // A law that does not act on the mass stays as it is.
+                let as_it_is = (most == 0.0).then_some(1.0);
+                for strength in strengths.filter(|_| most > 0.0).chain(as_it_is) {
+                    for ((m, k), force) in motion.iter_mut().zip(&self.steps.chosen).zip(forces) {
+                        *m = self.motion(*k, *force, &mass, strength);
+                    }
+                    let left = self.steps.left(&motion);
+                    if best.is_none_or(|b| left < b.left) {
+                        best = Some(Node { mass, strength, left });
                     }
                 }
             }
         }
-        best.filter(|b| most > 0.0 && b.left.is_finite())
+        best.filter(|b| b.left.is_finite())
     }
 
     /// The model at a node, with the gain and the background that fit best.
@@ -193,8 +195,9 @@ pub(super) fn place(sweeps: &Sweeps, sizes: &Sizes, values: &Values) -> Option<V
         let node = placing.least(&forces)?;
         let model = placing.model(&forces, node)?;
         background.clone_from(&model.background);
-        if found.as_ref().is_none_or(|f| node.left < f.0) {
-            found = Some((node.left, model));
+        match &found {
+            Some(known) if known.0 <= node.left => break,
+            _ => found = Some((node.left, model)),
         }
     }
     found.map(|f| f.1)

@@ -72,17 +72,22 @@ pub(super) struct Predicted {
 /// laws of the readout do.
 pub(super) fn readout(sweeps: &Sweeps, sizes: &Sizes, values: &Values, k: usize) -> Phasor {
     let omega = TAU * sweeps.frequency_hz[k];
-    let mut all = Phasor::new(0.0, omega).powi(sweeps.derivatives) * Phasor::from_polar(1.0, values.angle_rad);
-    for law in &values.laws {
-        match law.term {
-            // About the resonance, so that the constant angle stays the gain's.
-            Term::ReadoutDelay(_) => all *= Phasor::from_polar(1.0, -(omega - sizes.laws.omega_rad_s) * law.values[0]),
-            Term::ReadoutLowpass(_) => all /= Phasor::new(1.0, omega * law.values[0]),
-            Term::ReadoutHighpass(_) => all /= Phasor::new(1.0, -1.0 / (omega * law.values[0])),
-            _ => {}
-        }
+    let all = Phasor::new(0.0, omega).powi(sweeps.derivatives) * Phasor::from_polar(1.0, values.angle_rad);
+    let about = sizes.laws.omega_rad_s;
+    // About the resonance, so that size and angle there stay the gain's, whatever the law's strength.
+    let filters = values.laws.iter().filter_map(|law| Some(filter(law, omega)? / filter(law, about)?));
+    all * filters.product::<Phasor>()
+}
+
+/// Response of a law of the readout.
+fn filter(law: &Law, omega_rad_s: f64) -> Option<Phasor> {
+    let turn = omega_rad_s * law.values.first()?;
+    match law.term {
+        Term::ReadoutDelay(_) => Some(Phasor::from_polar(1.0, -turn)),
+        Term::ReadoutLowpass(_) => Some(Phasor::new(1.0, turn).inv()),
+        Term::ReadoutHighpass(_) => Some(Phasor::new(1.0, -1.0 / turn).inv()),
+        _ => None,
     }
-    all
 }
 
 /// Displacement of modes that answer the same drive and are read with the mass.

@@ -124,12 +124,10 @@ pub(super) fn excludes(one: &Term, other: &Term) -> bool {
             Freed::CubicSpring => 1,
             Freed::Drag => 2,
             Freed::Film => 3,
-            Freed::Drift => 6,
+            Freed::Drift => 5,
             _ => 0,
         },
-        Term::StiffnessDrift(_) => 6,
-        // A phase in proportion to frequency, either way.
-        Term::ReadoutDelay(_) | Term::ReadoutLowpass(_) | Term::ReadoutHighpass(_) => 5,
+        Term::StiffnessDrift(_) => 5,
         _ => 0,
     };
     one.id() == other.id() || (group(one) != 0 && group(one) == group(other))

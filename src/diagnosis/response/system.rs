@@ -1,5 +1,6 @@
 //! Sweeps as the engine sees them: coordinates, laws and what each set of them predicts.
 
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 use nalgebra::Complex;
@@ -7,11 +8,13 @@ use nalgebra::Complex;
 use crate::engine::fit::{Fitted, MOST_STEPS, nearer};
 use crate::engine::kind::{Argument, Form, Kind, Layout, Linearised, Point};
 use crate::numerics::order;
+use crate::physics::law::Role;
 use crate::physics::library::Term;
 use crate::physics::scales::Coordinate;
 
 use super::balance::balanced;
 use super::intake::Sweeps;
+use super::laws;
 use super::places::place;
 use super::predicted::{Amplitude, Predicted, predicted};
 use super::space::{self, Member};
@@ -26,12 +29,10 @@ pub(super) const OWN: usize = 5;
 const BLOCK: usize = 3;
 /// Coordinate of a strength at which a law joins a model.
 const JOINS: f64 = 0.05;
-/// Part of the spring's force at which an even one begins.
-const EVEN: f64 = 0.3;
 /// Beginnings of a law that are followed.
 const FOLLOWED: usize = 2;
-/// Damping ratios of a second mode, in that of the first.
-const SHARPNESS: [f64; 2] = [0.01, 100.0];
+/// Part of the distance between two frequencies below which the width of a resonance between them shows in no step.
+const NARROWEST: f64 = 0.1;
 /// Part of a reading that the step before may hold.
 const SETTLING: [f64; 2] = [-0.3, 0.9];
 
@@ -98,21 +99,16 @@ impl<'a> System<'a> {
         is_mode(law) && is_mode(other)
     }
 
+    /// Coordinate of the least width of a resonance at a coordinate.
+    fn narrowest(&self, at: f64) -> f64 {
+        let s = &self.sizes;
+        let spacing_rad_s = TAU * self.sweeps.spacing_hz((s.laws.omega_rad_s + at * s.damping_per_s) / TAU);
+        (NARROWEST * spacing_rad_s / s.damping_per_s).ln().clamp(-7.0, 6.9)
+    }
+
     /// Coordinates of a law's parameters.
     pub(super) fn law_coordinates(&self, term: &Term) -> Vec<Coordinate> {
-        let s = &self.sizes;
-        let mut own = term.coordinates(&s.laws);
-        own.truncate(own.len() - term.unknown_beginnings());
-        // A second mode is as sharp as the first, within a factor.
-        if matches!(term, Term::CoupledMode(_) | Term::ParasiticMode(_)) {
-            own[2] = Coordinate::Log(SHARPNESS[0] * s.laws.zeta, (SHARPNESS[1] * s.laws.zeta).min(0.6));
-        }
-        // Its gain is measured by the first mode's, and no rate of samples bounds its frequency.
-        if let Term::ParasiticMode(_) = term {
-            own[1] = Coordinate::Log(0.05 * s.laws.omega_rad_s, 20.0 * s.laws.omega_rad_s);
-            own[0] = Coordinate::Linear(0.1 * s.amplitude * s.laws.omega_rad_s * s.damping_per_s / s.drive);
-        }
-        own
+        laws::coordinates(&self.sizes, term)
     }
 
     /// The model of a set at a point.
@@ -176,21 +172,7 @@ impl<'a> System<'a> {
     /// Returns where a law may begin: as its starts say, and where it has no strength there, with a
     /// little.
     fn beginnings(&self, term: &Term) -> Vec<Vec<f64>> {
-        let s = &self.sizes.laws;
-        let starts = match term {
-            Term::FreeForm(_) => vec![vec![0.0; term.values()]],
-            // An even force shows by its square: next to nothing it has no slope.
-            Term::QuadraticStiffness(_) => vec![vec![EVEN * s.omega_rad_s.powi(2) / s.output]],
-            // In radians over the band.
-            Term::ReadoutDelay(_) => [0.05, 0.5, 1.5, 3.0].map(|turn| vec![turn * s.interval_s]).to_vec(),
-            // Nearby alone does a second mode show.
-            Term::CoupledMode(_) | Term::ParasiticMode(_) => {
-                let strength = if matches!(term, Term::CoupledMode(_)) { 1e-5 } else { 0.0 };
-                let at = |widths: f64| s.omega_rad_s + widths * self.sizes.damping_per_s;
-                [-2.0, -0.7, 0.0, 0.7, 2.0].map(|widths| vec![strength, at(widths), s.zeta, 0.0, 0.0]).to_vec()
-            }
-            _ => term.starts(s),
-        };
+        let starts = laws::starts(&self.sizes, term);
         let coordinates = self.law_coordinates(term);
         let of = |start: Vec<f64>| {
             let mut own: Vec<f64> = coordinates.iter().zip(&start).map(|(c, v)| coordinate(*c, *v)).collect();
@@ -247,7 +229,9 @@ impl Kind for System<'_> {
     fn joined(&self, set: &[usize], point: &Point, law: usize) -> Vec<Point> {
         let mut larger = set.to_vec();
         larger.push(law);
-        let read = Self { amplitude: Amplitude::Read, ..self.clone() };
+        let role = self.members[law].term.role();
+        let amplitude = if role.acts_on_mass() { Amplitude::Read } else { self.amplitude };
+        let read = Self { amplitude, ..self.clone() };
         let left = |residual: &[f64]| {
             residual.iter().zip(&self.layout.counts).filter(|(_, c)| **c).map(|(e, _)| e * e).sum::<f64>()
         };
@@ -257,7 +241,8 @@ impl Kind for System<'_> {
             pairs.min_by(|a, b| a.0.total_cmp(&b.0))
         };
         let again = |values: &Values| balanced(self.sweeps, &self.sizes, values);
-        let acts = self.members[law].term.role().acts_on_mass();
+        let is_readout = matches!(role, Role::Filter(_) | Role::InputDelay);
+        let is_placed = role.acts_on_mass() || is_readout;
         let begin = |own: Vec<f64>| {
             let mut point = point.clone();
             point.shared.extend(own);
@@ -265,15 +250,19 @@ impl Kind for System<'_> {
             let placed = |values: &Values| self.point(&larger, values, &point);
             let near = best(std::iter::once(point.clone()).chain(again(&values).map(|v| placed(&v))).collect());
             // Where the model is far off, so are its mass and background.
-            let far = acts.then(|| place(self.sweeps, &self.sizes, &values)).flatten();
+            let far = is_placed.then(|| place(self.sweeps, &self.sizes, &values)).flatten();
             let far = best(far.iter().map(placed).collect());
             let far = far.filter(|far| near.as_ref().is_none_or(|near| far.0 < near.0));
-            near.into_iter()
-                .chain(far)
-                .filter_map(|(_, start)| nearer(&read, &larger, &start, MOST_STEPS))
-                .collect::<Vec<_>>()
+            near.into_iter().chain(far)
         };
-        let mut fits: Vec<_> = self.beginnings(&self.members[law].term).into_iter().flat_map(begin).collect();
+        let mut starts: Vec<_> = self.beginnings(&self.members[law].term).into_iter().flat_map(begin).collect();
+        if is_readout {
+            // A filter or a delay has its gain and background where it is placed already.
+            order::sort_by_key(&mut starts, |s| s.0);
+            starts.truncate(FOLLOWED);
+        }
+        let fitted = starts.iter().filter_map(|(_, start)| nearer(&read, &larger, start, MOST_STEPS));
+        let mut fits: Vec<_> = fitted.collect();
         order::sort_by_key(&mut fits, |f| f.1);
         fits.truncate(FOLLOWED);
         fits.into_iter().map(|f| f.0).collect()
@@ -333,12 +322,12 @@ impl Kind for System<'_> {
 
     fn confine(&self, set: &[usize], point: &mut Point) {
         let s = &self.sizes;
-        let [low, high] = s.band_hz.map(|f| std::f64::consts::TAU * f);
+        let [low, high] = s.band_hz.map(|f| TAU * f);
         let reach = 0.5 * (high - low);
         let own = &mut point.shared;
         let at = |omega: f64| (omega - s.laws.omega_rad_s) / s.damping_per_s;
         own[0] = own[0].clamp(at((low - reach).max(0.1 * low)), at(high + reach));
-        own[1] = own[1].clamp(-7.0, 7.0);
+        own[1] = own[1].clamp(self.narrowest(own[0]), 7.0);
         own[2] = own[2].clamp(-30.0, 30.0);
         own[4] = if self.sweeps.is_ordered { own[4].clamp(SETTLING[0], SETTLING[1]) } else { 0.0 };
         for place in 0..set.len() {
@@ -357,6 +346,7 @@ impl Kind for System<'_> {
 
     fn at_bound(&self, set: &[usize], point: &Point) -> Vec<bool> {
         let mut all = vec![false; point.shared.len()];
+        all[1] = point.shared[1] <= self.narrowest(point.shared[0]);
         all[4] = !self.sweeps.is_ordered || point.shared[4] <= SETTLING[0] || point.shared[4] >= SETTLING[1];
         for place in 0..set.len() {
             let coordinates = self.law_coordinates(&self.members[set[place]].term);

@@ -186,7 +186,8 @@ fn tolerable(sub: &str) -> &'static [&'static str] {
         "friction tanh" | "friction Stribeck" | "dry friction" => &["power-law-damping"],
         // Stiffness and damping of a loop depend on amplitude both.
         "Bouc–Wen" => &AMPLITUDE,
-        "delay" | "low-pass" => &["readout-delay", "readout-lowpass"],
+        // In a narrow band each turns the phase in proportion to frequency.
+        "delay" | "low-pass" => &["readout-delay", "readout-lowpass", "readout-highpass"],
         _ => &[],
     }
 }

@@ -1,0 +1,64 @@
+//! Parameters of the laws in sweeps: how a fit moves each, and where it begins.
+
+use std::f64::consts::TAU;
+
+use crate::physics::library::Term;
+use crate::physics::scales::Coordinate;
+
+use super::values::Sizes;
+
+/// Part of the spring's force at which an even one begins.
+const EVEN: f64 = 0.3;
+/// Damping ratios of a second mode, in that of the first.
+const SHARPNESS: [f64; 2] = [0.01, 100.0];
+/// Part of the lowest frequency at which a high-pass may have its corner: it still turns the phase there by a tenth.
+const LOWEST: f64 = 0.1;
+/// Corners of a high-pass at which a fit begins, along the logarithm of the band.
+const CORNERS: [f64; 4] = [0.0, 0.3, 0.6, 0.9];
+
+/// Coordinates of a law's parameters; unknown beginnings have none, as every step is a steady state.
+pub(super) fn coordinates(s: &Sizes, term: &Term) -> Vec<Coordinate> {
+    let mut own = term.coordinates(&s.laws);
+    own.truncate(own.len() - term.unknown_beginnings());
+    match term {
+        // A second mode is as sharp as the first, within a factor.
+        Term::CoupledMode(_) | Term::ParasiticMode(_) => {
+            own[2] = Coordinate::Log(SHARPNESS[0] * s.laws.zeta, (SHARPNESS[1] * s.laws.zeta).min(0.6));
+        }
+        Term::ReadoutHighpass(_) => {
+            let Coordinate::Log(shortest, _) = own[0] else { return own };
+            own[0] = Coordinate::Log(shortest, (1.0 / (LOWEST * TAU * s.band_hz[0])).max(2.0 * shortest));
+        }
+        _ => {}
+    }
+    // Its gain is measured by the first mode's, and no rate of samples bounds its frequency.
+    if let Term::ParasiticMode(_) = term {
+        own[1] = Coordinate::Log(0.05 * s.laws.omega_rad_s, 20.0 * s.laws.omega_rad_s);
+        own[0] = Coordinate::Linear(0.1 * s.amplitude * s.laws.omega_rad_s * s.damping_per_s / s.drive);
+    }
+    own
+}
+
+/// Values from which a law may begin.
+pub(super) fn starts(sizes: &Sizes, term: &Term) -> Vec<Vec<f64>> {
+    let s = &sizes.laws;
+    match term {
+        Term::FreeForm(_) => vec![vec![0.0; term.values()]],
+        // An even force shows by its square: next to nothing it has no slope.
+        Term::QuadraticStiffness(_) => vec![vec![EVEN * s.omega_rad_s.powi(2) / s.output]],
+        // In radians over the band.
+        Term::ReadoutDelay(_) => [0.05, 0.5, 1.5, 3.0].map(|turn| vec![turn * s.interval_s]).to_vec(),
+        Term::ReadoutHighpass(_) => {
+            let [low, high] = sizes.band_hz;
+            let corner_hz = |part: f64| low * (high / low).powf(part);
+            CORNERS.map(|part| vec![1.0 / (TAU * corner_hz(part)), 0.0]).to_vec()
+        }
+        // Nearby alone does a second mode show.
+        Term::CoupledMode(_) | Term::ParasiticMode(_) => {
+            let strength = if matches!(term, Term::CoupledMode(_)) { 1e-5 } else { 0.0 };
+            let at = |widths: f64| s.omega_rad_s + widths * sizes.damping_per_s;
+            [-2.0, -0.7, 0.0, 0.7, 2.0].map(|widths| vec![strength, at(widths), s.zeta, 0.0, 0.0]).to_vec()
+        }
+        _ => term.starts(s),
+    }
+}
