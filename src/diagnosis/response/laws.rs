@@ -24,17 +24,17 @@ pub(super) fn coordinates(s: &Sizes, term: &Term) -> Vec<Coordinate> {
         // A second mode is as sharp as the first, within a factor.
         Term::CoupledMode(_) | Term::ParasiticMode(_) => {
             own[2] = Coordinate::Log(SHARPNESS[0] * s.laws.zeta, (SHARPNESS[1] * s.laws.zeta).min(0.6));
+            // Its gain is measured by the first mode's, and no rate of samples bounds its frequency.
+            if let Term::ParasiticMode(_) = term {
+                own[1] = Coordinate::Log(0.05 * s.laws.omega_rad_s, 20.0 * s.laws.omega_rad_s);
+                own[0] = Coordinate::Linear(0.1 * s.amplitude * s.laws.omega_rad_s * s.damping_per_s / s.drive);
+            }
         }
         Term::ReadoutHighpass(_) => {
             let Coordinate::Log(shortest, _) = own[0] else { return own };
             own[0] = Coordinate::Log(shortest, (1.0 / (LOWEST * TAU * s.band_hz[0])).max(2.0 * shortest));
         }
         _ => {}
-    }
-    // Its gain is measured by the first mode's, and no rate of samples bounds its frequency.
-    if let Term::ParasiticMode(_) = term {
-        own[1] = Coordinate::Log(0.05 * s.laws.omega_rad_s, 20.0 * s.laws.omega_rad_s);
-        own[0] = Coordinate::Linear(0.1 * s.amplitude * s.laws.omega_rad_s * s.damping_per_s / s.drive);
     }
     own
 }
