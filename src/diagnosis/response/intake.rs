@@ -215,4 +215,13 @@ mod tests {
         assert_eq!(in_sweeps(&frequency, &drive), [0..4, 4..6, 6..8]);
         assert_eq!(by_drive(&drive), [0..6, 6..8]);
     }
+
+    #[test]
+    fn the_spacing_is_that_of_the_two_frequencies_around() {
+        let up_and_down = vec![1.0, 2.0, 4.0, 8.0, 8.0, 4.0, 2.0, 1.0];
+        let sweeps = Sweeps { frequency_hz: up_and_down, ..Sweeps::default() };
+        for (at_hz, expected) in [(1.0, 1.0), (3.0, 2.0), (7.9, 4.0), (0.5, 0.0), (9.0, 0.0)] {
+            assert_eq!(sweeps.spacing_hz(at_hz), expected, "{at_hz}");
+        }
+    }
 }
