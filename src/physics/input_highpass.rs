@@ -9,6 +9,7 @@ use crate::numerics::elementary::{Real, fma};
 
 use super::candidate::{Candidate, Kind, Parameter};
 use super::law::{Law, Role};
+use super::readout_highpass::{time_constant, time_constants_s};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, Lanes, MOST_STAGED, MOST_VALUES};
 
@@ -29,13 +30,6 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     reference: "ISO 7626-2 (force transducers); Ljung, System Identification, 1999, ch. 4",
 };
 
-/// Shortest time constant by the period of the resonance over 2π: far below it the record is the rate
-/// of change of the force.
-const SHORTEST: f64 = 0.1;
-/// Longest time constant by the length of the recording: beyond it the record shows a course of the offset,
-/// and nothing else.
-const LONGEST: f64 = 0.1;
-
 impl Law for InputHighpass {
     fn candidate(&self) -> &'static Candidate {
         &CANDIDATE
@@ -44,12 +38,10 @@ impl Law for InputHighpass {
         Role::Force
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
-        let shortest = SHORTEST / s.omega_rad_s;
-        let tau = Coordinate::Log(shortest, (LONGEST * s.duration_s).max(2.0 * shortest));
-        vec![tau, Coordinate::Linear(0.1 * s.input / s.omega_rad_s), Coordinate::Linear(0.1 * s.input)]
+        vec![time_constant(s), Coordinate::Linear(0.1 * s.input / s.omega_rad_s), Coordinate::Linear(0.1 * s.input)]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
-        [1.0, 8.0, 60.0].map(|t| vec![t / s.omega_rad_s, 0.0, 0.0]).to_vec()
+        time_constants_s(s).map(|tau| vec![tau, 0.0, 0.0]).to_vec()
     }
     fn states(&self) -> usize {
         1

@@ -1,9 +1,9 @@
 //! A reading that is coupled by a capacitor, as piezoelectric pick-ups, vibrometers and lock-in
 //! inputs are: of first order, τy′ + y = τx′.
 //!
-//! What it takes from the reading is what a low-pass of the same τ would show, y = x − z with
-//! τz′ + z = x; so it follows the mass as a low-pass does ([`ReadoutLowpass`]). Behind a low-pass of
-//! its own it sees the mass itself, which is right while that one is much the faster.
+//! It takes from the reading as much as a low-pass of the same τ shows, y = x − z with τz′ + z = x; so it
+//! follows the mass as a low-pass does ([`ReadoutLowpass`]). Next to a low-pass it sees the mass itself,
+//! which is right while that one is much the faster.
 
 use super::candidate::{Candidate, Kind, Parameter};
 use super::law::{Law, Order, Place, Role};
@@ -37,6 +37,17 @@ const SHORTEST: f64 = 0.1;
 /// offset, and as nothing else.
 const LONGEST: f64 = 0.1;
 
+/// Coordinate of the time constant of a high-pass.
+pub(super) fn time_constant(s: &Scales) -> Coordinate {
+    let shortest = SHORTEST / s.omega_rad_s;
+    Coordinate::Log(shortest, (LONGEST * s.duration_s).max(2.0 * shortest))
+}
+
+/// Time constants at which a fit begins, s: from a corner at the resonance to one far below it.
+pub(super) fn time_constants_s(s: &Scales) -> [f64; 3] {
+    [1.0, 8.0, 60.0].map(|t| t / s.omega_rad_s)
+}
+
 impl Law for ReadoutHighpass {
     fn candidate(&self) -> &'static Candidate {
         &CANDIDATE
@@ -45,14 +56,10 @@ impl Law for ReadoutHighpass {
         Role::Filter(Place::HighPass)
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
-        let shortest = SHORTEST / s.omega_rad_s;
-        vec![
-            Coordinate::Log(shortest, (LONGEST * s.duration_s).max(2.0 * shortest)),
-            Coordinate::Linear(0.1 * s.output),
-        ]
+        vec![time_constant(s), Coordinate::Linear(0.1 * s.output)]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
-        [1.0, 8.0, 60.0].map(|t| vec![t / s.omega_rad_s, 0.0]).to_vec()
+        time_constants_s(s).map(|tau| vec![tau, 0.0]).to_vec()
     }
     fn states(&self) -> usize {
         TAKEN.states()
