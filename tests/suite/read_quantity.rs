@@ -25,6 +25,7 @@ pub fn tests() -> Vec<Trial> {
         test("read quantity: an accelerometer that clips keeps its rails, beside a spring of its mass", clipped),
         data_test("read quantity: the rate of a ship's roll gives the spring that its angle gives", roll_rate),
         test("read quantity: noise and foreign physics are given no name", silent),
+        test("read quantity: a narrow resonance that rings beside one line is no second mode", ringing),
         test("read quantity: a reading that is late is named, and an input that is held is not", late),
         test("read quantity: noise with a memory is no missing physics", remembering_noise),
         test("read quantity: several recordings are refused in a sentence", refused),
@@ -94,6 +95,43 @@ impl Made<'_> {
     fn judged(&self, rows: [Vec<f64>; 2], output_is: Output) -> Result<Verdict, Failed> {
         judged(rows, self.gain != 0.0, PER_CYCLE, output_is)
     }
+}
+
+/// Velocity of a linear mass with ω₀ = 1 that one line of the input, at this frequency, drives from rest, in closed
+/// form: the line's answer, and a ringing that begins as its opposite.
+fn rung(zeta: f64, line: f64, cycles: usize, noise: f64, seed: u64) -> [Vec<f64>; 2] {
+    let mut rng = Philox::new(seed, 0, Stream::Host);
+    let (re, im) = (1.0 - line * line, 2.0 * zeta * line);
+    let size = re * re + im * im;
+    // The line's answer is c cos + s sin of its phase.
+    let (c, s) = (re / size, im / size);
+    let damped = (1.0 - zeta * zeta).sqrt();
+    let (a, b) = (-c, -(zeta * c + line * s) / damped);
+    let rows = (0..cycles * PER_CYCLE).map(|row| {
+        let t = TAU * row as f64 / PER_CYCLE as f64;
+        let (sin, cos) = (line * t).sin_cos();
+        let (rings, rung) = (damped * t).sin_cos();
+        let fades = (-zeta * t).exp();
+        let ringing = fades * ((damped * b - zeta * a) * rung - (damped * a + zeta * b) * rings);
+        (cos, line * (s * cos - c * sin) + ringing)
+    });
+    let (input, mut reading): (Vec<f64>, Vec<f64>) = rows.unzip();
+    let power = (reading.iter().map(|y| y * y).sum::<f64>() / reading.len() as f64).sqrt();
+    reading.iter_mut().for_each(|y| *y += noise * power * rng.normal());
+    [input, reading]
+}
+
+// Under one line the response shows nothing of the resonance: a base model that begins at what answers that line
+// alone leaves the ringing, which a second mode would explain.
+fn ringing() -> Result<(), Failed> {
+    for (zeta, line) in [(0.001, 0.7), (0.003, 0.6), (0.0005, 1.4)] {
+        let verdict = judged(rung(zeta, line, 150, 0.01, 3), true, PER_CYCLE, Output::Velocity)?;
+        let resonance = verdict.base.iter().find(|p| p.name == "omega0").map_or(0.0, |p| p.value);
+        let is_right = verdict.effects.is_empty() && verdict.verdict == Outcome::Adequate;
+        check(is_right, format!("ζ = {zeta}: {:?} {}", verdict.verdict, verdict.sentence))?;
+        near("ω₀", resonance, 1.0, 1e-3)?;
+    }
+    Ok(())
 }
 
 /// Input and reading of a mass with ω₀ = 1, with this many rows in a cycle, diagnosed as what it is said to be.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::evidence::Gain;
 use super::fit::Fitted;
 use super::kind::{Argument, Form, Kind, Point};
-use super::levels::{AT_NOISE, CLEAR, EXACT, TOGETHER};
+use super::levels::{AT_NOISE, CLEAR, EXACT, FAINT, TOGETHER};
 use super::search::{Search, sorted};
 
 /// A law that holds.
@@ -86,10 +86,12 @@ pub(crate) fn again<K: Kind>(
 
 /// Says what holds of the best set; with `searches` rivals are looked for.
 fn judged<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, found: Arc<Fitted>, searches: bool) -> Found {
+    // A law is another one of its kind where that leaves the noise alone, or, at the noise, does better by more
+    // than laws are inexact by.
+    let bent = search.or_expanded(search.with_exponents(found.clone()));
     let (best, named) = held(search, &base, &found, searches);
-    // At the noise, too, a law may be another one of its kind, by more than laws are inexact by.
-    let bent = search.or_expanded(search.with_exponents(best.clone()));
-    let is_other = best.error - bent.error > EXACT * (base.error - best.error);
+    let reaches = excess(search, &bent) < AT_NOISE && excess(search, &best) >= FAINT;
+    let is_other = reaches || best.error - bent.error > EXACT * (base.error - best.error);
     let (best, mut named) = if is_other { held(search, &base, &bent, searches) } else { (best, named) };
     named.sort_by(|a, b| b.gain.removed.total_cmp(&a.gain.removed));
     let together = search.gain(&base, &best);
@@ -174,9 +176,14 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
         let same = f.set.len() == best.set.len() && sorted(&f.set) != sorted(&best.set);
         let kept = without.set.iter().all(|l| f.set.contains(l));
         let other = f.set.iter().copied().find(|l| !without.set.contains(l))?;
-        let simple = f.point.shared.len() <= best.point.shared.len();
-        let stated = search.kind.form(other) == Form::Stated && !search.kind.excludes(other, law);
-        (same && kept && simple && stated && search.as_good(f, best)).then(|| (other, f.clone()))
+        let may_stand = match search.kind.form(other) {
+            Form::Stated => f.point.shared.len() <= best.point.shared.len(),
+            // Another law of its argument, which needs an exponent of its own.
+            Form::Exponent => search.kind.argument(other) == search.kind.argument(law) && !f.at_bound.contains(&true),
+            Form::Beside | Form::Free => false,
+        };
+        let is_other = !search.kind.excludes(other, law);
+        (same && kept && may_stand && is_other && search.as_good(f, best)).then(|| (other, f.clone()))
     };
     let mut rivals: Vec<(usize, Arc<Fitted>)> = search.all().iter().filter_map(instead).collect();
     rivals.extend(search.expansions(best, &without, place));

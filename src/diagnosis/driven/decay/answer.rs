@@ -100,7 +100,7 @@ pub(crate) fn answer(asked: &Asked<'_>, decay: &Decay, mut notes: Notes) -> Answ
         place,
         at_noise,
         doubts: notes.doubts,
-        broken: notes.broken,
+        broken: notes.broken.filter(|_| found.named.is_empty()),
         predictable: rest.r_squared,
         is_structured: remainder.size > Size::Negligible,
         detectable_r_squared: rest.detectable_r_squared,
@@ -284,12 +284,17 @@ impl Decay {
         }
     }
 
-    /// Returns whether nothing is named, and the residual is more than the noise that was measured
-    /// and does not follow the motion.
+    /// Returns whether nothing is named, and the residual is more than the noise that was measured and does not
+    /// follow the motion: whether it is a noise that the library knows, however long it remembers, is still to be
+    /// asked.
     pub(crate) fn leaves_noise_with_memory(&self) -> bool {
-        let left = self.found.model.variance;
-        let is_more = left > (1.0 + AT_NOISE) * self.variance;
-        self.found.named.is_empty() && is_more && self.remainder().size == Size::Negligible
+        let model = &self.found.model;
+        let is_more = model.variance > (1.0 + AT_NOISE) * self.variance;
+        let follows = || match self.data.input {
+            Some(_) => !self.found.rest.is_empty() || self.foretold(model),
+            None => self.remainder().size != Size::Negligible,
+        };
+        self.found.named.is_empty() && is_more && !follows()
     }
 
     /// The noise of a reading: as it was measured; where that is only its white part, or more than the model

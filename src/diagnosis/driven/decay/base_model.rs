@@ -29,6 +29,7 @@ pub(super) fn base(rows: Rows, cycle: f64, begins: &[[f64; 3]]) -> Option<(Syste
     scales.output = mean_sd(&seen).1.max(1e-300);
     let is_driven = rows.data.input.is_some();
     if !is_driven {
+        scales.fineness = 1.0;
         // A decay ends about the place of rest.
         let end = rows.layout.segments.last()?.end;
         let tail = (cycle / rows.step as f64).ceil() as usize;
@@ -36,7 +37,6 @@ pub(super) fn base(rows: Rows, cycle: f64, begins: &[[f64; 3]]) -> Option<(Syste
     }
     scales.output_range = seen.iter().fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
     scales.duration_s = rows.data.clock_s.last().map_or(scales.duration_s, |last| last.max(scales.interval_s));
-    scales.fineness = 1.0;
     scales.highest_hz *= rows.step as f64;
     let mut system = System { rows, scales, members: Vec::new() };
     let fits = begins.iter().filter_map(|begin| {

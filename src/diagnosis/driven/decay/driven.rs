@@ -3,17 +3,20 @@
 
 use std::f64::consts::TAU;
 
+use crate::driven::base::{GAIN, OMEGA, ZETA};
 use crate::driven::identification::refined_scales::lines;
-use crate::driven::identification::start::resonances;
+use crate::driven::identification::start::{self, resonances};
 use crate::driven::intake::data::Data;
 use crate::driven::intake::input::Interpolation;
 use crate::driven::intake::prepare::Prepared;
+use crate::driven::intake::stretches::loudest;
 use crate::driven::simulated::rows::Rows;
 use crate::driven::simulated::system::System;
 use crate::driven::simulated::under_input;
 use crate::engine::evidence::gain;
 use crate::engine::fit::{Fitted, MOST_STEPS, fit};
 use crate::engine::kind::{Argument, Kind};
+use crate::engine::levels::AT_NOISE;
 use crate::engine::names;
 use crate::engine::search::Search;
 
@@ -33,16 +36,20 @@ pub(crate) fn driven(prepared: &Prepared) -> Option<Decay> {
     let cycle = TAU * prepared.data.rate_hz / omega_rad_s;
     let segment = (CYCLES * cycle).max(LEAST_SEGMENT) as usize;
     let data = seen(&prepared.data, omega_rad_s);
+    let excerpt = loudest(&data);
+    let whole = start::base(excerpt.as_ref().unwrap_or(&data), hints);
+    begins.extend(whole.map(|(fit, _)| [GAIN, OMEGA, ZETA].map(|i| fit.point[i])));
     let search = |data: Data| {
         let rows = under_input::rows(&data, cycle, Some(segment));
         let stretches = std::iter::once(data.hull.clone()).collect();
         let motion = Motion { cycle, stretches, is_released: false, knocks: Vec::new() };
-        Some(searched(data, rows, motion, &begins, prepared.notes.broken.is_none())?.further())
+        Some(searched(data, rows, motion, &begins)?.further())
     };
     let decay = search(data.clone())?;
-    let Some(how) = decay.other_input() else { return Some(decay) };
+    let Some(how) = decay.other_input() else { return Some(decay.in_steps_that_suffice()) };
     let again = search(Data { input: data.input.clone().map(|input| input.gone(how)), ..data });
-    Some(again.map_or(decay, |again| Decay { other_input: Some(how), ..again }))
+    let again = again.map_or(decay, |again| Decay { other_input: Some(how), ..again });
+    Some(again.in_steps_that_suffice())
 }
 
 impl Decay {
@@ -57,11 +64,16 @@ impl Decay {
         system.scales.lines_hz = lines(&base.model.residual, system.rows.data.rate_hz);
         let Some((search, base)) = Search::begin(&system, self.variance, &base.point) else { return self };
         let known = search.at(&self.numbers.model.set, &self.numbers.model.point);
+        for (_, rival) in self.numbers.rivals.iter().flatten() {
+            search.at(&rival.set, &rival.point);
+        }
         let found = names::names(&search, base, known);
         drop(search);
-        // A law of the mass shows in short segments as it does in long ones.
+        // A law of the mass shows in short segments as it does in long ones, unless it is so weak that their
+        // beginnings hide it: then it leaves nothing in the long ones.
         let is_seen = |law: &usize| system.argument(*law) == Argument::Frequency || self.found.model.set.contains(law);
-        if !found.model.set.iter().all(is_seen) {
+        let is_at_noise = found.model.variance < (1.0 + AT_NOISE) * self.variance;
+        if !is_at_noise && !found.model.set.iter().all(is_seen) {
             return self;
         }
         let rivals = found.named.iter().map(|n| n.rivals.clone()).collect();

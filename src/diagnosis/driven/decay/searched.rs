@@ -60,7 +60,7 @@ pub(crate) fn decay(data: &Data, filled: &[Range<usize>]) -> Option<Decay> {
     let data = seen(data, TAU * data.rate_hz / motion.cycle);
     let first = rows::rows(&data, &motion, filled, CYCLES);
     let begins = base_model::free(data.rate_hz, motion.cycle);
-    let mut decay = searched(data, first, motion, &begins, true)?;
+    let mut decay = searched(data, first, motion, &begins)?;
     let mut cycles = CYCLES;
     let longest = decay.motion.stretches.iter().map(Range::len).max().unwrap_or(0) as f64 / decay.motion.cycle;
     while decay.is_at_noise() && LONGER * cycles < longest {
@@ -71,11 +71,7 @@ pub(crate) fn decay(data: &Data, filled: &[Range<usize>]) -> Option<Decay> {
     if let Some(rows) = rows::finer(&decay.data, &decay.system.rows, &decay.motion, filled) {
         decay = decay.at(rows, decay.system.scales.fineness).unwrap_or(decay);
     }
-    let fineness = decay.fineness();
-    if fineness > decay.system.scales.fineness {
-        decay = decay.at(decay.system.rows.clone(), fineness).unwrap_or(decay);
-    }
-    Some(decay)
+    Some(decay.in_steps_that_suffice())
 }
 
 /// The recording with readings as the displacement that stands for them at this frequency.
@@ -85,17 +81,13 @@ pub(super) fn seen(data: &Data, omega_rad_s: f64) -> Data {
     Data { observed, reading, ..data.clone() }
 }
 
-/// Fits the base model from the places where it may begin, and searches the laws added to it if
-/// `tries_laws`.
-pub(super) fn searched(data: Data, rows: Rows, motion: Motion, begins: &[[f64; 3]], tries_laws: bool) -> Option<Decay> {
+/// Fits the base model from the places where it may begin, and searches the laws added to it.
+pub(super) fn searched(data: Data, rows: Rows, motion: Motion, begins: &[[f64; 3]]) -> Option<Decay> {
     if rows.layout.segments.is_empty() {
         return None;
     }
     let noise = reading_noise(&Sample::of(&data))?;
-    let (mut system, base) = base(rows, motion.cycle, begins)?;
-    if !tries_laws {
-        system.members.clear();
-    }
+    let (system, base) = base(rows, motion.cycle, begins)?;
     let variance = variance(&noise, &system);
     let (search, base) = Search::begin(&system, variance, &base.point)?;
     let found = names::names(&search, base, None);
@@ -166,7 +158,7 @@ impl Decay {
         if self.found.named.is_empty() {
             let values = self.system.shared_values(&[], &self.found.base.point);
             let begins = [[1.0, self.system.own(OMEGA, &values), self.system.own(ZETA, &values)]];
-            return searched(self.data.clone(), rows, self.motion.clone(), &begins, true);
+            return searched(self.data.clone(), rows, self.motion.clone(), &begins);
         }
         let scales = Scales { interval_s: rows.data.interval_s(), ..self.system.scales.clone() };
         let system = System { rows, scales, ..self.system.clone() };
@@ -196,12 +188,19 @@ impl Decay {
         Some(Self { system, variance, found, numbers, data: self.data.clone(), motion: self.motion.clone(), ..*self })
     }
 
+    /// The same in steps so short that shorter ones change no number.
+    pub(super) fn in_steps_that_suffice(self) -> Self {
+        let fineness = self.fineness();
+        let is_finer = fineness > self.system.scales.fineness;
+        is_finer.then(|| self.at(self.system.rows.clone(), fineness)).flatten().unwrap_or(self)
+    }
+
     /// Fineness at which shorter steps change no number: the mass may pass a corner within a step.
     fn fineness(&self) -> f64 {
         let (system, model) = (&self.numbers.system, &self.numbers.model);
         let (structure, point) = (system.structure(&model.set), system.parameters(&model.set, &model.point));
         let scales = |fineness: f64| Scales { fineness, ..system.scales.clone() };
-        let steps = |fineness: f64| structure.free_steps(&point, &scales(fineness));
+        let steps = |fineness: f64| System { scales: scales(fineness), ..system.clone() }.steps(&structure, &point);
         let errors = |fineness: f64| {
             let system = System { scales: scales(fineness), ..system.clone() };
             system.traced(&model.set, &model.point, &mut Nothing)

@@ -163,20 +163,18 @@ impl System {
         Point { shared: measured(&self.shared_coordinates(set), &shared), starts }
     }
 
-    /// Returns how the model of a set is run at these parameters.
-    fn run(&self, structure: &ModelStructure, points: &[Vec<f64>]) -> Run {
-        let is_free = self.rows.data.input.is_none();
-        let needed = |p: &Vec<f64>| match is_free {
-            true => structure.free_steps(p, &self.scales),
-            false => structure.steps(p, &self.scales),
-        };
-        let steps = points.iter().map(needed).max().unwrap_or(1);
-        Run { range: self.rows.data.hull.clone(), steps, corrected: false }
+    /// Steps per row that a model needs at these parameters.
+    pub(in crate::driven) fn steps(&self, structure: &ModelStructure, point: &[f64]) -> usize {
+        match self.rows.data.input {
+            None => structure.free_steps(point, &self.scales),
+            Some(_) => structure.steps(point, &self.scales),
+        }
     }
 
     /// Residual of lane after lane, over all rows.
     fn simulated<S: Keep>(&self, structure: &ModelStructure, points: &[Vec<f64>], keep: &mut S) -> Vec<Vec<f64>> {
-        let run = self.run(structure, points);
+        let steps = points.iter().map(|p| self.steps(structure, p)).max().unwrap_or(1);
+        let run = Run { range: self.rows.data.hull.clone(), steps, corrected: false };
         let lanes: Vec<Lanes> = innovations(&self.rows.data, structure, points, &run, keep);
         (0..points.len()).map(|l| lanes.iter().map(|e| e[l]).collect()).collect()
     }
