@@ -178,7 +178,7 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
         let other = f.set.iter().copied().find(|l| !without.set.contains(l))?;
         let may_stand = match search.kind.form(other) {
             Form::Stated => f.point.shared.len() <= best.point.shared.len(),
-            // Another law of its argument, which needs an exponent of its own.
+            // A different law that depends on the same quantity, with a fitted exponent.
             Form::Exponent => search.kind.argument(other) == search.kind.argument(law) && !f.at_bound.contains(&true),
             Form::Beside | Form::Free => false,
         };

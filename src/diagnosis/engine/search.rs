@@ -70,7 +70,7 @@ impl<'a, K: Kind> Search<'a, K> {
     /// and at what is `known` already.
     pub(crate) fn run(&self, base: &Arc<Fitted>, known: Option<Arc<Fitted>>) -> Arc<Fitted> {
         let mut held: Vec<Arc<Fitted>> = std::iter::once(base.clone()).chain(known).collect();
-        // What is at the noise already has rivals, and these are looked for below.
+        // Nothing needs to be added to what leaves only noise; its rivals are found by exchange, below.
         let from = held.iter().skip(1).find(|f| self.is_at_noise(f)).map_or_else(|| held.clone(), |f| vec![f.clone()]);
         self.grow(from, &mut held);
         let mut chosen = self.simplest(base, &held);

@@ -24,8 +24,8 @@ use super::rows::{CYCLES, LEAST_SEGMENT};
 use super::searched::{Decay, Numbers, begun, searched, seen};
 use super::swings::Motion;
 
-/// Searches a recording under an input, and begins at the hints as well; `None` where nothing answers the
-/// input like a resonance.
+/// Searches a recording under an input; `None` where nothing answers the input like a resonance. The base model
+/// begins at the peaks of the response, at the hints, and where the reading rings between the lines of the input.
 ///
 /// The search begins on short segments, which no model loses, and goes on where a simulation follows the
 /// motion through longer ones: only there do linear laws show that a start anew every few cycles hides.
