@@ -2,7 +2,7 @@
 
 mod experiment;
 
-use super::listed::listed;
+use super::listed::{holding, listed};
 use proofmass_base::number::{short, with_uncertainty};
 use proofmass_diagnosis::answer::Answer;
 use proofmass_diagnosis::driven::intake::notes::Broken;
@@ -267,22 +267,6 @@ pub(crate) fn place(answer: &Answer, account: &Account) -> String {
         return "the base model's error has the power of the noise; what is missing shows only in its structure".into();
     }
     account.place.clone()
-}
-
-/// Effects with their numbers, indistinguishable ones once: "a or b".
-fn holding(effects: &[Effect], named: &[String]) -> Vec<String> {
-    let mut out: Vec<String> = Vec::new();
-    let mut said: Vec<&str> = Vec::new();
-    for (effect, words) in effects.iter().zip(named) {
-        if said.contains(&effect.id.as_str()) {
-            continue;
-        }
-        said.push(&effect.id);
-        said.extend(effect.confusable_with.iter().map(String::as_str));
-        let tied = std::iter::once(&effect.id).chain(&effect.confusable_with).cloned().collect::<Vec<_>>();
-        out.push(if effect.confusable_with.is_empty() { words.clone() } else { tied.join(" or ") });
-    }
-    out
 }
 
 /// States what else a reader of the verdict must know of the recording, as a sentence.

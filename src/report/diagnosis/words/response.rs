@@ -5,9 +5,12 @@ use proofmass_diagnosis::answer::Answer;
 use proofmass_diagnosis::response::detail::{Detail, Jump};
 use proofmass_diagnosis::verdict::{Outcome, Thermal};
 
+use super::listed::holding;
+
 /// One or two sentences for the first screen.
 pub(super) fn sentence(answer: &Answer, detail: &Detail) -> String {
-    let names: Vec<&str> = answer.effects.iter().map(|e| e.id.as_str()).collect();
+    let ids: Vec<String> = answer.effects.iter().map(|e| e.id.clone()).collect();
+    let names = holding(&answer.effects, &ids);
     let [f0, width] = detail.resonance_hz;
     let resonance = format!("f₀ = {} Hz, width {} Hz", rounded(f0, 7), rounded(width, 4));
     let times = |rmse: f64| format!("{} times the noise", short(rmse / detail.noise));
@@ -37,10 +40,7 @@ pub(super) fn sentence(answer: &Answer, detail: &Detail) -> String {
         ),
         Outcome::Undecidable => match names.is_empty() {
             true => "These sweeps cannot decide whether anything is missing.".into(),
-            false => format!(
-                "Something is missing, and these sweeps cannot tell what: {} do equally well.",
-                names.join(" and ")
-            ),
+            false => format!("Something is missing, and these sweeps do not show which: {}.", names.join(", and ")),
         },
     }
 }
