@@ -16,6 +16,8 @@ use super::prospect::Prospects;
 const BEAM: usize = 2;
 /// Laws in a set at most.
 pub(super) const MOST_LAWS: usize = 6;
+/// Laws in a set after which it shows whether the model beneath them is right.
+const FEW_LAWS: usize = 2;
 
 /// Fits of sets of laws, remembered.
 pub(crate) struct Search<'a, K> {
@@ -55,7 +57,7 @@ impl<'a, K: Kind> Search<'a, K> {
     }
 
     /// Returns whether a model leaves no more than the noise.
-    fn is_at_noise(&self, model: &Fitted) -> bool {
+    pub(crate) fn is_at_noise(&self, model: &Fitted) -> bool {
         model.variance < (1.0 + AT_NOISE) * self.noise
     }
 
@@ -72,7 +74,7 @@ impl<'a, K: Kind> Search<'a, K> {
         let mut held: Vec<Arc<Fitted>> = std::iter::once(base.clone()).chain(known).collect();
         // Nothing needs to be added to what leaves only noise; its rivals are found by exchange, below.
         let from = held.iter().skip(1).find(|f| self.is_at_noise(f)).map_or_else(|| held.clone(), |f| vec![f.clone()]);
-        self.grow(from, &mut held);
+        self.grow(from, &mut held, MOST_LAWS);
         let mut chosen = self.simplest(base, &held);
         loop {
             let lowest = held.iter().min_by(|a, b| a.error.total_cmp(&b.error)).unwrap_or(&chosen);
@@ -83,7 +85,7 @@ impl<'a, K: Kind> Search<'a, K> {
             held.extend(others.iter().cloned());
             let better = others.into_iter().filter(|f| self.holds(&chosen, f));
             if let Some(best) = better.min_by(|a, b| a.error.total_cmp(&b.error)) {
-                self.grow(vec![best], &mut held);
+                self.grow(vec![best], &mut held, MOST_LAWS);
             }
             let again = self.simplest(base, &held);
             if sorted(&again.set) == sorted(&chosen.set) {
@@ -99,13 +101,20 @@ impl<'a, K: Kind> Search<'a, K> {
             return found;
         }
         let mut held = vec![base.clone(), found.clone()];
-        self.grow(vec![found], &mut held);
+        self.grow(vec![found], &mut held, MOST_LAWS);
         self.simplest(base, &held)
     }
 
-    /// Adds laws to these sets as long as they hold.
-    fn grow(&self, mut frontier: Vec<Arc<Fitted>>, held: &mut Vec<Arc<Fitted>>) {
-        frontier.retain(|f| f.set.len() < MOST_LAWS);
+    /// The best set of few laws, before the search goes on to more.
+    pub(crate) fn early(&self, base: &Arc<Fitted>) -> Arc<Fitted> {
+        let mut held = vec![base.clone()];
+        self.grow(held.clone(), &mut held, FEW_LAWS);
+        held.into_iter().min_by(|a, b| a.error.total_cmp(&b.error)).unwrap_or_else(|| base.clone())
+    }
+
+    /// Adds laws to these sets, up to this many, as long as they hold.
+    fn grow(&self, mut frontier: Vec<Arc<Fitted>>, held: &mut Vec<Arc<Fitted>>, most: usize) {
+        frontier.retain(|f| f.set.len() < most);
         while !frontier.is_empty() {
             // One parent after the other: a set that two of them lead to is fitted from the better
             // one.
@@ -124,7 +133,7 @@ impl<'a, K: Kind> Search<'a, K> {
             next = next.into_iter().map(|f| self.without_idle(f)).collect();
             next.retain(|f| is_new(held, f));
             held.extend(next.iter().cloned());
-            next.retain(|f| f.set.len() < MOST_LAWS && !self.is_outdone(f, held));
+            next.retain(|f| f.set.len() < most && !self.is_outdone(f, held));
             frontier = next;
         }
     }

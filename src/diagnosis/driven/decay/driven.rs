@@ -7,19 +7,16 @@ use crate::driven::base::{GAIN, OMEGA, ZETA};
 use crate::driven::identification::refined_scales::lines;
 use crate::driven::identification::start::{self, resonances};
 use crate::driven::intake::data::Data;
-use crate::driven::intake::input::Interpolation;
 use crate::driven::intake::prepare::Prepared;
 use crate::driven::intake::stretches::loudest;
-use crate::driven::simulated::rows::Rows;
-use crate::driven::simulated::system::System;
 use crate::driven::simulated::under_input;
-use crate::engine::evidence::gain;
-use crate::engine::fit::{Fitted, MOST_STEPS, fit};
+use crate::engine::fit::{MOST_STEPS, fit};
 use crate::engine::kind::{Argument, Kind};
 use crate::engine::levels::AT_NOISE;
 use crate::engine::names;
 use crate::engine::search::Search;
 
+use super::input::{gone, other_input};
 use super::rows::{CYCLES, LEAST_SEGMENT};
 use super::searched::{Decay, Numbers, begun, searched, seen};
 use super::swings::Motion;
@@ -46,9 +43,12 @@ pub(crate) fn driven(prepared: &Prepared) -> Option<Decay> {
         Some(searched(data, rows, motion, &begins)?.further())
     };
     let decay = search(data.clone())?;
-    let Some(how) = decay.other_input() else { return Some(decay.in_steps_that_suffice()) };
-    let again = search(Data { input: data.input.clone().map(|input| input.gone(how)), ..data });
-    let again = again.map_or(decay, |again| Decay { other_input: Some(how), ..again });
+    let models = [&*decay.found.model, &*decay.found.best];
+    let Some(how) = other_input(&decay.system, decay.variance, &models) else {
+        return Some(decay.in_steps_that_suffice());
+    };
+    let again = search(gone(&data, how));
+    let again = again.map_or(decay, |again| Decay { other_input: again.other_input.or(Some(how)), ..again });
     Some(again.in_steps_that_suffice())
 }
 
@@ -79,32 +79,5 @@ impl Decay {
         let rivals = found.named.iter().map(|n| n.rivals.clone()).collect();
         let numbers = Numbers { system: system.clone(), model: found.model.clone(), rivals };
         Self { system, found, numbers, ..self }
-    }
-
-    /// Another way of the input between its samples on which a model does as well without the linear laws
-    /// that it holds, or better than it does now: steps look late by half a sample, straight lines like a
-    /// weak low-pass. Of a set that is too inexact to be named, these laws may be what is wrong with it.
-    fn other_input(&self) -> Option<Interpolation> {
-        let input = self.system.rows.data.input.clone()?;
-        let tried = |how: Interpolation| {
-            let data = Data { input: Some(input.clone().gone(how)), ..self.system.rows.data.clone() };
-            Some((how, self.on(&data, &self.found.model).or_else(|| self.on(&data, &self.found.best))?))
-        };
-        let others = [Interpolation::Hold, Interpolation::Linear].into_iter().filter_map(tried);
-        others.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(how, _)| how)
-    }
-
-    /// Error of a model without its linear laws on another input, where it is as good there, or better.
-    fn on(&self, data: &Data, model: &Fitted) -> Option<f64> {
-        let (mut set, mut point) = (model.set.clone(), model.point.clone());
-        while let Some(place) = set.iter().position(|law| self.system.argument(*law) == Argument::Frequency) {
-            point = self.system.without(&set, &point, place);
-            set.remove(place);
-        }
-        let rows = Rows { data: data.clone(), ..self.system.rows.clone() };
-        let other = fit(&System { rows, ..self.system.clone() }, &set, &point, MOST_STEPS)?;
-        let layout = &self.system.rows.layout;
-        let is_as_good = set.len() < model.set.len() && gain(layout, &other, model, self.variance).is_chance();
-        (is_as_good || gain(layout, model, &other, self.variance).holds()).then_some(other.error)
     }
 }

@@ -21,6 +21,7 @@ use crate::engine::search::Search;
 use crate::physics::scales::Scales;
 
 use super::base_model::{self, base};
+use super::input;
 use super::rows::{self, CYCLES, LONGER};
 use super::swings::{self, Motion};
 
@@ -81,19 +82,37 @@ pub(super) fn seen(data: &Data, omega_rad_s: f64) -> Data {
     Data { observed, reading, ..data.clone() }
 }
 
-/// Fits the base model from the places where it may begin, and searches the laws added to it.
+/// Fits the base model from the places where it may begin, and searches the laws added to it, on the way of the
+/// input between its samples that does best with few of them.
 pub(super) fn searched(data: Data, rows: Rows, motion: Motion, begins: &[[f64; 3]]) -> Option<Decay> {
-    if rows.layout.segments.is_empty() {
-        return None;
-    }
     let noise = reading_noise(&Sample::of(&data))?;
-    let (system, base) = base(rows, motion.cycle, begins)?;
+    let (system, base) = begun_at(rows, &motion, begins)?;
     let variance = variance(&noise, &system);
     let (search, base) = Search::begin(&system, variance, &base.point)?;
-    let found = names::names(&search, base, None);
-    drop(search);
+    let early = if data.input.is_some() { search.early(&base) } else { base.clone() };
+    let is_asked = data.input.is_some() && !search.is_at_noise(&early);
+    let other_input = is_asked.then(|| input::other_input(&system, variance, &[&early])).flatten();
+    let (data, system, found) = match other_input {
+        None => {
+            let found = names::names(&search, base, None);
+            drop(search);
+            (data, system, found)
+        }
+        Some(how) => {
+            drop(search);
+            let (system, base) = begun_at(input::rows(&system.rows, how), &motion, begins)?;
+            let (search, base) = Search::begin(&system, variance, &base.point)?;
+            let found = names::names(&search, base, None);
+            drop(search);
+            (input::gone(&data, how), system, found)
+        }
+    };
     let numbers = numbers(&system, &found, variance);
-    Some(Decay { data, motion, system, noise, variance, found, numbers, other_input: None })
+    Some(Decay { data, motion, system, noise, variance, found, numbers, other_input })
+}
+
+fn begun_at(rows: Rows, motion: &Motion, begins: &[[f64; 3]]) -> Option<(System, Fitted)> {
+    (!rows.layout.segments.is_empty()).then(|| base(rows, motion.cycle, begins)).flatten()
 }
 
 /// Variance of a row. What rounding adds is not smoothed away below a thousandth of the motion.

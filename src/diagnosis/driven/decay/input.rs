@@ -1,0 +1,54 @@
+//! The way of the input between its samples: what a wrong one leaves looks like linear laws.
+
+use crate::driven::intake::data::Data;
+use crate::driven::intake::input::Interpolation;
+use crate::driven::simulated::rows::Rows;
+use crate::driven::simulated::system::System;
+use crate::engine::fit::{Fitted, MOST_STEPS, fit};
+use crate::engine::kind::{Argument, Form, Kind};
+use crate::engine::search::Search;
+
+/// Another way of the input between its samples on which the first of these models that can does as well without
+/// the linear laws that it holds, or better than it does now: steps look late by half a sample, straight lines
+/// like a weak low-pass. Of a set that is too inexact to be named, these laws may be what is wrong with it.
+pub(super) fn other_input(system: &System, noise: f64, models: &[&Fitted]) -> Option<Interpolation> {
+    let input = system.rows.data.input.as_ref()?;
+    let tried = |how: Interpolation| {
+        let other = System { rows: rows(&system.rows, how), ..system.clone() };
+        models.iter().find_map(|model| left(&other, system, noise, model)).map(|left| (how, left))
+    };
+    let others = [Interpolation::Hold, Interpolation::Linear].into_iter().filter(|how| *how != input.interpolation);
+    others.filter_map(tried).min_by(|a, b| a.1.total_cmp(&b.1)).map(|(how, _)| how)
+}
+
+/// The same recording with its input going this way.
+pub(super) fn gone(data: &Data, how: Interpolation) -> Data {
+    Data { input: data.input.clone().map(|input| input.gone(how)), ..data.clone() }
+}
+
+/// The same rows with the input going this way.
+pub(super) fn rows(rows: &Rows, how: Interpolation) -> Rows {
+    Rows { data: gone(&rows.data, how), ..rows.clone() }
+}
+
+/// Error of a model on another input, where it is as good there without its linear laws, or better with one law in
+/// their place.
+fn left(other: &System, system: &System, noise: f64, model: &Fitted) -> Option<f64> {
+    let (mut set, mut point) = (model.set.clone(), model.point.clone());
+    while let Some(place) = set.iter().position(|law| other.argument(*law) == Argument::Frequency) {
+        point = other.without(&set, &point, place);
+        set.remove(place);
+    }
+    let has_fewer = set.len() < model.set.len();
+    let base = (0..set.len()).rev().fold(point.clone(), |point, place| other.without(&set[..=place], &point, place));
+    let (search, _) = Search::begin(other, noise, &base)?;
+    let without = search.at(&set, &point)?;
+    if has_fewer && search.gain(&without, model).is_chance() {
+        return Some(without.error);
+    }
+    // Where the rest of the model does no better there, no linear law makes up for that.
+    let is_worth_it = || fit(system, &set, &point, MOST_STEPS).is_none_or(|here| without.error < here.error);
+    let with = if has_fewer && is_worth_it() { search.children(&without, Form::Stated, false) } else { Vec::new() };
+    let better = with.into_iter().chain([without]).filter(|again| search.holds(model, again));
+    better.map(|again| again.error).min_by(f64::total_cmp)
+}
