@@ -273,12 +273,14 @@ impl Case {
                 columns.every = every;
                 self.truth.evidence /= every as f64;
                 self.truth.effects.iter_mut().for_each(|e| e.evidence /= every as f64);
+                self.truth.floor = self.truth.floor.map(|[sigma, rows]| [sigma, rows / every as f64]);
             }
             Change::Units => {
                 columns.output_scale *= 1e3;
                 columns.offset *= 1e3;
                 columns.step *= 1e3;
                 columns.input_scale *= 1e-6;
+                self.truth.floor = self.truth.floor.map(|[sigma, rows]| [1e3 * sigma, rows]);
             }
             Change::Sign => {
                 columns.output_scale *= -1.0;
@@ -336,6 +338,22 @@ mod tests {
             assert_eq!(nths, (0..3 * count).collect::<Vec<_>>());
         }
         assert!(Case::numbers(100).iter().all(|n| Case::numbers(2000).contains(n)));
+    }
+
+    // A verdict whose error is the noise is as good in other units, and over every second row.
+    #[test]
+    fn the_noise_that_a_repaired_model_has_to_reach_is_in_the_units_and_rows_of_the_copy() {
+        let size = Size { rows: 4000 };
+        let near = |n: &usize| (Place::of(*n).kind, Place::of(*n).family) == (Kind::Driven, Family::Near);
+        let floors = |change: Change| {
+            let pair = |n: usize| Some((Case::make(7, n, size)?, Case::make(7, rewritten(n, change), size)?));
+            let known = |(own, copy): (Case, Case)| Some((own.truth.floor?, copy.truth.floor?));
+            (0..100).filter(near).filter_map(pair).filter_map(known).take(3).collect::<Vec<_>>()
+        };
+        let (units, half) = (floors(Change::Units), floors(Change::Half));
+        assert!(units.len() == 3 && half.len() == 3, "{} {}", units.len(), half.len());
+        assert!(units.iter().all(|(own, copy)| copy[0] == 1e3 * own[0] && copy[1] == own[1]));
+        assert!(half.iter().all(|(own, copy)| copy[0] == own[0] && copy[1] == 0.5 * own[1]));
     }
 
     #[test]
