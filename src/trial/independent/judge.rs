@@ -203,8 +203,10 @@ pub(crate) fn holds(case: &Case, n: &Number) -> Option<(f64, bool)> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::case::{Change, Place, rewritten};
     use super::*;
     use crate::independent::oscillator_base::Size;
+    use crate::independent::truth::Kind;
     use crate::independent::truth::effect;
 
     fn said(outcome: Ending, groups: &[&[&str]]) -> Said {
@@ -278,4 +280,20 @@ mod tests {
     }
 
     use crate::independent::truth::Effect;
+
+    // A verdict whose error is the noise is as good in other units, and over every second row.
+    #[test]
+    fn the_noise_that_a_repaired_model_has_to_reach_is_in_the_units_and_rows_of_the_copy() {
+        let size = Size { rows: 4000 };
+        let near = |n: &usize| (Place::of(*n).kind, Place::of(*n).family) == (Kind::Driven, Family::Near);
+        let floors = |change: Change| {
+            let pair = |n: usize| Some((Case::make(7, n, size)?, Case::make(7, rewritten(n, change), size)?));
+            let known = |(own, copy): (Case, Case)| Some((own.truth.floor?, copy.truth.floor?));
+            (0..100).filter(near).filter_map(pair).filter_map(known).take(3).collect::<Vec<_>>()
+        };
+        let (units, half) = (floors(Change::Units), floors(Change::Half));
+        assert!(units.len() == 3 && half.len() == 3, "{} {}", units.len(), half.len());
+        assert!(units.iter().all(|(own, copy)| copy[0] == 1e3 * own[0] && copy[1] == own[1]));
+        assert!(half.iter().all(|(own, copy)| copy[0] == own[0] && copy[1] == 0.5 * own[1]));
+    }
 }

@@ -31,8 +31,8 @@ pub(super) fn rows(rows: &Rows, how: Interpolation) -> Rows {
     Rows { data: gone(&rows.data, how), ..rows.clone() }
 }
 
-/// Error of a model on another input, where it is as good there without its linear laws, or better with one law in
-/// their place.
+/// Error of a model on another input, where it is as good there without its linear laws, or with one law in the place
+/// of several, or better.
 fn left(other: &System, system: &System, noise: f64, model: &Fitted) -> Option<f64> {
     let (mut set, mut point) = (model.set.clone(), model.point.clone());
     while let Some(place) = set.iter().position(|law| other.argument(*law) == Argument::Frequency) {
@@ -43,12 +43,13 @@ fn left(other: &System, system: &System, noise: f64, model: &Fitted) -> Option<f
     let base = (0..set.len()).rev().fold(point.clone(), |point, place| other.without(&set[..=place], &point, place));
     let (search, _) = Search::begin(other, noise, &base)?;
     let without = search.at(&set, &point)?;
-    if has_fewer && search.gain(&without, model).is_chance() {
+    let is_as_good = |f: &Fitted| f.set.len() < model.set.len() && search.gain(f, model).is_chance();
+    if is_as_good(&without) {
         return Some(without.error);
     }
     // Where the rest of the model does no better there, no linear law makes up for that.
     let is_worth_it = || fit(system, &set, &point, MOST_STEPS).is_none_or(|here| without.error < here.error);
     let with = if has_fewer && is_worth_it() { search.children(&without, Form::Stated, false) } else { Vec::new() };
-    let better = with.into_iter().chain([without]).filter(|again| search.holds(model, again));
-    better.map(|again| again.error).min_by(f64::total_cmp)
+    let good = with.into_iter().chain([without]).filter(|f| is_as_good(f) || search.holds(model, f));
+    good.map(|f| f.error).min_by(f64::total_cmp)
 }
