@@ -314,6 +314,8 @@ fn main() {
         suite::shares::tests(),
         // sweeps: planted laws are named, noise and a background are not.
         suite::sweeps::campaigns(),
+        // tutorials: the example of each candidate of the reference is named.
+        suite::tutorials::campaigns(),
         // check: what a recording can know, and whether it says it twice.
         suite::check::tests(),
         suite::check_rest::tests(),

@@ -64,6 +64,7 @@ pub mod readout_saturation;
 pub mod scales;
 pub mod shaped_friction;
 pub mod side_by_side;
+pub mod signature;
 pub mod squeeze_film_damping;
 pub mod state;
 pub mod stiffness_drift;

@@ -15,6 +15,7 @@ pub mod inspection;
 pub mod log;
 pub mod plan;
 pub mod require;
+pub mod signature;
 pub mod strapdown;
 pub mod study;
 pub mod sweep;

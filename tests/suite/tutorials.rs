@@ -2,6 +2,7 @@
 //! the one that the run wrote; the reference is what the program says of itself.
 
 mod compare;
+mod examples;
 mod page;
 mod reference;
 
@@ -21,6 +22,7 @@ pub fn tests() -> Vec<Trial> {
         test("tutorials: a page that shows a wrong number or misses a line fails (control)", control),
         test("tutorials: the contents name every page once, and every link leads to one", links),
         test("tutorials: the reference is what the program says of itself", reference::is_current),
+        test("tutorials: a picture of a candidate that was changed is not replaced", reference::changed_pictures_stay),
     ];
     for (name, path) in pages().unwrap_or_default() {
         let title = format!("tutorials: every command of {name} prints what the page shows");
@@ -39,6 +41,11 @@ pub fn tests() -> Vec<Trial> {
         }
     }
     all
+}
+
+/// The examples of the reference, many verdicts.
+pub fn campaigns() -> Vec<Trial> {
+    examples::campaigns()
 }
 
 /// The folder of the pages.

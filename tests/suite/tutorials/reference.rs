@@ -2,13 +2,14 @@
 //! physics that it can name.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use libtest_mimic::Failed;
 use serde_json::Value;
 
-use super::super::bench::run;
+use super::super::bench::{Bench, run};
 use super::super::world::{check, program};
-use super::source;
+use super::{compare, examples, source};
 
 /// The sentence that says what to do about a page that is out of date.
 pub const HOW: &str = "write it anew with PROOFMASS_WRITE_BOOK=1 cargo test --release --test suite -- tutorials:";
@@ -20,7 +21,11 @@ pub fn is_written_anew() -> bool {
 
 /// Compares every page of the reference, or writes it.
 pub fn is_current() -> Result<(), Failed> {
-    for (name, text) in [("commands.md", commands()?), ("keys.md", keys()?), ("candidates.md", candidates()?)] {
+    let drawn = tempfile::tempdir()?;
+    said(&["candidates", "--figures", &drawn.path().to_string_lossy()])?;
+    pictures_are_current(drawn.path())?;
+    let candidates = candidates(drawn.path())?;
+    for (name, text) in [("commands.md", commands()?), ("keys.md", keys()?), ("candidates.md", candidates)] {
         let path = source().join("reference").join(name);
         if is_written_anew() {
             std::fs::write(&path, &text)?;
@@ -33,6 +38,66 @@ pub fn is_current() -> Result<(), Failed> {
     // Control: one word more is seen.
     check(differing("a\nb\n", "a\nb c\n").is_some(), "a changed line passes")?;
     check(differing("a\n", "a\nb\n").is_some(), "a missing line passes")
+}
+
+/// Most bytes of a picture of a candidate: a page has dozens.
+const MOST_BYTES: usize = 8 * 1024;
+
+/// The names of the pictures in a folder.
+fn pictures(folder: &Path) -> Result<Vec<String>, Failed> {
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        names.push(entry?.file_name().to_string_lossy().into_owned());
+    }
+    names.retain(|name| name.ends_with(".svg"));
+    names.sort();
+    Ok(names)
+}
+
+/// Compares the pictures of the candidates with those that the program has drawn, or keeps these.
+fn pictures_are_current(drawn: &Path) -> Result<(), Failed> {
+    let kept = source().join("reference/candidates");
+    std::fs::create_dir_all(&kept)?;
+    let names = pictures(drawn)?;
+    check(names.len() > 40, format!("only {} candidates have a picture", names.len()))?;
+    for name in pictures(&kept)?.iter().filter(|name| !names.contains(name)) {
+        if is_written_anew() {
+            std::fs::remove_file(kept.join(name))?;
+        }
+        check(is_written_anew(), format!("candidates/{name} is the picture of no candidate; {HOW}"))?;
+    }
+    for name in names {
+        let written = std::fs::read_to_string(drawn.join(&name))?;
+        check(written.len() <= MOST_BYTES, format!("candidates/{name} has {} bytes", written.len()))?;
+        if is_written_anew() {
+            std::fs::write(kept.join(&name), &written)?;
+        }
+        if let Some(why) = compare::figures(&std::fs::read_to_string(kept.join(&name)).unwrap_or_default(), &written) {
+            return Err(format!("candidates/{name} is another picture: {why}; {HOW}").into());
+        }
+    }
+    Ok(())
+}
+
+/// A picture that the user has changed stays, unless the run is forced; one of the program's own is drawn again.
+pub fn changed_pictures_stay() -> Result<(), Failed> {
+    let bench = Bench::new()?;
+    let name = "static-white-noise.svg";
+    let (folder, picture) = (bench.path("pictures"), bench.path("pictures").join(name));
+    let draw =
+        |more: &[&str]| run(program().args(["candidates", "--kind", "static", "--figures"]).arg(&folder).args(more));
+    check(draw(&[])?.code == Some(0) && draw(&[])?.code == Some(0), "its own pictures are in its way")?;
+    let drawn = std::fs::read_to_string(&picture)?;
+    std::fs::write(&picture, "mine")?;
+    draw(&[])?.refuses("a changed picture", name)?;
+    check(std::fs::read_to_string(&picture)? == "mine", "a picture of the user's is gone")?;
+    check(draw(&["--force"])?.code == Some(0), "it cannot be forced")?;
+    check(std::fs::read_to_string(&picture)? == drawn, "it is not drawn again")
+}
+
+/// What a picture shows, in the words that it has for those who cannot see it.
+fn alternative(picture: &str) -> &str {
+    picture.split_once("aria-label=\"").and_then(|(_, rest)| rest.split_once('"')).map_or("", |(words, _)| words)
 }
 
 fn differing(kept: &str, text: &str) -> Option<String> {
@@ -103,14 +168,18 @@ fn cell(text: &str) -> String {
     text.replace('|', "\\|").replace('*', "\\*").replace('_', "\\_").replace('<', "&lt;")
 }
 
-fn candidates() -> Result<String, Failed> {
+fn candidates(drawn: &Path) -> Result<String, Failed> {
     let list: Value = serde_json::from_str(&said(&["candidates", "--json"])?)?;
     let list = list.as_array().ok_or("no list of candidates")?;
     check(list.len() > 20, format!("only {} candidates", list.len()))?;
     let word = |of: &Value| of.as_str().unwrap_or_default().to_owned();
     let mut page = String::from(
         "# Physics that a diagnosis can name\n\nWhat `proofmass candidates --json` prints, by kind of recording. In equations \
-         u is the input and g its gain; in units y is the unit of the reading.\n",
+         u is the input and g its gain; in units y is the unit of the reading.\n\nA picture shows what is seen of a candidate: \
+         of a law as the program computes it, on a mass whose resonance has a quality factor of ten, with sizes over the \
+         largest, so that shapes alone count. The command under it writes a recording in which this candidate is planted, \
+         with its model and the truth, into a folder, and prints the verdict on it. Without a picture stands what no one curve \
+         shows, without a command what no trial plants alone and names alone.\n",
     );
     let mut kind = String::new();
     for one in list {
@@ -118,7 +187,13 @@ fn candidates() -> Result<String, Failed> {
             kind = word(&one["kind"]);
             let _ = write!(page, "\n## {kind}\n");
         }
-        let _ = write!(page, "\n### {}\n\n{}\n\n| | |\n|:--|:--|\n", word(&one["id"]), word(&one["statement"]));
+        let id = word(&one["id"]);
+        let _ = writeln!(page, "\n### {id}\n\n{}", word(&one["statement"]));
+        let picture = format!("{kind}-{id}.svg");
+        if let Ok(drawn) = std::fs::read_to_string(drawn.join(&picture)) {
+            let _ = writeln!(page, "\n![{}](candidates/{picture})", alternative(&drawn));
+        }
+        let _ = write!(page, "\n| | |\n|:--|:--|\n");
         let parameters: Vec<String> = one["parameters"].as_array().into_iter().flatten().map(parameter).collect();
         let others: Vec<String> = one["confusable_with"].as_array().into_iter().flatten().map(word).collect();
         for (name, text) in [
@@ -132,6 +207,9 @@ fn candidates() -> Result<String, Failed> {
             if !text.is_empty() {
                 let _ = writeln!(page, "| {name} | {} |", cell(&text));
             }
+        }
+        if let Some(command) = examples::command(&kind, &id) {
+            let _ = write!(page, "\nAn example:\n\n{}", fenced("sh", &command));
         }
     }
     Ok(page)
