@@ -2,6 +2,7 @@
 
 use crate::driven::identification::fit::Fit;
 use crate::driven::intake::data::Data;
+use crate::driven::simulated::space::excludes;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 
@@ -28,6 +29,11 @@ impl Judged {
     pub(crate) fn words(&self) -> String {
         let ids: Vec<&str> = self.fit.structure.terms.iter().map(|t| t.id()).collect();
         if ids.is_empty() { "base model".into() } else { ids.join(" + ") }
+    }
+
+    /// Returns whether this term may be added: neither it nor another form of it is in it.
+    pub fn may_hold(&self, term: &Term) -> bool {
+        !self.fit.structure.terms.iter().any(|t| excludes(t, term))
     }
 
     /// Returns whether a term with this id is in it.

@@ -149,7 +149,7 @@ impl Look<'_> {
         let open: Vec<Term> = candidates
             .iter()
             .copied()
-            .filter(|t| !reduced.has(t.id()) && t.id() != term.id() && is_candidate(t) && !fitted(t))
+            .filter(|t| reduced.may_hold(t) && t.id() != term.id() && is_candidate(t) && !fitted(t))
             .collect();
         trials.extend(round(data, &reduced, &open, scales, open.len(), self.control)?);
         Ok(trials)

@@ -190,7 +190,7 @@ impl Stepwise<'_> {
             known.filter(|t| t.judged.is_some() || t.follows_input).cloned().collect()
         } else {
             let here = refined(data, &chosen.fit, self.scales);
-            let open: Vec<Term> = candidates.iter().copied().filter(|t| !chosen.has(t.id())).collect();
+            let open: Vec<Term> = candidates.iter().copied().filter(|t| chosen.may_hold(t)).collect();
             round(data, chosen, &open, &here, SURE, self.control)?
         };
         self.follows_input = trials.iter().any(|t| t.follows_input);

@@ -136,6 +136,9 @@ pub(in crate::driven) fn excludes(one: &Term, other: &Term) -> bool {
         Term::ReadoutNonlinearity(_) => 9,
         // One is the other with its sign turned.
         Term::ReadoutDelay(_) | Term::InputLag(_) => 10,
+        // Each undoes the other but for a shelf, (1 + sτ₁)/(1 + sτ₂), that a loss of any odd frequency
+        // dependence looks like.
+        Term::ReadoutHighpass(_) | Term::InputHighpass(_) => 11,
         _ => 0,
     };
     one.id() == other.id() || (group(one) != 0 && group(one) == group(other))
