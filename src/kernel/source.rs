@@ -21,6 +21,10 @@ use super::places::Places;
 use crate::physics::coefficients::StudyLaw;
 use crate::physics::cubic_stiffness;
 use crate::rng::Stream;
+use proofmass_shaders as shaders;
+use proofmass_shaders::shared::{
+    ACCUMULATE, ELEMENTARY, FIX, LAYOUT, ORBIT, OSCILLATOR, PHILOX, PHILOX_MULTIPLY_16, PHILOX_MULTIPLY_64,
+};
 
 /// A shader, ready for a device.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -31,19 +35,10 @@ pub struct Shader {
     pub text: String,
 }
 
-const PHILOX: &str = include_str!("../../shaders/shared/philox.wgsl");
-const MULTIPLY_16: &str = include_str!("../../shaders/shared/philox_multiply_16.wgsl");
-const MULTIPLY_64: &str = include_str!("../../shaders/shared/philox_multiply_64.wgsl");
-const ELEMENTARY: &str = include_str!("../../shaders/shared/elementary.wgsl");
-const LAYOUT: &str = include_str!("../../shaders/shared/layout.wgsl");
-const OSCILLATOR: &str = include_str!("../../shaders/shared/oscillator.wgsl");
-const FIX: &str = include_str!("../../shaders/shared/fix.wgsl");
-const ACCUMULATE: &str = include_str!("../../shaders/shared/accumulate.wgsl");
-
 /// A kernel's own text behind random numbers and elementary functions; `int64`: the adapter has
 /// 64-bit integers.
 fn with_random_numbers(name: &'static str, text: &str, int64: bool) -> Shader {
-    let multiply = if int64 { MULTIPLY_64 } else { MULTIPLY_16 };
+    let multiply = if int64 { PHILOX_MULTIPLY_64 } else { PHILOX_MULTIPLY_16 };
     Shader { name, text: [multiply, PHILOX, ELEMENTARY, text].join("\n") }
 }
 
@@ -66,7 +61,7 @@ const TRACE: [(&str, &str); 3] = [
 ];
 
 fn ensemble(int64: bool, laws: &[StudyLaw], places: &Places, traced: bool) -> Shader {
-    let mut own = terms::expand(include_str!("../../shaders/simulate.wgsl"));
+    let mut own = terms::expand(shaders::SIMULATE);
     for (line, text) in TRACE {
         own = own.replace(line, if traced { text } else { "" });
     }
@@ -130,25 +125,14 @@ fn constants(places: &Places) -> String {
     text
 }
 
-/// Text that both map kernels share.
-const ORBIT: &str = include_str!("../../shaders/shared/orbit.wgsl");
-
 /// The kernel of largest Lyapunov exponents.
 pub fn lyapunov(int64: bool) -> Shader {
-    with_random_numbers(
-        "lyapunov",
-        &[cubic_stiffness::WGSL, ORBIT, include_str!("../../shaders/lyapunov.wgsl")].join("\n"),
-        int64,
-    )
+    with_random_numbers("lyapunov", &[cubic_stiffness::WGSL, ORBIT, shaders::LYAPUNOV].join("\n"), int64)
 }
 
 /// The kernel of orbits strobed once per period.
 pub fn poincare(int64: bool) -> Shader {
-    with_random_numbers(
-        "poincare",
-        &[cubic_stiffness::WGSL, ORBIT, include_str!("../../shaders/poincare.wgsl")].join("\n"),
-        int64,
-    )
+    with_random_numbers("poincare", &[cubic_stiffness::WGSL, ORBIT, shaders::POINCARE].join("\n"), int64)
 }
 
 /// The navigation in six axes.
@@ -156,21 +140,21 @@ pub fn navigate(int64: bool) -> Shader {
     let streams = [("FIX", Stream::Fix), ("JITTER", Stream::Jitter)];
     let streams = streams.map(|(name, stream)| format!("const STREAM_{name} = {}u;\n", stream as u32)).concat();
     let constants = format!("const BOUND_M_S = {BOUND_M_S:?};\n{streams}");
-    let own = include_str!("../../shaders/navigate.wgsl");
+    let own = shaders::NAVIGATE;
     with_random_numbers("navigate", &[&constants, ACCUMULATE, FIX, own].join("\n"), int64)
 }
 
 /// Returns the shader that sums the members of a workgroup.
 pub fn reduce() -> Shader {
-    Shader { name: "reduce", text: [LAYOUT, include_str!("../../shaders/reduce.wgsl")].join("\n") }
+    Shader { name: "reduce", text: [LAYOUT, shaders::REDUCE].join("\n") }
 }
 
 /// Nothing but multiply-adds: the device's peak.
 pub fn peak() -> Shader {
-    Shader { name: "peak", text: include_str!("../../shaders/peak.wgsl").to_owned() }
+    Shader { name: "peak", text: shaders::PEAK.to_owned() }
 }
 
 /// A check of the device: what sums keep of a small number next to a large one.
 pub fn compensation() -> Shader {
-    Shader { name: "compensation", text: [ACCUMULATE, include_str!("../../shaders/compensation.wgsl")].join("\n") }
+    Shader { name: "compensation", text: [ACCUMULATE, shaders::COMPENSATION].join("\n") }
 }

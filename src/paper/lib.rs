@@ -58,7 +58,7 @@ pub struct Paper {
 }
 
 /// The committed map of the paper's equation.
-const MAP: &str = include_str!("../../reports/map/map.toml");
+const MAP: &str = include_str!("map.toml");
 
 impl Paper {
     /// Figures 1 to 20 in order.
@@ -117,4 +117,13 @@ pub fn compute(data: Option<&Path>, maps: bool, device: Device<'_>, control: &Co
         false => None,
     };
     Ok(Paper { array, growth, pitch, fusion, linear, cubic, attractor, bifurcation, parting, atlas })
+}
+
+#[cfg(test)]
+mod tests {
+    // A package holds its own folder alone.
+    #[test]
+    fn the_map_is_the_one_under_reports() {
+        assert_eq!(super::MAP, include_str!("../../reports/map/map.toml"));
+    }
 }

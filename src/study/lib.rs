@@ -63,9 +63,6 @@ pub use surroundings::Surroundings;
 pub use sweep::Axis;
 use tolerances::Tolerances;
 
-/// The study that runs when none is named: a consumer-grade MEMS IMU, one minute.
-const DEFAULT: &str = include_str!("../../reports/default/study.toml");
-
 /// A study.toml, checked and in SI units.
 #[derive(Clone)]
 pub struct Study {

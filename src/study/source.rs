@@ -6,10 +6,13 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 use super::section::Section;
-use super::{Assignment, DEFAULT, Overrides, Study, Surroundings, parse_watched};
+use super::{Assignment, Overrides, Study, Surroundings, parse_watched};
 use crate::control::Control;
 use crate::document::{from_table, parse_toml, read_text};
 use crate::error::Result;
+
+/// The study that runs when none is named: a consumer-grade MEMS IMU, one minute.
+const DEFAULT: &str = include_str!("default.toml");
 
 /// The text of a study.toml with what the command line changes in it.
 #[derive(Debug, Clone)]
@@ -136,4 +139,15 @@ impl StudyText {
 /// embedded file is sound.
 pub fn read_default(overrides: &Overrides, control: &Control) -> Result<Study> {
     StudyText::of_default(overrides.clone(), control)?.study()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::DEFAULT;
+
+    // A package holds its own folder alone.
+    #[test]
+    fn the_default_study_is_the_one_that_the_report_shows() {
+        assert_eq!(DEFAULT, include_str!("../../reports/default/study.toml"));
+    }
 }
