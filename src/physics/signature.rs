@@ -1,10 +1,9 @@
 //! Shows what an engineer would see of a law, from the law itself: a force over what it depends on, its loop
 //! under one sine, the response to an input, the reading over time or over the true value.
 //!
-//! Which of these a law has follows from its role and from what it answers to, so that a new law has one with
-//! no line of its own. All stand on the same mass, which has a quality factor of ten, and show shapes: sizes
-//! are over the largest, times and frequencies over those of the recording and of the resonance. Not for
-//! drawing.
+//! The role of a law, and what its force or reading depends on, decide which picture it gets: a new law needs
+//! no line here. All pictures use one mass with a quality factor of ten and show shapes only: sizes are divided
+//! by the largest, times and frequencies by those of the recording and of the resonance. Not for drawing.
 
 mod acting;
 mod cycle;
@@ -18,10 +17,10 @@ use super::law::{Place, Role};
 use super::library::Term;
 use acting::{Acting, Argument, At};
 
-use picture::{POINTS, over_largest};
+use picture::POINTS;
 
 pub use noise::next_to_white;
-pub use picture::{Axis, Curve, Picture};
+pub use picture::{Axis, Curve, Picture, over_largest};
 
 /// Returns what shows of a candidate whose law is in the library.
 pub fn of(candidate: &Candidate) -> Option<Picture> {

@@ -1,4 +1,4 @@
-//! Lets one law act on the mass of all pictures, at one instant, with values of its own.
+//! Evaluates one law at one instant, on the mass that all pictures share.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -118,7 +118,7 @@ impl Acting {
         self.p[parameter][0]
     }
 
-    /// Number of its own states.
+    /// Number of states that the law adds to those of the mass.
     pub(super) fn states(&self) -> usize {
         self.term.states().min(MOST_STAGED)
     }

@@ -46,8 +46,8 @@ pub struct Picture {
 /// Number of points of a curve that has no corner known beforehand.
 pub(super) const POINTS: usize = 401;
 
-/// Points with the second number over its largest size.
-pub(super) fn over_largest(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+/// Divides the second numbers by the largest of their sizes; leaves them where all are zero.
+pub fn over_largest(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     let most = points.iter().map(|p| p.1.abs()).fold(0.0, f64::max);
     points.into_iter().map(|(x, y)| (x, if most > 0.0 { y / most } else { y })).collect()
 }

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use proofmass_diagnosis::tumble::calibration::{Calibration, Point, Slow, accelerometer, gyro};
 use proofmass_physics::candidate::{Candidate, Kind};
-use proofmass_physics::signature::{Axis, Curve, Picture};
+use proofmass_physics::signature::{Axis, Curve, Picture, over_largest};
 
 /// Size of a fault of which the shape is shown, over what it acts on: its square is nothing next to it.
 const SMALL: f64 = 1e-4;
@@ -50,11 +50,6 @@ fn turn() -> impl Iterator<Item = (f64, [f64; 3])> {
         let (sin, cos) = angle.to_radians().sin_cos();
         (angle, [sin, cos, 0.0])
     })
-}
-
-fn over_largest(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
-    let most = points.iter().map(|p| p.1.abs()).fold(f64::MIN_POSITIVE, f64::max);
-    points.into_iter().map(|(x, y)| (x, y / most)).collect()
 }
 
 fn none(to: f64) -> Curve {

@@ -206,8 +206,7 @@ mod tests {
     use super::super::case::{Change, Place, rewritten};
     use super::*;
     use crate::independent::oscillator_base::Size;
-    use crate::independent::truth::Kind;
-    use crate::independent::truth::effect;
+    use crate::independent::truth::{Effect, Kind, effect};
 
     fn said(outcome: Ending, groups: &[&[&str]]) -> Said {
         let groups = groups.iter().map(|g| g.iter().map(|id| (*id).to_owned()).collect()).collect();
@@ -278,8 +277,6 @@ mod tests {
         let marks = [Ending::Explained, Ending::Unexplained].map(|outcome| [mark(outcome, "x"), mark(outcome, "y")]);
         assert_eq!(marks, [[Mark::Right, Mark::ConfidentlyWrong], [Mark::HonestNamed, Mark::FalseName]]);
     }
-
-    use crate::independent::truth::Effect;
 
     // A verdict whose error is the noise is as good in other units, and over every second row.
     #[test]

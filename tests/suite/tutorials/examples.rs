@@ -59,7 +59,7 @@ const EXAMPLES: &[(&str, &str, &str)] = &[
     ("response", "power-law-stiffness", "--independent --case 200000014"),
 ];
 
-/// The command for a candidate that has an example; it writes into a folder of its own.
+/// The command that makes the example of a candidate, in a folder named after it; `None` where there is none.
 pub fn command(kind: &str, id: &str) -> Option<String> {
     let (.., words) = EXAMPLES.iter().find(|(k, i, _)| (*k, *i) == (kind, id))?;
     Some(format!("proofmass trial {words} --out {kind}-{id}"))

@@ -31,7 +31,7 @@ impl Judged {
         if ids.is_empty() { "base model".into() } else { ids.join(" + ") }
     }
 
-    /// Returns whether this term may be added: neither it nor another form of it is in it.
+    /// Returns whether this term may be added: neither it nor one that excludes it is there.
     pub fn may_hold(&self, term: &Term) -> bool {
         !self.fit.structure.terms.iter().any(|t| excludes(t, term))
     }

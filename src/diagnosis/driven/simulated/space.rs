@@ -112,7 +112,7 @@ pub(in crate::driven) fn argument(term: &Term) -> Argument {
     }
 }
 
-/// Returns whether two laws are forms of one another, of which a set holds at most one.
+/// Returns whether a set holds at most one of two laws: they are forms of one another, or undo each other.
 pub(in crate::driven) fn excludes(one: &Term, other: &Term) -> bool {
     let group = |t: &Term| match t {
         Term::CubicStiffness(_) | Term::PowerLawStiffness(_) => 1,
@@ -136,8 +136,8 @@ pub(in crate::driven) fn excludes(one: &Term, other: &Term) -> bool {
         Term::ReadoutNonlinearity(_) => 9,
         // One is the other with its sign turned.
         Term::ReadoutDelay(_) | Term::InputLag(_) => 10,
-        // Each undoes the other but for a shelf, (1 + sτ₁)/(1 + sτ₂), that a loss of any odd frequency
-        // dependence looks like.
+        // What remains of both is a shelf, (1 + sτ₁)/(1 + sτ₂), which damping that goes with a power of
+        // frequency looks like as well.
         Term::ReadoutHighpass(_) | Term::InputHighpass(_) => 11,
         _ => 0,
     };
