@@ -194,7 +194,7 @@ pub fn allan(bytes: &[u8]) -> Verdict {
         let page = report::allan::page("still.csv", &noise, &fragments).finish();
         ensure(page.trim_end().ends_with("</html>"), || "half a page".into())?;
         report::allan::study(&path, &noise).map_or(Ok(()), |text| is_a_study(&text))?;
-        parses_as_json(&report::allan::document("still.csv", &noise).to_string())
+        parses_as_json(&to_json(&report::allan::document("still.csv", &noise)).map_err(|e| e.to_string())?)
     })
 }
 

@@ -33,6 +33,7 @@ mod suite {
     pub mod diagnosis_trajectory;
     pub mod diagnosis_tumble;
     pub mod digits;
+    pub mod documents;
     pub mod driven_bad_input;
     pub mod dynamics;
     pub mod emit;
@@ -200,6 +201,8 @@ fn main() {
         suite::paper::tests(),
         // diagnose: the contract's files and fields, and bad input in sentences.
         suite::diagnose_cli::tests(),
+        // documents: what --json prints is what its schema says.
+        suite::documents::tests(),
         // driven_bad_input: damaged recordings of a proof mass are refused in a sentence or survived and mentioned.
         suite::driven_bad_input::tests(),
         // units: the unit that a file states holds, whatever names its columns.

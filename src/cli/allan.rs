@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::numbers;
 use super::output::{remark, say, sayln, screen};
+use proofmass_base::document::to_json;
 use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};
 use proofmass_base::progress;
@@ -112,7 +113,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     let written = folder.map(|folder| arguments.write(folder, &file, &noise, configuration)).transpose();
     if json {
-        sayln!("{:#}", report::document(&file, &noise))?;
+        sayln!("{}", to_json(&report::document(&file, &noise))?)?;
     } else {
         let tables: String = report::tables(&noise).iter().map(|table| format!("\n{table}")).collect();
         screen(format_args!("{}\n{tables}\n", report::answer(&noise)))?;

@@ -114,7 +114,7 @@ pub enum Command {
     Bench(bench::Arguments),
     /// Print a complete, commented file to start from
     Template(template::Arguments),
-    /// Print the JSON Schema of a file, for editors
+    /// Print the JSON Schema of an input file or of a document that --json prints
     Schema(schema::Arguments),
     /// Print completions for a shell
     Completions(shell::Completions),

@@ -1,43 +1,81 @@
-//! `proofmass schema`: the keys of a file as JSON Schema (draft 2020-12), for editors that complete
-//! and check.
+//! `proofmass schema`: the keys of a file, or the fields of a document that `--json` prints, as JSON
+//! Schema (draft 2020-12), for editors that complete and programs that check.
 //!
-//! Made of the structs and key tables that the files are read with, so that it knows the same keys.
+//! Made of the structs and key tables that files are read with and documents are written from, so that
+//! it knows the same keys.
 
+mod documents;
+
+use std::sync::LazyLock;
+
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
 use schemars::{Schema, schema_for};
 use serde_json::json;
 
 use super::output::sayln;
 use super::template::Kind;
+use documents::Document;
 use proofmass_base::document::to_json;
 use proofmass_base::error::Result;
 use proofmass_diagnosis::model::{Driven, Response, Static, Trajectory, Tumble};
 use proofmass_diagnosis::plan::limits::Limits;
-use proofmass_map::document::Document;
+use proofmass_map::document::Document as Map;
 use proofmass_study::file::File;
 
 /// Arguments of `schema`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Kind of input file
+    /// Kind of input file, or document by its name behind "proofmass."
     #[arg(value_enum)]
-    kind: Kind,
+    kind: Of,
 }
 
 const EXAMPLES: &str = "Examples:
   proofmass schema study > study.schema.json
+  proofmass schema verdict/1 > verdict.schema.json
 In an editor with TOML schemas (taplo, Even Better TOML), the first line of study.toml:
   #:schema ./study.schema.json";
+
+/// An input file or a document.
+#[derive(Debug, Clone, Copy)]
+enum Of {
+    File(Kind),
+    Document(Document),
+}
+
+static ALL: LazyLock<Vec<Of>> = LazyLock::new(|| {
+    let files = Kind::value_variants().iter().copied().map(Of::File);
+    files.chain(Document::value_variants().iter().copied().map(Of::Document)).collect()
+});
+
+impl ValueEnum for Of {
+    fn value_variants<'a>() -> &'a [Self] {
+        &ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        match self {
+            Self::File(kind) => kind.to_possible_value(),
+            Self::Document(document) => document.to_possible_value(),
+        }
+    }
+}
 
 /// Prints it.
 ///
 /// # Errors
 /// Stdout cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    sayln!("{}", to_json(&schema(arguments.kind))?)
+    let schema = match arguments.kind {
+        Of::File(kind) => of_file(kind),
+        Of::Document(document) => documents::schema(document),
+    };
+    sayln!("{}", to_json(&schema)?)
 }
 
-fn schema(kind: Kind) -> Schema {
+fn of_file(kind: Kind) -> Schema {
     match kind {
         Kind::Study | Kind::TrajectoryStudy => titled(schema_for!(File), "study.toml"),
         Kind::Driven => model(schema_for!(Driven), "driven"),
@@ -46,7 +84,7 @@ fn schema(kind: Kind) -> Schema {
         Kind::Trajectory => model(schema_for!(Trajectory), "trajectory"),
         Kind::Response => model(schema_for!(Response), "response"),
         Kind::Limits => titled(schema_for!(Limits), "limits.toml"),
-        Kind::Map => titled(schema_for!(Document), "map.toml"),
+        Kind::Map => titled(schema_for!(Map), "map.toml"),
     }
 }
 

@@ -12,8 +12,10 @@ use crate::gate::Gate;
 
 /// Holds what one gate changed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Step {
     /// The rule.
+    #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub gate: Gate,
     /// Id of the candidate that it is about; none where it is about the whole model.
     pub term: Option<&'static str>,

@@ -12,6 +12,7 @@ pub use effect::{DependsOn, Effect, Estimate, Evidence, Form, Share, named};
 
 /// The four things a diagnosis can say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Outcome {
     /// Nothing is missing that this recording could show.
@@ -38,6 +39,7 @@ impl Outcome {
 
 /// File, size and rate of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RecordingInfo {
     /// Path of the recording, as given.
     pub file: String,
@@ -69,6 +71,7 @@ impl RecordingInfo {
 
 /// A stretch of time, band of frequency or range of state where the residual exceeds the noise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Stretch {
     /// Lower end, in the unit of the list it stands in.
     pub from: f64,
@@ -80,6 +83,7 @@ pub struct Stretch {
 
 /// Location of the mismatch, after false-discovery control.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Where {
     /// Place of the mismatch in one sentence.
     pub summary: String,
@@ -100,6 +104,7 @@ pub struct Where {
 
 /// A cell of displacement and velocity where a force is missing.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StateCell {
     /// Displacements from, to; output unit.
     pub displacement: [f64; 2],
@@ -113,6 +118,7 @@ pub struct StateCell {
 
 /// Fit on one part of the recording: root-mean-square error of free simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Score {
     /// Error of the base model, in the output's unit.
     pub rmse_before: f64,
@@ -140,6 +146,7 @@ impl Score {
 
 /// Root-mean-square error of free simulation on one range of samples.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RangeScore {
     /// First sample of the range.
     pub from: usize,
@@ -154,6 +161,7 @@ pub struct RangeScore {
 
 /// Use of a recording in the diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
     /// Used to fit the model.
@@ -164,6 +172,7 @@ pub enum Role {
 
 /// Root-mean-square error of free simulation on one recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RecordingScore {
     /// Path of the recording, as given.
     pub file: String,
@@ -188,6 +197,7 @@ pub struct RecordingScore {
 
 /// Mean log-likelihood per sample on the test part.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LogScore {
     /// Value for the base model.
     pub before: f64,
@@ -197,6 +207,7 @@ pub struct LogScore {
 
 /// The noise of a reading, measured apart from every fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Noise {
     /// Standard deviation, in `unit`.
     pub value: f64,
@@ -208,6 +219,7 @@ pub struct Noise {
 
 /// Errors of the repaired model where it also holds terms without a name.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WithUnnamed {
     /// Ids of the terms that are in the repaired model and are not named.
     pub terms: Vec<String>,
@@ -223,6 +235,7 @@ pub struct WithUnnamed {
 /// Errors of the models on fitted and held-out samples. What is called "after" is the base model
 /// with the named effects and nothing else.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Fit {
     /// Unit of the errors.
     pub unit: String,
@@ -255,6 +268,7 @@ pub struct Fit {
 /// States whether the repaired model leaves white noise, or noise that is white once each reading
 /// is compared with the few before it (a finding says so then).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Whiteness {
     /// At the 5 % level, corrected for the number of tests and channels; the same in every kind.
     pub white: bool,
@@ -264,6 +278,7 @@ pub struct Whiteness {
 
 /// The smallest strength of a candidate that would have been named.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Detectable {
     /// Id in the library of candidates.
     pub id: String,
@@ -281,6 +296,7 @@ pub struct Detectable {
 
 /// A sensor's way from readings to SI: calibrated = matrix · (reading − bias).
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SensorCalibration {
     /// Matrix by rows, calibrated unit per unit of the reading.
     pub matrix: [[f64; 3]; 3],
@@ -296,6 +312,7 @@ pub struct SensorCalibration {
 
 /// Calibrations of an IMU.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Triads {
     /// Absent where none was recorded.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -307,6 +324,7 @@ pub struct Triads {
 /// Thermomechanical noise of a resonator, by its fitted resonance and width and by the mass and
 /// temperature that the model states.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Thermal {
     /// Temperature that was stated, K.
     pub temperature_k: f64,
@@ -329,10 +347,13 @@ pub struct Thermal {
 
 /// The public document `proofmass.verdict/1`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Verdict {
     /// Always "proofmass.verdict/1".
+    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA)))]
     pub schema: &'static str,
     /// Kind of recording that was diagnosed.
+    #[cfg_attr(feature = "schema", schemars(with = "String", extend("enum" = super::candidate::Kind::ALL.map(super::candidate::Kind::name))))]
     pub kind: super::candidate::Kind,
     /// The verdict, one of four.
     pub verdict: Outcome,

@@ -20,6 +20,7 @@ use serde::{Deserialize, Serialize};
 
 /// A number with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Estimate {
     /// Estimate, in the unit of its quantity.
     pub value: f64,

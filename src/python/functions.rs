@@ -150,7 +150,7 @@ pub(super) fn allan(py: Python<'_>, given: Given<'_>, request: Read, scales: Uni
         let request = Request { memory, control: control.clone(), ..request.into() };
         let noise = Asked::new(request, &scales.into())?.analyse(&path)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let json = format!("{:#}", report::allan::document(&name, &noise));
+        let json = to_json(&report::allan::document(&name, &noise))?;
         let draw = move || report::allan::page(&name, &noise, &report::allan::fragments(&name, &noise)).finish();
         Ok(Answer { json, toml: None, draw: Box::new(draw) })
     })

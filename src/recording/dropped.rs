@@ -60,8 +60,10 @@ impl Serialize for Reason {
 
 /// Rows that were not used for one reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Dropped {
     /// Reason for leaving the rows out.
+    #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub reason: Reason,
     /// Number of rows dropped for this reason.
     pub rows: usize,

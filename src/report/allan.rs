@@ -7,7 +7,7 @@ mod fragment;
 mod study;
 mod words;
 
-pub use document::document;
+pub use document::{Document, document};
 pub use fragment::{Fragment, fragments};
 pub use study::study;
 pub use words::{answer, notes, tables};

@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 
 use proofmass_diagnosis::check::Checked;
 
-pub use document::document;
+pub use document::{Document, document};
 pub use page::page;
 
 /// The answer in a sentence or two.

@@ -11,7 +11,7 @@ mod words;
 use proofmass_diagnosis::plan::confirm::Confirmed;
 use proofmass_diagnosis::plan::search::Planned;
 
-pub use document::document;
+pub use document::{Document, document};
 pub use page::page;
 
 /// The text of a terminal, a sentence a line, the answer first.

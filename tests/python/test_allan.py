@@ -93,6 +93,11 @@ def test_frames_and_clocks():
     curve = found.to_dataframe()
     assert (curve["deviation"].to_numpy() == found.channels[0].curve.deviation).all()
     assert set(found.coefficients()["symbol"]) >= {"N", "B", "K"}
+    xarray = pytest.importorskip("xarray")
+    named = found.to_xarray()
+    assert isinstance(named, xarray.Dataset) and set(named.sizes) == {"channel", "tau_s"}
+    of_x = named.deviation.sel(channel="gyro_x_rad_s")
+    assert (of_x.values == found.channels[0].curve.deviation).all()
 
 
 def test_large_arrays_are_not_copied():

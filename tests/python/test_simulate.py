@@ -39,12 +39,25 @@ def test_the_noise_that_goes_in_comes_out():
     assert not white.ci95[0] < 0.07 < white.ci95[1], "a sixth more lies outside"
 
 
-def test_frames_and_what_is_not_there():
+def test_a_frame():
     pandas = pytest.importorskip("pandas")
     readings = proofmass.simulate(STILL, members=2)
     table = readings.to_dataframe()
     assert isinstance(table, pandas.DataFrame) and table.shape == (20_000, 4)
     with pytest.raises(AttributeError):
         readings.gyro_deg_s
+
+
+def test_arrays_with_names_along_members_and_time():
+    xarray = pytest.importorskip("xarray")
+    readings = proofmass.simulate(STILL, members=2)
+    named = readings.to_xarray()
+    assert isinstance(named, xarray.Dataset) and set(named) == {"gyro_rad_s", "accelerometer_m_s2"}
+    assert dict(named.sizes) == {"member": 2, "time_s": 20_000}
+    assert (named.gyro_rad_s.sel(time_s=0.02) == readings.gyro_rad_s[:, 1]).all()
+    assert not (named.gyro_rad_s.isel(member=0) == readings.gyro_rad_s[1]).any(), "another member"
+
+
+def test_what_is_asked_for_in_vain():
     with pytest.raises(proofmass.Error):
         proofmass.simulate(STILL, members=65)

@@ -76,6 +76,10 @@ def test_page_and_table():
     assert isinstance(table, pandas.DataFrame) and list(table.index) == [1.0, 5.0, 10.0]
     assert (table["position_error_m.sd"].to_numpy() == drift.position_error_m.sd).all()
     assert "closed_form.position_error_m.sd" in table
+    xarray = pytest.importorskip("xarray")
+    named = drift.to_xarray()
+    assert isinstance(named, xarray.Dataset) and list(named.time_s.values) == [1.0, 5.0, 10.0]
+    assert (named["position_error_m.sd"].values == drift.position_error_m.sd).all()
     with pytest.raises(AttributeError, match="position_error_m"):
         drift.position_errors
 

@@ -4,6 +4,7 @@
 use crate::control::{Control, Stopped};
 use crate::driven::base::ZETA;
 use crate::error::{Error, Result};
+use crate::number::short;
 use crate::numerics::order;
 use crate::parallel;
 
@@ -87,7 +88,7 @@ pub fn search(question: &Question, limits: &Limits, probability: f64, control: &
                 limits.largest_input_m_s2,
                 limits.rate_hz,
                 limits.longest_s,
-                question.sensor.resonance_hz()
+                short(question.sensor.resonance_hz())
             ),
             format!(
                 "need a rate above twice the resonance, {} cycles of it and {} samples, and a motion that stays finite and within largest_reading",

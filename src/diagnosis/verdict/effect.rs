@@ -7,6 +7,7 @@ use crate::physics::free_form::Freed;
 
 /// A fitted number with its interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Estimate {
     /// Symbol of the parameter, as in the equation.
     pub name: String,
@@ -21,6 +22,7 @@ pub struct Estimate {
 /// Part of the excess error of free simulation, that over the noise, on samples that were not
 /// fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Share {
     /// Part that is removed; 1 is all of it.
     pub value: f64,
@@ -30,6 +32,7 @@ pub struct Share {
 
 /// Quantity on which the residual depends.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DependsOn {
     /// "displacement", "velocity", "time", …
     pub name: String,
@@ -39,6 +42,7 @@ pub struct DependsOn {
 
 /// Why an effect is believed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Evidence {
     /// Share of the held-out mean-square error (beyond the noise floor) or log-score gain that it
     /// removes.
@@ -49,6 +53,7 @@ pub struct Evidence {
 
 /// States how far a named law departs from the form that its name states.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Form {
     /// The law whose form was freed.
     #[serde(skip)]
@@ -72,6 +77,7 @@ pub struct Form {
 
 /// An effect that the verdict names, with parameters and evidence.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Effect {
     /// Id in the library of candidates.
     pub id: String,

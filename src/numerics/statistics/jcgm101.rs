@@ -73,6 +73,7 @@ pub fn need(blocks: &[Block], digits: u32) -> Need {
 
 /// Estimate, standard uncertainty and intervals.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Stated {
     /// Number of Monte Carlo trials.
     pub trials: u64,
@@ -90,6 +91,7 @@ pub struct Stated {
 
 /// Coverage intervals at 95 %, lower and upper end.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Intervals {
     /// The probabilistically symmetric interval.
     pub symmetric: [f64; 2],
@@ -99,6 +101,7 @@ pub struct Intervals {
 
 /// The linear (GUM) answer next to the simulated one, JCGM 101 §8.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Linear {
     /// Mean of the linear model.
     pub estimate: f64,

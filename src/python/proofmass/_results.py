@@ -1,4 +1,4 @@
-"""What a computation gives: its document as attributes, its page for a notebook, its tables for pandas."""
+"""What a computation gives: its document as attributes, its page for a notebook, its tables for pandas and xarray."""
 
 from __future__ import annotations
 
@@ -20,6 +20,16 @@ def _pandas() -> Any:
 
         raise Error("could not make a DataFrame", "pandas is not installed", "pip install pandas") from error
     return pandas
+
+
+def _xarray() -> Any:
+    try:
+        import xarray
+    except ImportError as error:
+        from ._error import Error
+
+        raise Error("could not make a Dataset", "xarray is not installed", "pip install xarray") from error
+    return xarray
 
 
 class Result(Fields):
@@ -70,6 +80,10 @@ class Study(Result):
         index = _pandas().Index(self._values["time_s"], name="time_s")
         return _pandas().DataFrame(columns, index=index)
 
+    def to_xarray(self) -> Any:
+        """The same as a Dataset along ``time_s``."""
+        return _xarray().Dataset.from_dataframe(self.to_dataframe())
+
 
 class Allan(Result):
     """The noise of a sensor at rest, channel by channel: ``allan.channels[0].curve.tau_s``."""
@@ -90,6 +104,10 @@ class Allan(Result):
         ]
         names = ["channel", "tau_s", "deviation", "ci95_low", "ci95_high", "degrees_of_freedom"]
         return _pandas().DataFrame(rows, columns=names)
+
+    def to_xarray(self) -> Any:
+        """The same as a Dataset along ``channel`` and ``tau_s``, ``NaN`` where a channel has no such averaging time."""
+        return _xarray().Dataset.from_dataframe(self.to_dataframe().set_index(["channel", "tau_s"]))
 
     def coefficients(self) -> Any:
         """A DataFrame with one row per channel and noise term; ``supported`` says whether the data show the term."""
@@ -219,6 +237,11 @@ class Simulation(Mapping):
     def to_dataframe(self) -> Any:
         """One row per sample and one column per member and quantity."""
         return _pandas().DataFrame(self._columns).set_index("t_s")
+
+    def to_xarray(self) -> Any:
+        """A Dataset of the quantities along ``member`` and ``time_s``; the readings themselves, not a copy."""
+        quantities = {name: (("member", "time_s"), getattr(self, name)) for name in self._stacked if name != "t_s"}
+        return _xarray().Dataset(quantities, coords={"time_s": self.time_s})
 
     __eq__ = object.__eq__
     __hash__ = object.__hash__

@@ -8,9 +8,14 @@ use super::statistic::Limit;
 use crate::statistics::Estimate;
 use crate::study::Study;
 
+/// Value of `schema` in the document.
+const SCHEMA: &str = "proofmass.require/1";
+
 /// The public document `proofmass.require/1`.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Document {
+    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA)))]
     schema: &'static str,
     name: String,
     version: &'static str,
@@ -36,6 +41,7 @@ pub struct Document {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Varied {
     key: String,
     value: Option<f64>,
@@ -43,6 +49,7 @@ struct Varied {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Part {
     name: String,
     price: Option<f64>,
@@ -81,7 +88,7 @@ impl Document {
             Outcome::Never => None,
         });
         Self {
-            schema: "proofmass.require/1",
+            schema: SCHEMA,
             name: study.name.clone(),
             version: env!("CARGO_PKG_VERSION"),
             seed: study.seed,

@@ -10,9 +10,14 @@ use crate::statistics::Estimate;
 use crate::statistics::Summary;
 use crate::study::Study;
 
+/// Value of `schema` in the document.
+const SCHEMA: &str = "proofmass.sweep/1";
+
 /// The public document `proofmass.sweep/1`.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Document {
+    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA)))]
     schema: &'static str,
     name: String,
     version: &'static str,
@@ -34,12 +39,14 @@ pub struct Document {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Axis {
     key: String,
     values: Vec<f64>,
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Here {
     values: Vec<f64>,
     failed: u64,
@@ -50,6 +57,7 @@ struct Here {
 
 /// One error, or those of an object such as `position_error_ned_m` by their names.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 enum Errors {
     One(Distribution),
@@ -57,6 +65,7 @@ enum Errors {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Distribution {
     mean: Vec<f64>,
     sd: Vec<f64>,
@@ -68,6 +77,7 @@ struct Distribution {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Crossing {
     /// Value of the second key.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -83,7 +93,7 @@ impl Document {
     pub fn of(study: &Study, sweep: &Sweep) -> Self {
         let followed = &sweep.followed;
         Self {
-            schema: "proofmass.sweep/1",
+            schema: SCHEMA,
             name: study.name.clone(),
             version: env!("CARGO_PKG_VERSION"),
             seed: study.seed,

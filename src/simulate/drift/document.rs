@@ -16,7 +16,9 @@ pub const SCHEMA: &str = "proofmass.study/1";
 
 /// The whole document; every list runs along `time_s`.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Document {
+    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA)))]
     schema: &'static str,
     name: String,
     version: &'static str,
@@ -49,6 +51,7 @@ pub struct Document {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Jcgm101 {
     #[serde(flatten)]
     stated: Stated,
@@ -57,6 +60,7 @@ struct Jcgm101 {
 
 /// Device that an ensemble was integrated on.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Backend {
     kind: String,
     name: String,
@@ -70,6 +74,7 @@ pub struct Backend {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Part {
     /// First member, and the one after the last.
     members: [u64; 2],
@@ -81,6 +86,7 @@ struct Part {
 
 /// The distribution of one quantity; every list runs along the report times.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Distribution {
     mean: Vec<f64>,
     sd: Vec<f64>,
@@ -94,6 +100,7 @@ pub struct Distribution {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ClosedForm {
     position_error_m: Moments,
     velocity_error_m_s: Moments,
@@ -103,6 +110,7 @@ struct ClosedForm {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Moments {
     mean: Vec<f64>,
     sd: Vec<f64>,
@@ -111,6 +119,7 @@ struct Moments {
 /// Windows of one length of one axis: the share of them inside the central 50, 90 and 99 % of the
 /// prediction, and standard deviations in m (accelerometer) or rad (gyro, tilt).
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Windows {
     axis: String,
     seconds: f64,
@@ -123,6 +132,7 @@ struct Windows {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Power {
     exponent: f64,
     fitted_m_per_s_to_the_exponent: f64,
@@ -130,6 +140,7 @@ struct Power {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct BudgetRow {
     source: &'static str,
     position_sd_m: Vec<f64>,

@@ -16,7 +16,9 @@ use crate::study::Study;
 
 /// The whole document; every list runs along `time_s`.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Document {
+    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA)))]
     schema: &'static str,
     name: String,
     version: &'static str,
@@ -51,6 +53,7 @@ pub struct Document {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RollPitchHeading {
     roll: Distribution,
     pitch: Distribution,
@@ -59,6 +62,7 @@ struct RollPitchHeading {
 
 /// The linear covariance, in the places of the ensemble's own.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Linear {
     position_error_ned_m: Axes,
     velocity_error_ned_m_s: Axes,
@@ -70,6 +74,7 @@ struct Linear {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Turns {
     roll: Spread,
     pitch: Spread,
@@ -92,6 +97,7 @@ impl Linear {
 /// Effect of one source on the position, by the linear model: root mean square of the horizontal
 /// and the vertical error that it makes alone, and its fraction of the horizontal mean square.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Share {
     source: &'static str,
     horizontal_rms_m: Vec<f64>,

@@ -8,6 +8,7 @@ use crate::drift::document::Distribution;
 
 /// A distribution along each axis of north-east-down.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct NorthEastDown {
     north: Distribution,
     east: Distribution,
@@ -16,6 +17,7 @@ pub(super) struct NorthEastDown {
 
 /// Radii of circles about the truth that hold 50 and 95 % of the members.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Circular {
     cep50: Vec<f64>,
     cep95: Vec<f64>,
@@ -23,6 +25,7 @@ pub(super) struct Circular {
 
 /// Radii of spheres about the truth that hold 50 and 95 % of them.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Spherical {
     sep50: Vec<f64>,
     sep95: Vec<f64>,
@@ -30,6 +33,7 @@ pub(super) struct Spherical {
 
 /// Mean and standard deviation by the linear model.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Spread {
     mean: Vec<f64>,
     sd: Vec<f64>,
@@ -37,6 +41,7 @@ pub(super) struct Spread {
 
 /// Those along each axis.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Axes {
     north: Spread,
     east: Spread,

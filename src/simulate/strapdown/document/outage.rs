@@ -9,6 +9,7 @@ use crate::strapdown::spreads::{At, Axes, Circular, NorthEastDown, Spherical};
 
 /// One outage; lists run along its own `time_s`.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Entry {
     from_s: f64,
     until_s: f64,
@@ -21,6 +22,7 @@ pub(super) struct Entry {
 }
 
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Linear {
     position_error_ned_m: Axes,
     velocity_error_ned_m_s: Axes,

@@ -9,6 +9,7 @@ use super::{Compared, Sensor};
 
 /// One axis of one sensor, over all windows of a length.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Entry {
     sensor: String,
     axis: &'static str,
@@ -47,6 +48,7 @@ pub const TOGETHER: [(&str, std::ops::Range<usize>); 4] =
 
 /// Statement on all windows together.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Flight {
     imu: String,
     sha256: String,
@@ -59,6 +61,7 @@ pub struct Flight {
 
 /// Inflation of one cause, with its interval.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Inflated {
     cause: &'static str,
     unit: &'static str,
@@ -78,6 +81,7 @@ pub const CAUSES: [(&str, &str); 5] = [
 
 /// The windows of one length.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Windows {
     seconds: f64,
     unused_s: f64,
@@ -86,6 +90,7 @@ struct Windows {
 
 /// Errors and predictions of one window.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct One {
     from_s: f64,
     to_s: f64,
@@ -97,6 +102,7 @@ struct One {
 
 /// Normalised errors squared of several axes together.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Joint {
     sensor: String,
     seconds: f64,
