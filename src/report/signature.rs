@@ -2,9 +2,10 @@
 //! workspace.
 //!
 //! Laws come from `physics::signature`, which reads each off its own file; of a sensor at rest and of one that is
-//! hand-rotated the closed forms are put into the same axes here. What no one curve shows has no picture.
+//! hand-rotated or flown the closed forms are put into the same axes here. What is one number has no picture.
 
 mod attitude;
+mod motion;
 mod rest;
 
 use proofmass_physics::candidate::{Candidate, Kind};
@@ -19,7 +20,8 @@ const SIZE: (u32, u32) = (360, 280);
 pub fn figure(candidate: &Candidate) -> Option<Figure> {
     let own = match candidate.kind {
         Kind::Static => rest::picture(candidate.id),
-        Kind::Tumble | Kind::Trajectory => attitude::picture(candidate),
+        Kind::Tumble => attitude::picture(candidate),
+        Kind::Trajectory => attitude::picture(candidate).or_else(|| motion::picture(candidate.id)),
         Kind::Driven | Kind::Response => None,
     };
     Some(drawn(candidate.id, own.or_else(|| signature::of(candidate))?))

@@ -31,7 +31,8 @@ pub(super) fn answer(files: &[String], checked: &Checked) -> String {
             // Errors that go together differ together.
             let one_by_one = match differ as f64 > expected {
                 true => format!(
-                    ", all together; one by one, {differ} of them differ at 95 % (chance alone would make {} differ)",
+                    ", all together; one by one, {differ} of them {} at 95 % (chance alone would make {} differ)",
+                    differs(differ),
                     short(expected)
                 ),
                 false => String::new(),
@@ -235,12 +236,17 @@ pub(super) fn of_agreement(checked: &Checked) -> Vec<String> {
         ));
         let differ = agreement.lines.iter().filter(|l| !l.agrees()).count();
         out.push(format!(
-            "one by one: {differ} of {} differ at 95 %; chance alone would make {} differ",
+            "one by one: {differ} of {} {} at 95 %; chance alone would make {} differ",
             agreement.lines.len(),
+            differs(differ),
             short(0.05 * agreement.lines.len() as f64)
         ));
     }
     out
+}
+
+fn differs(count: usize) -> &'static str {
+    if count == 1 { "differs" } else { "differ" }
 }
 
 /// The next steps.

@@ -27,7 +27,10 @@ pub(super) fn picture(candidate: &Candidate) -> Option<Picture> {
             ("k₂ of one axis", accelerometer::QUADRATIC.start),
             ("k₃ of one axis", accelerometer::CUBIC.start),
         ]),
-        (Kind::Tumble | Kind::Trajectory, "g-sensitivity") => gyro_at_rest(),
+        (Kind::Tumble, "local-gravity") => length(&[("all axes", accelerometer::SCALE.start)]),
+        (Kind::Tumble, "temperature-sensitivity") => over_temperature(),
+        (Kind::Tumble | Kind::Trajectory, "g-sensitivity") => gyro_at_rest(g_sensitive),
+        (Kind::Tumble | Kind::Trajectory, "earth-rate") => gyro_at_rest(turned_by_the_earth),
         (Kind::Tumble, "slow-drift") => over_time(&["n = 1", "n = 2", "n = 3"]),
         (Kind::Trajectory, "gyro-bias" | "accelerometer-bias") => over_time(&["a₁", "a₂"]),
         (Kind::Trajectory, "scale-factor") => rate(gyro::AXIS_SCALE, "read about the same axis"),
@@ -40,7 +43,7 @@ pub(super) fn picture(candidate: &Candidate) -> Option<Picture> {
 fn calibration(places: Places, size: f64) -> Calibration {
     let mut point: Point = std::array::from_fn(|_| 0.0);
     (point[accelerometer::SCALE.start], point[gyro::SCALE.start]) = (1.0, 1.0);
-    point[places].fill(-size);
+    point[places].iter_mut().for_each(|value| *value -= size);
     Calibration::from_point(&point)
 }
 
@@ -71,16 +74,36 @@ fn length(faults: &[(&'static str, usize)]) -> Picture {
 }
 
 /// Reading of a gyro at rest over one turn.
-fn gyro_at_rest() -> Picture {
-    let (sound, faulty) =
-        (calibration(0..0, 0.0), calibration(gyro::G_SENSITIVITY.start..gyro::G_SENSITIVITY.start + 1, SMALL));
-    let read = |f| {
-        let force = sound.specific_force_m_s2(f, &Slow::default());
-        faulty.rate_rad_s([0.0; 3], &force, &Slow::default()).x
-    };
-    let points = over_largest(turn().map(|(angle, f)| (angle, read(f))).collect());
+fn gyro_at_rest(read: impl Fn([f64; 3]) -> f64) -> Picture {
+    let points = over_largest(turn().map(|(angle, along)| (angle, read(along))).collect());
     let law = Curve { name: "", is_guide: false, points };
     Picture { x: TURN, y: Axis::linear("rate read at rest / largest"), curves: vec![none(360.0), law] }
+}
+
+/// Rate that the specific force makes.
+fn g_sensitive(force: [f64; 3]) -> f64 {
+    let (sound, faulty) =
+        (calibration(0..0, 0.0), calibration(gyro::G_SENSITIVITY.start..gyro::G_SENSITIVITY.start + 1, SMALL));
+    let force = sound.specific_force_m_s2(force, &Slow::default());
+    faulty.rate_rad_s([0.0; 3], &force, &Slow::default()).x
+}
+
+/// The Earth's rate about one axis; it stands across the axis of the turn.
+fn turned_by_the_earth(along: [f64; 3]) -> f64 {
+    let sound = calibration(0..0, 0.0);
+    sound.rate_rad_s(along, &(sound.g_sensitivity.column(0) * 0.0), &Slow::default()).x
+}
+
+/// Offset over the temperature.
+pub(super) fn over_temperature() -> Picture {
+    let faulty = calibration(accelerometer::TEMPERATURE.start..accelerometer::TEMPERATURE.start + 1, SMALL);
+    let read = |covariate: f64| faulty.specific_force_m_s2([0.0; 3], &Slow { covariate, ..Slow::default() }).x;
+    let part = |i: usize| 2.0 * i as f64 / (POINTS - 1) as f64 - 1.0;
+    let points = over_largest((0..POINTS).map(part).map(|t| (t, read(t))).collect());
+    let guide = Curve { name: "", is_guide: true, points: vec![(-1.0, 0.0), (1.0, 0.0)] };
+    let law = Curve { name: "", is_guide: false, points };
+    let x = Axis::linear("temperature from its mean / largest");
+    Picture { x, y: Axis::linear("offset / largest"), curves: vec![guide, law] }
 }
 
 /// Readings over a rate about one axis, y.

@@ -19,6 +19,7 @@ pub(super) fn picture(id: &str) -> Option<Picture> {
         "rate-ramp" => allan(Term::Ramp),
         "gauss-markov" => Some(signature::next_to_white(markov)),
         "quantisation-noise" => Some(signature::staircase()),
+        "temperature-sensitivity" => Some(super::attitude::over_temperature()),
         "sinusoid" => of_a_law("periodic-disturbance"),
         _ => None,
     }
