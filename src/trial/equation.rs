@@ -145,6 +145,7 @@ impl<'a> Machine<'a> {
                     input -= a.min(1.0) * (now.input - now.input.clamp(-threshold, threshold));
                 }
                 Physics::NegativeDamping => total += a * c * (-(x / (p * self.scales.x)).powi(2)).exp() * v,
+                Physics::BacklashSpring => total += a.min(1.0) * k * x.clamp(-p * self.scales.x, p * self.scales.x),
                 Physics::ParametricPumping => {
                     total -= k * a * (p * self.oscillator.omega_rad_s * now.t_s + q).cos() * x;
                 }

@@ -56,6 +56,7 @@ catalogue! {
         SofteningWithHistory = "a spring that softens with the largest excursion it has seen",
         SlippingMount = "a mount that slips above a force and creeps with every slip",
         NegativeDamping = "negative damping near the rest position",
+        BacklashSpring = "a spring with a dead zone",
         ParametricPumping = "a stiffness modulated by a clock",
         StiffnessJump = "a stiffness that changes once, suddenly",
         GainControl = "a readout gain that follows the mean amplitude",
@@ -77,7 +78,7 @@ impl Physics {
 
     /// Effects with corners or jumps in time, integrated with twice the sub-steps.
     pub fn is_abrupt(self) -> bool {
-        matches!(self, CoulombFriction | Hysteresis | EndStop | SlippingMount | SofteningWithHistory)
+        matches!(self, CoulombFriction | Hysteresis | EndStop | BacklashSpring | SlippingMount | SofteningWithHistory)
     }
 }
 

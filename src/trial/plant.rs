@@ -104,6 +104,7 @@ pub fn shape(rng: &mut impl Rng, physics: Physics, case: &Driven) -> [f64; 2] {
         FractionalDamper => [uniform(rng, 0.3, 0.7), 0.0],
         SlippingMount => [uniform(rng, 0.8, 1.5), 0.0],
         NegativeDamping => [uniform(rng, 0.15, 0.5), 0.0],
+        BacklashSpring => [uniform(rng, 0.1, 0.4), 0.0],
         ParametricPumping => [uniform(rng, 0.3, 2.2), uniform(rng, 0.0, std::f64::consts::TAU)],
         StiffnessJump => [uniform(rng, 0.25, 0.75), sign(rng)],
         GainControl => [uniform(rng, 0.01, 0.1), 0.0],

@@ -159,6 +159,7 @@ mod tests {
             (Physics::CoulombFriction, [0.4, 0.0]),
             (Physics::Hysteresis, [0.5, 0.7]),
             (Physics::EndStop, [30.0, 0.0]),
+            (Physics::BacklashSpring, [0.3, 0.0]),
         ] {
             let worst = error(Term { physics, amplitude: 0.3, shape }, 4000);
             assert!(worst < 1e-4, "{physics:?}: {worst}");
