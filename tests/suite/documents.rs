@@ -28,7 +28,7 @@ fn printed(folder: &Path, arguments: &str) -> Result<Value, Failed> {
     run(program().current_dir(folder).args(arguments.split(' ')).arg("--json"))?.json()
 }
 
-/// Every way in which a document is not what the schema of its own name says.
+/// Returns where a document breaks the schema that it names.
 fn wrong(document: &Value) -> Result<Vec<String>, Failed> {
     let name = document["schema"].as_str().and_then(|name| name.strip_prefix("proofmass.")).unwrap_or_default();
     against(name, document)

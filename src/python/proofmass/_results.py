@@ -239,7 +239,7 @@ class Simulation(Mapping):
         return _pandas().DataFrame(self._columns).set_index("t_s")
 
     def to_xarray(self) -> Any:
-        """A Dataset of the quantities along ``member`` and ``time_s``; the readings themselves, not a copy."""
+        """A Dataset of the quantities along ``member`` and ``time_s``."""
         quantities = {name: (("member", "time_s"), getattr(self, name)) for name in self._stacked if name != "t_s"}
         return _xarray().Dataset(quantities, coords={"time_s": self.time_s})
 

@@ -71,10 +71,10 @@ enum Split {
     /// The first half and the second.
     #[serde(rename = "first-and-second")]
     FirstAndSecond,
-    /// So many parts in turn.
+    /// This many parts, dealt to the two halves in turn.
     #[serde(rename = "alternating_parts")]
     Alternating(usize),
-    /// Blocks of so many poses in turn.
+    /// Blocks with this many poses each, dealt to the two halves in turn.
     #[serde(rename = "blocks_of_poses")]
     Blocks(usize),
 }

@@ -176,8 +176,8 @@ fn candidates(drawn: &Path) -> Result<String, Failed> {
     let mut page = String::from(
         "# Physics that a diagnosis can name\n\nWhat `proofmass candidates --json` prints, by kind of recording. In equations \
          u is the input and g its gain; in units y is the unit of the reading.\n\nA picture shows what is seen of a candidate: \
-         of a law as the program computes it, on a mass whose resonance has a quality factor of ten, with sizes over the \
-         largest, so that shapes alone count. The command under it writes a recording in which this candidate is planted, \
+         of a law as the program computes it, on a mass whose resonance has a quality factor of ten, and of clocks and \
+         mountings by their equations, with sizes over the largest, so that shapes alone count. The command under it writes a recording in which this candidate is planted, \
          with its model and the truth, into a folder, and prints the verdict on it. A candidate has no picture where it is \
          a single number, and no command where no trial plants it on its own and finds it.\n",
     );
