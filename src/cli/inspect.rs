@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::output::{remark, sayln};
+use proofmass_base::document::to_json;
 use proofmass_base::error::Result;
 use proofmass_base::progress;
 use proofmass_recording::Request;
@@ -44,7 +45,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let seen = inspection::inspect(&arguments.file, &request)?;
     let file = arguments.file.display().to_string();
     if json {
-        return sayln!("{:#}", report::document(&file, &seen));
+        return sayln!("{}", to_json(&report::document(&file, &seen))?);
     }
     report::tables(&seen).iter().try_for_each(|table| sayln!("{table}"))?;
     report::notes(&seen).iter().try_for_each(|note| sayln!("{note}"))?;

@@ -56,14 +56,15 @@ pub fn check(recordings: &[Recording], model: &Model, control: &Control) -> Resu
             "check each by itself, with a model that names its own file, and compare the values that `--json` prints",
         ));
     }
-    let run = |recording: &Recording| match model {
-        Model::Tumble(model) => tumble::known(recording, model, control),
-        Model::Static(model) => rest::known(recording, model, control),
-        Model::Trajectory(model) => trajectory::known(recording, model, control),
-        Model::Driven(_) => Err(not_yet(recording, "driven")),
-        Model::Response(_) => Err(not_yet(recording, "response")),
+    let each = |run: &dyn Fn(&Recording) -> Result<Run>| recordings.iter().map(run).collect::<Result<_>>();
+    let runs = match model {
+        Model::Tumble(model) => each(&|recording| tumble::known(recording, model, control)),
+        Model::Static(model) => rest::known(recordings, model, control),
+        Model::Trajectory(model) => each(&|recording| trajectory::known(recording, model, control)),
+        Model::Driven(_) => each(&|recording| Err(not_yet(recording, "driven"))),
+        Model::Response(_) => each(&|recording| Err(not_yet(recording, "response"))),
     };
-    Ok(compared(recordings.iter().map(run).collect::<Result<_>>()?))
+    Ok(compared(runs?))
 }
 
 /// A file next to the recording that the model names: poses, or a reference.

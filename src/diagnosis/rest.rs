@@ -113,7 +113,7 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
         .iter()
         .zip(&live)
         .map(|(name, values)| {
-            let step = Watch::of(name, values).step();
+            let step = Watch::of(name, values, &filled).step();
             let mut values = values.to_vec();
             disturbance::roughen(&mut values, &filled);
             let disturbances = disturbance::take_out(&mut values);
@@ -147,6 +147,7 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
     let common = if environment.is_empty() { common::find(&channels, &selected) } else { None };
     Ok(conclusion::conclude(conclusion::Material {
         recording,
+        columns: &columns,
         model,
         channels: &channels,
         selected: &selected,
@@ -155,32 +156,43 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
     }))
 }
 
-/// Returns what a log at rest can know of each channel, what it finds, and the same of its halves.
+/// Returns what each log at rest can know of each channel, what it finds, and the same of its halves.
 ///
 /// # Errors
 /// As [`diagnose`].
-pub fn known(recording: &Recording, model: &model::Static, control: &Control) -> Result<Run> {
-    let columns = Columns::of(recording, model)?;
-    let (live, filled) = (columns.live(model)?, columns.filled());
-    let rate_hz = recording.rate_hz / recording.averaged.as_ref().map_or(1, |a| a.together) as f64;
-    let _stage = control.stage("fitting the noise of the log and of its halves", 0);
-    let mut findings = recording.sentences();
-    let mut channels = Vec::new();
-    let mut left_out = Vec::new();
-    for (name, values) in live {
-        let mut values = values.to_vec();
-        disturbance::roughen(&mut values, &filled);
-        let disturbances = disturbance::take_out(&mut values);
-        match disturbances.knocks.len() + disturbances.bad.len() {
-            0 => (),
-            count => left_out.push(format!("{name} {count}")),
+pub fn known(recordings: &[Recording], model: &model::Static, control: &Control) -> Result<Vec<Run>> {
+    let columns: Vec<Columns<'_>> = recordings.iter().map(|r| Columns::of(r, model)).collect::<Result<_>>()?;
+    let live: Vec<Vec<&String>> = columns
+        .iter()
+        .map(|of| Ok(of.live(model)?.into_iter().map(|(name, _)| name).collect()))
+        .collect::<Result<_>>()?;
+    // A channel that is constant in one log has its place there too, so that each is compared with itself.
+    let names: Vec<&String> =
+        model.columns.channels.iter().filter(|name| live.iter().any(|of| of.contains(name))).collect();
+    let _stage = control.stage("fitting the noise of each log and of its halves", 0);
+    let logs = recordings.iter().zip(&columns).map(|(recording, columns)| {
+        let stopped = |s: Stopped| s.during(format!("could not check {}", recording.path.display()), "start it again");
+        control.go_on().map_err(stopped)?;
+        let filled = columns.filled();
+        let rate_hz = recording.rate_hz / recording.averaged.as_ref().map_or(1, |a| a.together) as f64;
+        let mut findings = recording.sentences();
+        let mut channels = Vec::new();
+        let mut left_out = Vec::new();
+        for name in &names {
+            let mut values = columns.values(name)?.to_vec();
+            disturbance::roughen(&mut values, &filled);
+            let disturbances = disturbance::take_out(&mut values);
+            match disturbances.knocks.len() + disturbances.bad.len() {
+                0 => (),
+                count => left_out.push(format!("{name} {count}")),
+            }
+            let unit = stated_units::of(recording, name, model);
+            channels.push(known::Readings { name: (*name).clone(), unit, values });
         }
-        channels.push(known::Readings { name: name.clone(), unit: stated_units::of(recording, name, model), values });
-    }
-    if !left_out.is_empty() {
-        findings.push(format!("knocks and single bad readings were left out: {}", left_out.join(", ")));
-    }
-    let stopped = |s: Stopped| s.during(format!("could not check {}", recording.path.display()), "start it again");
-    control.go_on().map_err(stopped)?;
-    Ok(known::check(&channels, rate_hz, findings))
+        if !left_out.is_empty() {
+            findings.push(format!("knocks and single bad readings were left out: {}", left_out.join(", ")));
+        }
+        Ok(known::check(&channels, rate_hz, findings))
+    });
+    logs.collect()
 }

@@ -73,7 +73,7 @@ use parameters::{EARTH_RATE, FORCE_BIAS, GYRO_BIAS, LEVER_ARM, OFFSET, PARAMETER
 use permutation::Permutation;
 use selection::{Allowed, Selection};
 
-/// Whitened residual over that of the simpler rule, below which the finer one is clearly better.
+/// Whitened residual over that of the finer rule, below which straight lines are clearly better.
 const CLEARLY: f64 = 0.8;
 
 /// States how many times what noise makes of an attitude an axis must turn for an arm along it to
@@ -207,13 +207,14 @@ fn examined<T>(
     point[OFFSET] = start.offset_s;
     point[GYRO_BIAS].copy_from_slice(start.gyro_bias.as_slice());
     point[FORCE_BIAS].copy_from_slice(start.force_bias.as_slice());
-    // Vibration asks for the one; for the other only motion so quick that the reference follows it
-    // clearly more closely.
+    // A body moves smoothly: straight lines cut its curves, which would pass for a scale factor. They
+    // stand only where the reference follows them clearly more closely: where it vibrates about as fast as it is
+    // sampled.
     let straight = Fit::new(&case, &point, &everything, control).map_err(stopped)?;
     let smooth = Case { rule: Rule::Cubic, ..case };
     let cubic = Fit::new(&smooth, &point, &everything, control).map_err(stopped)?;
-    let clearly = cubic.innovation() < CLEARLY * straight.innovation();
-    let (case, fit) = if clearly { (smooth, cubic) } else { (case, straight) };
+    let clearly = straight.innovation() < CLEARLY * cubic.innovation();
+    let (case, fit) = if clearly { (case, straight) } else { (smooth, cubic) };
     if fit.linear.point.iter().any(|v| !v.is_finite()) {
         return Err(Error::new(
             format!("could not diagnose {}", recording.path.display()),

@@ -1,6 +1,8 @@
 //! States what is wrong with a column before any physics: a dead channel, touched rails, a stuck
 //! stretch, and the step its numbers are rounded to.
 
+use std::ops::Range;
+
 use super::finding::Finding;
 
 /// Values that lie off whole steps by less than this are whole multiples, rounded in print.
@@ -80,10 +82,16 @@ impl Watch {
         }
     }
 
-    /// All of a column.
-    pub fn of(name: &str, values: &[f64]) -> Self {
+    /// All of a column but the samples in these ranges, which were filled in.
+    pub fn of(name: &str, values: &[f64], filled: &[Range<usize>]) -> Self {
         let mut watch = Self::new(name);
-        values.iter().for_each(|v| watch.push(*v));
+        let mut filled = filled.iter().flat_map(Clone::clone).peekable();
+        for (at, value) in values.iter().enumerate() {
+            match filled.next_if_eq(&at) {
+                Some(_) => watch.skip(),
+                None => watch.push(*value),
+            }
+        }
         watch
     }
 
@@ -117,6 +125,13 @@ impl Watch {
         self.count += 1;
     }
 
+    /// Passes over a sample that was filled in: a straight line is on no grid.
+    #[inline]
+    pub(crate) fn skip(&mut self) {
+        self.before = f64::NAN;
+        self.count += 1;
+    }
+
     /// The step that all values since it was first seen are whole multiples of, if values repeat so
     /// often that it is no accident of printing.
     pub fn step(&self) -> Option<f64> {
@@ -133,7 +148,10 @@ impl Watch {
     pub(crate) fn findings(&self) -> Vec<Finding> {
         let column = || self.name.clone();
         if self.constant() {
-            return vec![Finding::Constant { column: column(), value: self.before }];
+            return vec![Finding::Constant {
+                column: column(),
+                value: self.levels.first().copied().unwrap_or(f64::NAN),
+            }];
         }
         let mut out = Vec::new();
         // An input of a few levels (a square wave) is not a clipped one.
@@ -186,7 +204,7 @@ mod tests {
     }
 
     fn judge(values: Vec<f64>) -> Vec<Finding> {
-        Watch::of("x", &values).findings()
+        Watch::of("x", &values, &[]).findings()
     }
 
     fn sine(amplitude: f64) -> Vec<f64> {
@@ -209,7 +227,12 @@ mod tests {
     #[test]
     fn the_step_of_a_rounded_reading_is_found_and_none_in_a_smooth_one() {
         let rounded: Vec<f64> = sine(20.0).iter().map(|v| (v / 0.25).round() * 0.25).collect();
-        assert_eq!(Watch::of("x", &rounded).step(), Some(0.25));
-        assert_eq!(Watch::of("x", &sine(20.0)).step(), None);
+        assert_eq!(Watch::of("x", &rounded, &[]).step(), Some(0.25));
+        assert_eq!(Watch::of("x", &sine(20.0), &[]).step(), None);
+        // A straight line over a gap is on no grid.
+        let mut bridged = rounded;
+        bridged[500] += 0.1;
+        assert_eq!(Watch::of("x", &bridged, std::slice::from_ref(&(500..501))).step(), Some(0.25));
+        assert_eq!(Watch::of("x", &bridged, &[]).step(), None);
     }
 }

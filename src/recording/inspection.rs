@@ -145,7 +145,7 @@ fn rows(path: &Path, request: &Request) -> Result<(Rows, Option<String>)> {
     // A column alone is what there is to look at.
     let slow = if slow.len() < names.len() { slow } else { Vec::new() };
     let mut streamed = stream::read(path, &Request { slow, ..request.clone() }, |block| {
-        meters.iter_mut().zip(&block.columns).for_each(|(meter, values)| meter.push(values));
+        meters.iter_mut().zip(&block.columns).for_each(|(meter, values)| meter.push(values, &block.rows));
         rest.push(block, &sensors.places);
     })?;
     let used = meters.iter().map(|meter| meter.count).fold(0.0, f64::max);
@@ -205,12 +205,15 @@ impl Meter {
         Self { name: name.to_owned(), watch, count: 0.0, origin: 0.0, sum: 0.0, squares: 0.0, lowest, highest }
     }
 
-    fn push(&mut self, values: &[f64]) {
-        for value in values.iter().filter(|value| !value.is_nan()) {
+    fn push(&mut self, values: &[f64], rows: &[Option<usize>]) {
+        for (value, row) in values.iter().zip(rows).filter(|(value, _)| !value.is_nan()) {
             if self.count == 0.0 {
                 self.origin = *value;
             }
-            self.watch.push(*value);
+            match row {
+                Some(_) => self.watch.push(*value),
+                None => self.watch.skip(),
+            }
             let off = value - self.origin;
             self.count += 1.0;
             self.sum += off;

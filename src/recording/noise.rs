@@ -144,7 +144,12 @@ fn measure(meters: &mut [Meter], waiting: &mut Waiting, is_end: bool) {
     while let Some(rows) = waiting.piece(is_end) {
         parallel::for_each_mut(meters, |_, meter| {
             // Rounding and rails are those of the readings, whatever is left out of them.
-            meter.undisturbed.waiting(&rows).iter().for_each(|v| meter.watch.push(*v));
+            for (value, row) in meter.undisturbed.waiting(&rows).iter().zip(&rows) {
+                match row {
+                    Some(_) => meter.watch.push(*value),
+                    None => meter.watch.skip(),
+                }
+            }
             meter.undisturbed.piece(&rows).into_iter().for_each(|v| meter.push(v));
         });
     }

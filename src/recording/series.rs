@@ -88,7 +88,7 @@ impl Series {
         if self.is_slow && self.keep.window.contains(&self.samples) {
             self.watch.push(value);
         }
-        self.emit(value);
+        self.emit(value, true);
     }
 
     /// A sample that has no row.
@@ -104,17 +104,19 @@ impl Series {
         let left = self.last.or(next).unwrap_or(0.0);
         let right = next.or(self.last).unwrap_or(0.0);
         for k in 1..=count {
-            self.emit(left + (right - left) * k as f64 / (count + 1) as f64);
+            self.emit(left + (right - left) * k as f64 / (count + 1) as f64, false);
         }
     }
 
-    fn emit(&mut self, value: f64) {
+    fn emit(&mut self, value: f64, is_reading: bool) {
         self.samples += 1;
         if !self.keep.window.contains(&(self.samples - 1)) {
             return;
         }
-        if !self.is_slow {
-            self.watch.push(value);
+        match (self.is_slow, is_reading) {
+            (true, _) => {}
+            (false, true) => self.watch.push(value),
+            (false, false) => self.watch.skip(),
         }
         if self.keep.together == 1 {
             self.values.push(value);

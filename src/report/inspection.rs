@@ -1,6 +1,8 @@
 //! A first look at a file, in words for a terminal and as JSON, with the command to run next.
 
-use serde_json::{Value, json};
+mod document;
+
+pub use document::{Document, document};
 
 use super::table::Table;
 use proofmass_base::document::toml_string;
@@ -9,8 +11,7 @@ use proofmass_base::escape::word;
 use proofmass_base::number::{duration, rounded, short};
 use proofmass_diagnosis::proposal::{Named, Suited, is_turned, longest, proposed, suited, total_s};
 use proofmass_recording::finding::sentences;
-use proofmass_recording::inspection::{Inspection, Rows};
-use proofmass_recording::unit::Quantity;
+use proofmass_recording::inspection::Inspection;
 
 /// Parts shown on a terminal.
 const SHOWN: usize = 40;
@@ -154,61 +155,4 @@ pub fn in_a_line(model: &str) -> String {
 /// Returns why nothing can be run yet; steps of a sweep need no clock.
 pub fn obstacle<'a>(file: &str, seen: &'a Inspection) -> Option<&'a Error> {
     seen.obstacle.as_ref().filter(|_| next(file, seen).is_none())
-}
-
-/// The public document `proofmass.inspect/1`.
-pub fn document(file: &str, seen: &Inspection) -> Value {
-    let parts: Vec<Value> = seen
-        .parts
-        .iter()
-        .map(|part| {
-            let columns: Vec<Value> = part.columns.iter().map(|c| json!({ "name": c.name, "unit": c.unit })).collect();
-            json!({ "name": part.name, "type": part.kind, "rows": part.rows, "imu": part.is_imu, "columns": columns })
-        })
-        .collect();
-    let mut document = json!({
-        "schema": "proofmass.inspect/1",
-        "file": file,
-        "format": seen.format,
-        "topics": parts,
-        "topic": seen.part,
-        "clock": seen.clock,
-        "next": next(file, seen),
-        "check": check(file, seen),
-        "obstacle": obstacle(file, seen).map(|e| json!({ "cause": e.cause, "hint": e.hint })),
-    });
-    if let (Some(rows), Some(fields)) = (&seen.rows, document.as_object_mut()) {
-        fields.extend(of_rows(rows));
-    }
-    document
-}
-
-fn of_rows(rows: &Rows) -> serde_json::Map<String, Value> {
-    let columns: Vec<Value> = rows
-        .columns
-        .iter()
-        .map(|c| {
-            let quantity = match c.quantity {
-                Quantity::Accelerometer => "accelerometer",
-                Quantity::Gyro => "gyro",
-                Quantity::Unknown if c.is_environment => "environment",
-                Quantity::Unknown => "unknown",
-            };
-            json!({ "name": c.name, "quantity": quantity, "unit": c.stated, "min": c.lowest, "max": c.highest,
-                    "mean": c.mean, "sd": c.deviation, "step": c.step })
-        })
-        .collect();
-    let still: Vec<Value> = rows.still.iter().map(|s| json!({ "from_s": s.from_s, "to_s": s.to_s })).collect();
-    let fields = json!({
-        "sha256": rows.sha256,
-        "rows": rows.rows,
-        "samples": rows.samples,
-        "rate_hz": rows.rate_hz,
-        "duration_s": rows.rate_hz.map(|rate_hz| rows.samples as f64 / rate_hz),
-        "dropped": rows.dropped,
-        "findings": sentences(&rows.findings),
-        "columns": columns,
-        "still": still,
-    });
-    if let Value::Object(fields) = fields { fields } else { serde_json::Map::new() }
 }

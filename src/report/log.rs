@@ -4,9 +4,11 @@
 //! Chain: the finished parts → answers → terminal, document, page. Each part is shown as its own command
 //! shows it.
 
-use std::fmt::Write as _;
+mod document;
 
-use serde_json::{Value, json};
+pub use document::{Document, document};
+
+use std::fmt::Write as _;
 
 use super::diagnosis::{self, Diagnosis, Exhibit};
 use super::html::Page;
@@ -80,23 +82,6 @@ pub fn terminal(log: &Log<'_>) -> String {
         let _ = writeln!(out, "{:<27}{note}", "the file:");
     }
     out
-}
-
-/// The public document `proofmass.report/1`; parts that were not made are null, and `not_made` says why.
-pub fn document(log: &Log<'_>) -> Value {
-    let because = [("check", log.checked.as_ref().err()), ("noise", log.noise.as_ref().err())];
-    let not_made = because.into_iter().filter_map(|(part, why)| Some(json!({ "part": part, "because": why? })));
-    json!({
-        "schema": "proofmass.report/1",
-        "file": log.file,
-        "answers": log.answers().map(|(question, answer)| json!({ "question": question, "answer": answer })),
-        "model": log.proposed,
-        "verdict": &log.diagnosis.verdict,
-        "check": log.checked.as_ref().ok().map(|checked| check::document(&[log.file.to_owned()], checked)),
-        "noise": log.noise.as_ref().ok().map(|noise| allan::document(&log.name(), noise)),
-        "inspect": inspection::document(log.file, log.seen),
-        "not_made": not_made.collect::<Vec<_>>(),
-    })
 }
 
 /// The page: answers first, then each part as its own command shows it.

@@ -13,6 +13,7 @@ use super::world::{check, data_test, near, program, test};
 pub fn tests() -> Vec<Trial> {
     vec![
         test("free body: dry friction is named in both units, and not where there is none", free_body),
+        test("free body: where nothing is missing, noise of the reading is no mismatch", free_and_noisy),
         data_test("benchmark: Bouc–Wen: hysteresis named, its numbers right, multisine and sweep predicted", boucwen),
         data_test("benchmark: EMPS: dry friction of an axis without a spring, in volts", emps),
     ]
@@ -74,6 +75,48 @@ fn free_body() -> Result<(), Failed> {
     let smooth = of(0.0, 0.0)?;
     check(is_free(&smooth) && smooth["effects"] == Value::Array(Vec::new()), format!("{}", smooth["effects"]))?;
     check(!is_free(&of(0.0, 25.0)?), "a spring is taken for none")
+}
+
+/// x″ = 0.4 u − 2 x′, in closed form: five tones of the input, position rounded to so many digits, the input itself
+/// given to so many.
+fn free(digits: usize, drag: f64) -> String {
+    let rate_hz = 500.0;
+    let tones = [(1.0, 0.9), (1.4, 2.3), (1.9, 4.7), (2.2, 9.1), (2.6, 17.3)].map(|(u, hz): (f64, f64)| (u, hz / 3.0));
+    let mut text = String::from("u,y\n");
+    let (mut x, mut v) = (0.0f64, 0.0f64);
+    let fine = 20;
+    let h = 1.0 / (rate_hz * f64::from(fine));
+    for k in 0..10_000 {
+        let input =
+            |t: f64| tones.iter().map(|(u, hz)| u * (std::f64::consts::TAU * hz * t + hz * hz).sin()).sum::<f64>();
+        let _ = writeln!(text, "{:.9},{x:.digits$}", input(f64::from(k) / rate_hz));
+        for step in 0..fine {
+            let t = f64::from(k) / rate_hz + f64::from(step) * h;
+            // Ralston's midpoint rule: errs by h² of a fiftieth of a period.
+            let rate = |t: f64, v: f64| 0.4 * input(t) - 2.0 * v - drag * v.abs() * v;
+            let middle = v + 0.5 * h * rate(t, v);
+            x += h * middle;
+            v += h * rate(t + 0.5 * h, middle);
+        }
+    }
+    text
+}
+
+fn free_and_noisy() -> Result<(), Failed> {
+    let bench = Bench::new()?;
+    let model = MODEL.replace("1000.0", "500.0");
+    for digits in [4, 5, 6] {
+        let verdict = bench.diagnose(&free(digits, 0.0), &model, &["--json"])?.json()?;
+        let findings = verdict["findings"].to_string();
+        check(findings.contains("no spring was detected"), findings)?;
+        check(verdict["verdict"] == "adequate", format!("{digits} digits: {}", verdict["sentence"]))?;
+        // Rounding errs by 1/√12 of its step: 5 % of that for what is read off above a low-pass.
+        let expected = 10f64.powi(-(digits as i32)) / 12f64.sqrt();
+        near("noise floor", number(&verdict["fit"]["noise_floor"]), expected, 0.05 * expected)?;
+    }
+    // Control: a drag that nothing of the base model has is seen.
+    let dragged = bench.diagnose(&free(5, 3.0), &model, &["--json"])?.json()?;
+    check(dragged["verdict"] != "adequate", format!("{}", dragged["sentence"]))
 }
 
 fn diagnosed(data: &Path, folder: &str, train: &str, test: &[&str], model: &str) -> Result<Value, Failed> {

@@ -24,6 +24,7 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("check: halves of logs at rest agree as often as their 95 % intervals claim, and hold the truth", halves),
         test("check: of three logs at rest the one with other noise or another bias is found, and no other", odd),
+        test("check: a channel that is constant in one log is not compared, and the others with themselves", constant),
         test("check: logs at rest give a sensor whose bias and noise differ from log to log", command),
     ]
 }
@@ -74,7 +75,7 @@ fn log(channels: &[Planted], seed: u64) -> (Recording, Static) {
 
 fn checked(channels: &[Planted], seed: u64) -> Result<Run, Failed> {
     let (recording, model) = log(channels, seed);
-    Ok(known(&recording, &model, &Control::silent())?)
+    Ok(known(&[recording], &model, &Control::silent())?.remove(0))
 }
 
 fn each<T: Send>(seeds: u64, of: impl Fn(u64) -> Result<T, Failed> + Sync) -> Result<Vec<T>, Failed> {
@@ -124,9 +125,7 @@ fn held(estimate: &Estimate) -> Vec<bool> {
 
 fn odd() -> Result<(), Failed> {
     let found = each(SETS, |seed| {
-        let estimate = |of: &[Planted], run: u64| Ok::<_, Failed>(checked(of, 100_000 + 10 * seed + run)?.estimate);
-        let runs = (0..3).map(|run| estimate(&CHANNELS, run)).collect::<Result<Vec<_>, _>>()?;
-        let alarm = Agreement::of(&runs.iter().collect::<Vec<_>>()).odd.is_some();
+        let place = (seed / 2 % 3) as usize;
         let mut changed = CHANNELS;
         // A bias that is known to its white noise, or a tenth more noise.
         if seed % 2 == 0 {
@@ -134,16 +133,43 @@ fn odd() -> Result<(), Failed> {
         } else {
             changed[1].white *= 1.1
         }
-        let place = (seed / 2 % 3) as usize;
-        let mut with = runs;
-        with[place] = estimate(&changed, 7)?;
-        let agreement = Agreement::of(&with.iter().collect::<Vec<_>>());
-        Ok((alarm, agreement.odd == Some(Odd::Run(place))))
+        let compared = |of_one: &[Planted], draw: u64| {
+            let logs = (0..3).map(|run| match run == place {
+                true => log(of_one, 100_000 + 10 * seed + draw),
+                false => log(&CHANNELS, 100_000 + 10 * seed + run as u64),
+            });
+            let (recordings, models): (Vec<Recording>, Vec<Static>) = logs.unzip();
+            let runs = known(&recordings, &models[0], &Control::silent())?;
+            Ok::<_, Failed>(Agreement::of(&runs.iter().map(|run| &run.estimate).collect::<Vec<_>>()))
+        };
+        let alarm = compared(&CHANNELS, place as u64)?.odd.is_some();
+        Ok((alarm, compared(&changed, 7)?.odd == Some(Odd::Run(place))))
     })?;
     let [alarms, right] = [found.iter().filter(|f| f.0).count() as u64, found.iter().filter(|f| f.1).count() as u64];
     // At 1 %, two of 12 have a chance of 0.6 %; at 95 %, three missed of 12 one of 2 %.
     check(alarms <= 1, format!("{alarms} of {SETS} sets without a change are said to have one"))?;
     check(right + 2 >= SETS, format!("the changed log is found in {right} of {SETS} sets"))
+}
+
+fn constant() -> Result<(), Failed> {
+    let (first, model) = log(&CHANNELS, 500);
+    let (mut second, _) = log(&CHANNELS, 501);
+    second.columns[0].values.fill(CHANNELS[0].mean);
+    let runs = known(&[first, second], &model, &Control::silent())?;
+    let of = |run: usize| &runs[run].estimate.parameters;
+    check(of(0) == of(1), format!("{:?} and {:?}", of(0), of(1)))?;
+    let agreement = Agreement::of(&[&runs[0].estimate, &runs[1].estimate]);
+    let compared: Vec<&str> = agreement
+        .lines
+        .iter()
+        .filter_map(|line| match &of(0)[line.parameter] {
+            Parameter::AtRest(at) => Some(at.channel.as_str()),
+            Parameter::Element(_) | Parameter::Named(_) => None,
+        })
+        .collect();
+    check(!compared.contains(&"c0") && compared.contains(&"c1") && compared.contains(&"c2"), format!("{compared:?}"))?;
+    // Their means lie 2 apart: one compared with the other would not agree.
+    check(agreement.joint.is_some_and(|joint| joint.agrees()), format!("{agreement:?}"))
 }
 
 fn command() -> Result<(), Failed> {

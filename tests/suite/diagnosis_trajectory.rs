@@ -22,7 +22,7 @@ use proofmass::diagnosis::answer::Answer;
 use proofmass::diagnosis::verdict::Outcome;
 
 use super::world::{check, data_test, near, test};
-use flight::{Flight, PLANTED, base, biases, effect, flown, ids, made_up, matrix, real};
+use flight::{Flight, PLANTED, base, biases, by_hand, effect, flown, ids, made_up, matrix, real};
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
@@ -33,6 +33,7 @@ pub fn tests() -> Vec<Trial> {
         data_test("trajectory: clipped readings are found with their limit", clipped),
         data_test("trajectory: exchanged axes are found", exchanged),
         data_test("trajectory: a lever arm of 5 cm is found to 5 mm", lever_arm),
+        test("trajectory: neither curved rates nor a clock that gains pass for a scale factor", scale_alone),
         test("trajectory: made-up flights without effects name none", without),
         test("trajectory: each effect planted in a made-up flight is named alone", planted),
         test(
@@ -192,6 +193,29 @@ fn planted() -> Result<(), Failed> {
     for (id, plant) in plants {
         let all = ids(&plant(&flight).diagnosed()?);
         check(all.len() == 1 && all.contains(id), format!("{id} planted: {all:?}"))?;
+    }
+    Ok(())
+}
+
+/// Rates of 2 rad/s at 0.7 Hz, a hundred readings a second: straight lines between them cut (ωh)²/12 = 1.6e-4 of
+/// every turn, and a clock that gains 3e-4 would add as much to every rate. A scale of half a per cent is known to a
+/// few parts in 10⁵.
+fn scale_alone() -> Result<(), Failed> {
+    let rate = |t: f64| [4.4, 4.1, 4.7].map(|turn| 2.0 * (turn * t + turn).sin());
+    for (gained, names) in [(0.0, vec!["scale-factor"]), (3e-4, vec!["clock-drift", "scale-factor", "time-offset"])] {
+        for seed in [1, 2] {
+            let flight = by_hand(rate, seed).with_rate(|w| w.map(|v| v * 1.005)).gaining(gained);
+            let answer = flight.diagnosed()?;
+            let named = names.iter().map(|id| (*id).to_owned()).collect();
+            check(ids(&answer) == named, format!("{gained}, seed {seed}: {:?}", ids(&answer)))?;
+            for scale in effect(&answer, "scale-factor")?.parameters.iter().filter(|p| p.name.starts_with("gyro")) {
+                let [low, high] = scale.ci95;
+                let what = format!("{gained}, seed {seed}: {} {} {:?}", scale.name, scale.value, scale.ci95);
+                // Four standard errors.
+                check((scale.value - 5000.0).abs() < 1.02 * (high - low), what)?;
+                check(high - low < 110.0, format!("{} {:?} says little", scale.name, scale.ci95))?;
+            }
+        }
     }
     Ok(())
 }

@@ -73,7 +73,17 @@ fn at_rest() -> Result<(), Failed> {
     bench.file("study.toml", STUDY)?;
     printed(&folder, "study study.toml --samples 1 log.csv --out a")?;
     printed(&folder, "study study.toml --set seed=2 --samples 1 next.csv --out a")?;
-    all_right(&folder, &["allan log.csv", "check log.csv", "check log.csv next.csv", "diagnose log.csv --trace"])
+    all_right(
+        &folder,
+        &[
+            "allan log.csv",
+            "check log.csv",
+            "check log.csv next.csv",
+            "diagnose log.csv --trace",
+            "inspect log.csv",
+            "report log.csv --out all",
+        ],
+    )
 }
 
 /// A recording with a law in it, its model and its verdict.
@@ -91,7 +101,15 @@ fn driven() -> Result<(), Failed> {
     check(wrong.is_empty(), wrong.join("\n"))?;
     bench
         .file("limits.toml", "largest_input_m_s2 = 2.0\nrate_hz = 1000.0\nlongest_s = 4.0\nvary = [\"multisine\"]\n")?;
-    all_right(&folder, &["plan why/verdict.json --limits limits.toml"])
+    bench.file("words.csv", "a,b\n1,x\n2,y\n")?;
+    all_right(
+        &folder,
+        &[
+            "plan why/verdict.json --limits limits.toml",
+            "report shaker/recording.csv --model shaker/model.toml --out all",
+            "inspect words.csv",
+        ],
+    )
 }
 
 fn control() -> Result<(), Failed> {

@@ -27,6 +27,7 @@ pub fn tests() -> Vec<Trial> {
         test("read quantity: noise and foreign physics are given no name", silent),
         test("read quantity: a narrow resonance that rings beside one line is no second mode", ringing),
         test("read quantity: a reading that is late is named, and an input that is held is not", late),
+        test("read quantity: mains pickup is named at its frequency, beside a spring too", pickup),
         test("read quantity: noise with a memory is no missing physics", remembering_noise),
         test("read quantity: several recordings are refused in a sentence", refused),
     ]
@@ -134,6 +135,37 @@ fn ringing() -> Result<(), Failed> {
         near("ω₀", resonance, 1.0, 1e-3)?;
         let interval = verdict.base.iter().find(|p| p.name == "omega0").map_or([0.0; 2], |p| p.ci95);
         check(interval[0] <= 1.0 && 1.0 <= interval[1], format!("ζ = {zeta}: ω₀ within {interval:?}"))?;
+    }
+    Ok(())
+}
+
+// A line of a twentieth of the reading, 1.25 times as fast as the resonance and on no line of the input.
+fn pickup() -> Result<(), Failed> {
+    const LINE: f64 = 1.2537;
+    let spring = |x: f64, _: f64, _: f64| -0.1 * x.powi(3);
+    let none = |_: f64, _: f64, _: f64| 0.0;
+    for output in [Output::Velocity, Output::Acceleration] {
+        for (force, names) in [
+            (&none as &dyn Fn(f64, f64, f64) -> f64, vec!["periodic-disturbance"]),
+            (&spring, vec!["cubic-stiffness", "periodic-disturbance"]),
+        ] {
+            let made = Made { zeta: 0.03, begin: 0.0, gain: 0.1, cycles: 200, noise: 0.01, force };
+            let [input, mut reading] = made.rows(output);
+            let power = (reading.iter().map(|y| y * y).sum::<f64>() / reading.len() as f64).sqrt();
+            let time = |row: usize| TAU * row as f64 / PER_CYCLE as f64;
+            reading.iter_mut().enumerate().for_each(|(row, y)| *y += 0.07 * power * (LINE * time(row)).cos());
+            let verdict = made.judged([input, reading], output)?;
+            let mut found = ids(&verdict);
+            found.sort_unstable();
+            check(found == names, format!("{output:?}: {found:?}, {}", verdict.sentence))?;
+            let line = verdict.effects.iter().find(|e| e.id == "periodic-disturbance");
+            let frequency = line.and_then(|e| e.parameters.iter().find(|p| p.name == "frequency"));
+            let frequency = frequency.ok_or_else(|| Failed::from("no frequency"))?;
+            check(
+                frequency.ci95[0] < LINE / TAU && LINE / TAU < frequency.ci95[1],
+                format!("{:?}, planted {}", frequency.ci95, LINE / TAU),
+            )?;
+        }
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use schemars::{JsonSchema, Schema, json_schema};
 use serde_json::{Value, json};
 
 use proofmass_diagnosis::verdict::Verdict;
-use proofmass_report::{allan, check, plan};
+use proofmass_report::{allan, check, inspection, log, plan};
 use proofmass_simulate::{decision, drift, strapdown};
 
 /// A document.
@@ -34,6 +34,12 @@ pub(super) enum Document {
     /// what `plan` prints, and plan.json
     #[value(name = "plan/1")]
     Plan,
+    /// what `inspect` prints
+    #[value(name = "inspect/1")]
+    Inspect,
+    /// what `report` prints, and report.json
+    #[value(name = "report/1")]
+    Report,
 }
 
 /// The schema of a document.
@@ -47,6 +53,8 @@ pub(super) fn schema(document: Document) -> Schema {
         Document::Allan => root::<allan::Document>(generator, "proofmass.allan/1"),
         Document::Check => root::<check::Document>(generator, "proofmass.check/1"),
         Document::Plan => root::<plan::Document>(generator, "proofmass.plan/1"),
+        Document::Inspect => root::<inspection::Document>(generator, "proofmass.inspect/1"),
+        Document::Report => root::<log::Document<'_>>(generator, "proofmass.report/1"),
     }
 }
 

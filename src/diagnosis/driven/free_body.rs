@@ -8,6 +8,7 @@
 
 pub mod conclusion;
 pub mod motion;
+pub mod noise;
 pub mod regression;
 pub mod selection;
 pub mod windows;

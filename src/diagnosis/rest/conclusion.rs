@@ -8,6 +8,7 @@ use super::departure::{self, Departure, Ruling};
 use super::detail::{self, ChannelDetail, Detail};
 use super::effects::{self, Basis, Found};
 use super::findings;
+use super::intake::Columns;
 use super::jump;
 use super::level::{self, Levels};
 use super::mean::Mean;
@@ -33,6 +34,7 @@ use crate::verdict::{Effect, Estimate, RecordingInfo};
 /// Holds what a conclusion is drawn from.
 pub(super) struct Material<'a> {
     pub(super) recording: &'a Recording,
+    pub(super) columns: &'a Columns<'a>,
     pub(super) model: &'a model::Static,
     pub(super) channels: &'a [Channel],
     pub(super) selected: &'a [Selection],
@@ -54,6 +56,7 @@ pub(super) fn conclude(material: Material<'_>) -> Answer {
 /// A conclusion in the making; vectors by channel, in the recording's order.
 struct Draft<'a> {
     recording: &'a Recording,
+    columns: &'a Columns<'a>,
     model: &'a model::Static,
     channels: &'a [Channel],
     selected: &'a [Selection],
@@ -73,9 +76,10 @@ struct Draft<'a> {
 
 impl<'a> Draft<'a> {
     fn of(material: Material<'a>) -> Self {
-        let Material { recording, model, channels, selected, common, findings } = material;
+        let Material { recording, columns, model, channels, selected, common, findings } = material;
         Self {
             recording,
+            columns,
             model,
             channels,
             selected,
@@ -326,7 +330,8 @@ impl<'a> Draft<'a> {
 
     fn means(&self) -> Vec<Mean> {
         let noise = self.model.noise.as_ref();
-        self.channels.iter().zip(&self.finals).map(|(c, f)| Mean::of(c, f, noise)).collect()
+        let columns = self.columns;
+        self.channels.iter().zip(&self.finals).map(|(c, f)| Mean::of(c, f, noise, columns)).collect()
     }
 
     fn answer(self) -> Answer {

@@ -11,11 +11,13 @@ use super::cause::Cause;
 use super::channel::{Addition, Channel, Fitted, Term};
 use super::course::is_course;
 use super::describe;
+use super::intake::Columns;
 use super::laws::{SLOW, minus_aic};
 use super::spectrum::Law;
 use super::standing::CLOSE;
-use super::statement::Statement;
+use super::statement::{Follows, Statement};
 use crate::model::Noise;
+use crate::numerics::moments::mean;
 use crate::numerics::special::normal_quantile;
 use crate::verdict::Estimate;
 
@@ -33,15 +35,18 @@ pub(super) struct Mean {
     pub(super) of_recording: f64,
     /// By all noise: how well the bias is known.
     pub(super) of_bias: f64,
+    /// Things that the bias follows.
+    pub(super) follows: Vec<Follows>,
 }
 
 impl Mean {
     /// Of a channel, under the laws that were fitted, or indistinguishable from them, and those
     /// that are promised: the largest variance counts.
-    pub(super) fn of(channel: &Channel, fitted: &Fitted, noise: Option<&Noise>) -> Self {
+    pub(super) fn of(channel: &Channel, fitted: &Fitted, noise: Option<&Noise>, columns: &Columns<'_>) -> Self {
         let own = Self::under(channel, fitted, noise);
         let tied = tied(channel, fitted).into_iter().map(|f| Self::under(channel, &f, noise).of_bias);
-        Self { of_bias: tied.fold(own.of_bias, f64::max), ..own }
+        let follows = fitted.terms.iter().filter_map(|term| follows(term, channel.together, columns)).collect();
+        Self { of_bias: tied.fold(own.of_bias, f64::max), follows, ..own }
     }
 
     fn under(channel: &Channel, fitted: &Fitted, noise: Option<&Noise>) -> Self {
@@ -64,6 +69,7 @@ impl Mean {
             value: channel.mean,
             of_recording,
             of_bias: of_recording + lasting * scale,
+            follows: Vec::new(),
         }
     }
 
@@ -85,8 +91,20 @@ impl Mean {
             value: self.value,
             of_recording: half_width(self.of_recording),
             of_bias: half_width(self.of_bias),
+            follows: self.follows.clone(),
         })
     }
+}
+
+/// Returns what a term makes the bias follow.
+fn follows(term: &Term, together: usize, columns: &Columns<'_>) -> Option<Follows> {
+    if is_course(term.cause) {
+        return Some(Follows::Time);
+    }
+    let followed = term.column.as_ref()?;
+    let values = columns.values(&followed.column).ok()?;
+    let acting = followed.delay.in_samples(together).of(values);
+    Some(Follows::Column { name: followed.column.clone(), mean: mean(&acting) })
 }
 
 /// Returns equally good models in which the drift is persistent: a walk looks like a long memory or

@@ -28,6 +28,20 @@ pub enum Difference {
     Sensor,
 }
 
+/// Something that a bias follows.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Follows {
+    /// A column of the environment.
+    Column {
+        /// Heading of the column.
+        name: String,
+        /// Mean of the column as it acts, after its lag or play, in its unit: θ̄.
+        mean: f64,
+    },
+    /// A ramp or warm-up.
+    Time,
+}
+
 /// A statement; the words are made in `report`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Statement {
@@ -73,6 +87,8 @@ pub enum Statement {
         of_recording: f64,
         /// Half the 95 % interval of the bias that the drift was added to.
         of_bias: f64,
+        /// Things that the bias follows: `value` is its mean over their course.
+        follows: Vec<Follows>,
     },
     /// Holds what the Earth should show of itself, next to the length of the three means.
     Reference {

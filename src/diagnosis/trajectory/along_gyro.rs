@@ -36,7 +36,7 @@ pub(super) fn along_gyro_rows(
     let twice = |changes: &[Vector3<f64>]| twice(case, &places, changes);
     let turned: Vec<Vector3<f64>> = course.attitude.iter().zip(&course.force).map(|(q, f)| q * f).collect();
     let gravity = Vector3::new(0.0, 0.0, case.gravity_m_s2);
-    let felt: Vec<Vector3<f64>> = turned.iter().map(|f| f + gravity).collect();
+    let felt: Vec<Vector3<f64>> = turned.iter().map(|f| (f + gravity) * course.pace.powi(2)).collect();
     let (way, velocity) = twice(&felt);
     let attitude: Vec<_> = (0..poses).map(|pose| course.attitude_at(log, case.stamp_s(point, pose))).collect();
     let arm = vector(point, LEVER_ARM.start);
@@ -48,15 +48,14 @@ pub(super) fn along_gyro_rows(
             let axis = Vector3::ith(p - LEVER_ARM.start, 1.0);
             return Some(attitude.iter().map(|attitude| attitude * axis).collect());
         }
-        if p == OFFSET || p == DRIFT {
-            // The pose is that of another sample: the arm has turned until then, the body moved.
-            let at = |pose: usize| {
-                let (k, u) = places[pose];
-                let rate = course.rate[k] * (1.0 - u) + course.rate[k + 1] * u;
-                let times = if p == OFFSET { 1.0 } else { motion.time_s[pose] - middle };
-                (attitude[pose] * rate.cross(&arm) - velocity[pose]) * times
-            };
-            return Some((0..poses).map(at).collect());
+        // The pose is that of another sample: the arm has turned until then, the body moved.
+        let of_another = |pose: usize, times: f64| {
+            let (k, u) = places[pose];
+            let rate = course.rate[k] * (1.0 - u) + course.rate[k + 1] * u;
+            (attitude[pose] * rate.cross(&arm) - velocity[pose]) * times
+        };
+        if p == OFFSET {
+            return Some((0..poses).map(|pose| of_another(pose, 1.0)).collect());
         }
         if taken(case, course, 0, p).is_some() {
             let changes: Vec<Vector3<f64>> = (0..log.time_s.len())
@@ -70,6 +69,11 @@ pub(super) fn along_gyro_rows(
         for (slope, (attitude, (k, u))) in all.iter_mut().zip(attitude.iter().zip(&places)) {
             let s = turns[*k] * (1.0 - u) + turns[k + 1] * *u;
             *slope -= s.cross(&(attitude * arm));
+        }
+        if p == DRIFT {
+            // Seconds that are shorter carry less far, by their square.
+            let carried = |pose: usize| of_another(pose, motion.time_s[pose] - middle) + way[pose] * 2.0;
+            all.iter_mut().enumerate().for_each(|(pose, slope)| *slope += carried(pose));
         }
         Some(all)
     };

@@ -35,15 +35,19 @@ pub(super) fn attitude_rows(case: &Case<'_>, course: &Course, point: &Point, bin
     let poses = case.motion.time_s.len();
     let places: Vec<(usize, f64)> = (0..poses).map(|pose| place(&case.log.time_s, case.stamp_s(point, pose))).collect();
     let of = |p: usize| -> Option<Vec<Vector3<f64>>> {
-        if let Some(direct) = direct(case, course, &places, p) {
-            return Some(direct);
+        let direct = direct(case, course, &places, p);
+        if integrand(case, course, 0, p).is_none() {
+            return direct;
         }
-        integrand(case, course, 0, p)?;
         let changes: Vec<Vector3<f64>> = (0..case.log.time_s.len())
             .map(|k| course.attitude[k] * integrand(case, course, k, p).unwrap_or_default())
             .collect();
         let all = cumulative(&case.log.time_s, &changes, case.rule);
-        Some(places.iter().map(|at| between(&case.log.time_s, &all, &changes, *at)).collect())
+        let integral = places.iter().map(|at| between(&case.log.time_s, &all, &changes, *at));
+        Some(match direct {
+            Some(direct) => integral.zip(direct).map(|(integral, direct)| integral + direct).collect(),
+            None => integral.collect(),
+        })
     };
     let slopes = parallel::map_indices(PARAMETERS, of);
     rows(&case.left_out_s(point), bins, ATTITUDE, &residual, &slopes)
@@ -67,6 +71,10 @@ pub(super) fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize) ->
     if G_SENSITIVITY.contains(&p) {
         let n = p - G_SENSITIVITY.start;
         return Some(unit(n / 3, f[n % 3]));
+    }
+    if p == DRIFT {
+        // Seconds that are shorter turn less.
+        return Some(w);
     }
     if p == LOWPASS {
         // At a given total lag, which is another parameter: v(t − τ) = y − ½ τ² d²y/dt².

@@ -140,7 +140,7 @@ pub(super) fn g_sensitivity(point: &Point) -> Matrix3<f64> {
 /// Holds what the sensors felt, and the attitude that their gyro leads to.
 #[derive(Debug, Clone)]
 pub(super) struct Course {
-    /// Rate in the IMU's axes, rad/s.
+    /// Rate in the IMU's axes, rad per second of its own clock.
     pub rate: Vec<Vector3<f64>>,
     /// Specific force in the IMU's axes, m/s².
     pub force: Vec<Vector3<f64>>,
@@ -148,6 +148,8 @@ pub(super) struct Course {
     pub attitude: Vec<UnitQuaternion<f64>>,
     /// (I + S)⁻¹ of the gyro.
     pub gyro: Matrix3<f64>,
+    /// Seconds of the reference, which are true ones, in one of the IMU's clock.
+    pub pace: f64,
 }
 
 impl Course {
@@ -161,6 +163,7 @@ impl Course {
             Vector3::from_fn(|i, _| (0..COSINES).map(|n| point[start + COSINES * i + n] * cosines[n]).sum::<f64>())
         };
         let (log, lowpass_s) = (case.log, lowpass_s(point));
+        let pace = 1.0 / (1.0 + point[DRIFT]);
         // Straight lines cut the peaks of a smooth curve: each integral loses a twelfth of the
         // second derivative times the square of the interval. What was filtered is smooth; what was
         // not may vibrate.
@@ -184,10 +187,10 @@ impl Course {
                     - vector(point, GYRO_BIAS.start)
                     - wander(GYRO_WANDER.start, log.time_s[n])
                     - k * f);
-            rate.push(w);
+            rate.push(w * pace);
             force.push(f);
         }
-        let mut course = Self { attitude: reckoned(log, &rate, case.rule), rate, force, gyro };
+        let mut course = Self { attitude: reckoned(log, &rate, case.rule), rate, force, gyro, pace };
         match case.anchor {
             Anchor::Reference => course.through_reference(case, point),
             Anchor::Found { sample, attitude, .. } => {

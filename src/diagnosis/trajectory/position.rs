@@ -22,8 +22,11 @@ pub(super) fn position_rows(case: &Case<'_>, course: &Course, point: &Point, bin
     let places = places(case, point);
     let twice = |changes: &[Vector3<f64>]| twice(case, &places, changes);
     let gravity = Vector3::new(point[TILT.start], point[TILT.start + 1], case.gravity_m_s2);
-    let felt: Vec<Vector3<f64>> =
-        attitude.iter().zip(&course.force).map(|(attitude, force)| attitude * force + gravity).collect();
+    let felt: Vec<Vector3<f64>> = attitude
+        .iter()
+        .zip(&course.force)
+        .map(|(attitude, force)| (attitude * force + gravity) * course.pace.powi(2))
+        .collect();
     let (way, velocity) = twice(&felt);
     let arm = vector(point, LEVER_ARM.start);
     let residual: Vec<Vector3<f64>> = (0..places.len())
@@ -49,6 +52,10 @@ pub(super) fn position_rows(case: &Case<'_>, course: &Course, point: &Point, bin
                 let times = if p == OFFSET { 1.0 } else { case.motion.time_s[pose] - middle };
                 *way -= velocity[pose] * times;
             }
+        }
+        if p == DRIFT {
+            // Seconds that are shorter carry less far, by their square.
+            all.iter_mut().zip(&way).for_each(|(slope, way)| *slope += way * 2.0);
         }
         Some(all)
     };

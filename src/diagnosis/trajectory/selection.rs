@@ -2,10 +2,10 @@
 //! needed any more.
 
 use super::blocks::Linear;
-use super::candidate::{MISALIGNMENT, MOUNTING, Term};
+use super::candidate::{LOWPASS, MISALIGNMENT, MOUNTING, TIME_OFFSET, Term};
 use super::judgement::{Question, Standing, judge};
 use super::log::Halves;
-use super::parameters::{FORCE_BIAS, FORCE_MATRIX, GYRO_BIAS, TILT};
+use super::parameters::{self, FORCE_BIAS, FORCE_MATRIX, GYRO_BIAS, OFFSET, TILT};
 use crate::control::{Control, Stopped};
 use crate::numerics::order;
 
@@ -166,6 +166,20 @@ impl Search<'_> {
             let rival = self.added(&without, t);
             rival.plausible && rival.fall > standing.fall - TIED
         };
-        self.rest(&without).into_iter().filter(|t| *t != standing.term && fits(t)).collect()
+        let of_lag = self.lowpass_instead(named).filter(|_| standing.term.id() == TIME_OFFSET.id);
+        self.rest(&without).into_iter().filter(|t| *t != standing.term && fits(t)).chain(of_lag).collect()
+    }
+
+    /// The low-pass, where one whose lag is the whole offset of the clocks is no worse than none: both have one
+    /// parameter.
+    fn lowpass_instead(&self, named: &[&'static Term]) -> Option<&'static Term> {
+        let term = self.rest(named).into_iter().find(|t| t.id() == LOWPASS.id)?;
+        let active = with(&with(self.base, named.iter().copied()), [term]);
+        let solved = self.linear.solve(&active, |_| true);
+        let place = active.iter().position(|p| *p == parameters::LOWPASS)?;
+        let (square, variance) = (solved.point[parameters::LOWPASS], solved.covariance[(place, place)]);
+        let lag_s = solved.point[OFFSET];
+        let as_lowpass = (square - lag_s * lag_s).powi(2) / variance;
+        (lag_s > 0.0 && as_lowpass < square * square / variance + TIED).then_some(term)
     }
 }

@@ -70,7 +70,14 @@ fn alone() -> Result<(), Failed> {
         for tau_s in [0.01, 0.02, 0.04] {
             let answer = lowpassed(&made_up(seed)?, tau_s).diagnosed()?;
             let what = format!("seed {seed}, {tau_s} s: {:?}, {:?}", ids(&answer), answer.outcome);
-            check(ids(&answer).len() == 1 && answer.outcome == Outcome::Explained, what)?;
+            check(ids(&answer).len() == 1, &what)?;
+            // Twice the time between readings may be too short to be told from a clock.
+            if tau_s < 3.0 * STEP_S && answer.outcome == Outcome::Undecidable {
+                let lag = effect(&answer, "time-offset")?;
+                check(lag.confusable_with == ["readout-lowpass"], format!("{what}: {:?}", lag.confusable_with))?;
+                continue;
+            }
+            check(answer.outcome == Outcome::Explained, &what)?;
             holds(&answer, "readout-lowpass", with_lines(tau_s), 1e-3)?;
             let clock = base(&answer, "time_offset")?;
             check(clock.ci95[0] < 0.0 && 0.0 < clock.ci95[1], format!("the clock: {:?}", clock.ci95))?;

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use crate::answer::{self, Answer, Places};
 use crate::candidate::Kind;
-use crate::detection::structure;
+use crate::detection::{Predictability, structure};
 use crate::driven::intake::data::Data;
 use crate::driven::intake::notes::Notes;
 use crate::driven::intake::several::Piece;
@@ -15,7 +15,7 @@ use crate::driven::verdict::detail::{Account, Detail, Shown};
 use crate::driven::verdict::effects::{Channels, unit, unit_of};
 use crate::driven::verdict::residual_tests::WHITE;
 use crate::number::short;
-use crate::numerics::moments::{mean_sd, rms};
+use crate::numerics::moments::rms;
 use crate::physics::coulomb_friction::Sides;
 use crate::remainder::{Remainder, Size, Test};
 use crate::ruling::{self, rule};
@@ -23,6 +23,7 @@ use crate::standing::{Gain, Note, Ranked};
 use crate::verdict::{Effect, Estimate, Evidence, Fit, RecordingInfo, RecordingScore, Score};
 
 use super::motion::{MotionAndForce, Part};
+use super::noise;
 use super::regression::Regression;
 use super::selection::{Law, Selection, last, search};
 use super::windows;
@@ -31,7 +32,7 @@ use super::windows;
 /// missing.
 const FAINT: f64 = 0.05;
 /// Every twelfth sample is examined for structure: at that spacing the low-pass of the force leaves
-/// white noise white.
+/// white noise of the force white.
 const EVERY: usize = 12;
 /// Own past that is looked at, in those samples.
 const LAGS: usize = 12;
@@ -79,8 +80,8 @@ impl Models<'_> {
         };
         let [before, after] = [&self.base, &self.model].map(|m| windows::errors(self.data, pieces, self.motion, m));
         let [held_before, held_after] = [&self.base, &self.model].map(|m| m.held_out(self.motion, &self.data.test));
-        let (r_squared, p_value) = self.predictable(fitted);
-        let test = Test { p_value, size: Size::of(r_squared, WHITE, FAINT) };
+        let left = self.predictable(fitted);
+        let test = Test { p_value: left.p_value, size: Size::of(left.r_squared, WHITE, FAINT) };
         let remainder = Remainder::of([test]);
         let named = !self.selection.chosen.is_empty();
         let window_ratio = ratio(&before, &after, &self.data.test);
@@ -116,9 +117,9 @@ impl Models<'_> {
                 doubts: notes.doubts,
                 broken: notes.broken,
                 has_input: true,
-                predictable: r_squared,
-                is_structured: r_squared >= WHITE,
-                detectable_r_squared: 1.0,
+                predictable: left.r_squared,
+                is_structured: left.r_squared >= WHITE,
+                detectable_r_squared: left.detectable_r_squared,
                 ..Account::default()
             },
             ..Detail::default()
@@ -141,12 +142,14 @@ impl Models<'_> {
     }
 
     /// Returns the fraction of the variance of the force's residual that its past, the motion and
-    /// the input predict, and the probability of as much by chance.
-    fn predictable(&self, fitted: &[Range<usize>]) -> (f64, f64) {
+    /// the square of the input predict beyond what noise of the reading does, with the probability of as much by
+    /// chance.
+    fn predictable(&self, fitted: &[Range<usize>]) -> Predictability {
         let rows: Vec<usize> = self.motion.counted(fitted).into_iter().flatten().step_by(EVERY).collect();
         let residual: Vec<f64> = rows.iter().map(|k| self.model.residual(self.motion, *k)).collect();
         let of = |f: &dyn Fn(usize) -> f64| rows.iter().map(|k| f(*k)).collect::<Vec<f64>>();
         let (x, v) = (&self.motion.x, &self.motion.v);
+        // Not force and acceleration: with the velocity they make up the residual itself.
         let regressors = [
             of(&|k| v[k]),
             of(&|k| v[k].signum()),
@@ -155,11 +158,14 @@ impl Models<'_> {
             of(&|k| v[k].powi(3)),
             of(&|k| x[k]),
             of(&|k| x[k] * x[k]),
-            of(&|k| self.motion.force[k]),
-            of(&|k| self.motion.part(Part::Acceleration)[k]),
+            of(&|k| self.motion.part(Part::SquaredInput)[k]),
         ];
         let found = structure(&residual, LAGS, &regressors);
-        (found.r_squared, found.p_value)
+        let beyond = found.r_squared - noise::predictable(self.data, self.motion, &self.model, (EVERY, LAGS));
+        match beyond > 0.0 {
+            true => Predictability { r_squared: beyond, ..found },
+            false => Predictability { r_squared: 0.0, p_value: 1.0, ..found },
+        }
     }
 
     /// One named law with its parameters, those that are forces also in the unit of the input.
@@ -265,10 +271,9 @@ impl Models<'_> {
                 force_error_after: named.then(|| force(&self.model)),
             }
         };
-        let noise = self.data.reading.iter().zip(&self.motion.x).map(|(y, x)| y - x);
         Fit {
             unit: unit.to_owned(),
-            noise_floor: mean_sd(&noise.collect::<Vec<f64>>()).1,
+            noise_floor: noise::of_reading(self.data, self.motion),
             train: score(fitted, None),
             test: score(&self.data.test, named.then(|| ratio_interval(held_before, held_after))),
             test_ranges: Vec::new(),

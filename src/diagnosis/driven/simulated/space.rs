@@ -30,12 +30,10 @@ pub(in crate::driven) struct Member {
 /// not, is tried against.
 pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &Scales) -> Vec<Member> {
     // Of a decay the start of each segment is free, so that what is linear next to the mass does
-    // not show: a low-pass changes size and phase of the motion and nothing else. Under an input,
-    // what has lines of its own is noise, and is named last.
+    // not show: a low-pass changes size and phase of the motion and nothing else.
     let shows = |t: &Term| {
         let is_hidden = match t {
             Term::ReadoutSaturation(_) => !is_driven,
-            Term::PeriodicDisturbance(_) => is_driven,
             _ => matches!(t.role(), Role::Filter(_)) && !is_driven,
         };
         let is_shape = matches!(t, Term::ShapedFriction(_));

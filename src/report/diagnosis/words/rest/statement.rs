@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use proofmass_base::number::{duration, short, significant, with_uncertainty};
-use proofmass_diagnosis::rest::statement::{Difference, Earth, Filter, Statement};
+use proofmass_diagnosis::rest::statement::{Difference, Earth, Filter, Follows, Statement};
 
 use crate::grouped::{Said, grouped};
 
@@ -67,12 +67,28 @@ fn statement(statement: &Statement, unit: &str) -> String {
                 short(*deviations)
             )
         }
-        Statement::Mean { channel, value, of_recording, of_bias } => format!(
-            "`{channel}`: mean {} {unit}; the bias drifts, which does not average out: at the first sample it is {} {unit}",
+        Statement::Mean { channel, value, of_recording, of_bias, follows } => format!(
+            "`{channel}`: mean {} {unit}; the bias drifts, which does not average out: {} {} {unit}",
             with_uncertainty(*value, *of_recording),
+            taken(follows),
             with_uncertainty(*value, *of_bias)
         ),
         _ => reference(statement, unit),
+    }
+}
+
+/// Place or course at which the bias is stated.
+fn taken(follows: &[Follows]) -> String {
+    let each: Vec<String> = follows
+        .iter()
+        .map(|of| match of {
+            Follows::Column { name, mean } => format!("`{name}` (mean {})", short(*mean)),
+            Follows::Time => "time".to_owned(),
+        })
+        .collect();
+    match each.is_empty() {
+        true => "at the first sample it is".to_owned(),
+        false => format!("its mean over the course of {} is", each.join(" and of ")),
     }
 }
 
