@@ -32,7 +32,7 @@ pub struct Document {
     check: Option<String>,
     /// The reason why nothing can be run yet.
     obstacle: Option<Obstacle>,
-    /// What its rows hold; these fields are absent where no part was read.
+    /// Contents of its rows; these fields are absent where no part was read.
     #[serde(flatten)]
     rows: Option<Read>,
 }
