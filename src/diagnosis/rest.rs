@@ -189,6 +189,11 @@ pub fn known(recordings: &[Recording], model: &model::Static, control: &Control)
             let unit = stated_units::of(recording, name, model);
             channels.push(known::Readings { name: (*name).clone(), unit, values });
         }
+        if !model.columns.environment.is_empty() {
+            let columns = model.columns.environment.join("`, `");
+            findings
+                .push(format!("what follows `{columns}` is part of these numbers: `proofmass diagnose` takes it out"));
+        }
         if !left_out.is_empty() {
             findings.push(format!("knocks and single bad readings were left out: {}", left_out.join(", ")));
         }

@@ -14,6 +14,10 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("free body: dry friction is named in both units, and not where there is none", free_body),
         test("free body: where nothing is missing, noise of the reading is no mismatch", free_and_noisy),
+        test(
+            "free body: an axis that stands between its moves shows its friction, and nothing else",
+            from_point_to_point,
+        ),
         data_test("benchmark: Bouc–Wen: hysteresis named, its numbers right, multisine and sweep predicted", boucwen),
         data_test("benchmark: EMPS: dry friction of an axis without a spring, in volts", emps),
     ]
@@ -75,6 +79,53 @@ fn free_body() -> Result<(), Failed> {
     let smooth = of(0.0, 0.0)?;
     check(is_free(&smooth) && smooth["effects"] == Value::Array(Vec::new()), format!("{}", smooth["effects"]))?;
     check(!is_free(&of(0.0, 25.0)?), "a spring is taken for none")
+}
+
+/// x″ = 0.4 u − 2 x′ − 0.2 sgn x′: a loop leads it from point to point, where it stands, held by its friction, without turning back. Moves of
+/// many lengths and speeds; position rounded to 1 µm.
+fn points() -> String {
+    let (rate_hz, fine) = (500.0, 40);
+    let (mut x, mut v, mut text) = (0.0f64, 0.0f64, String::from("u,y\n"));
+    let (mut from, mut to, mut begun, mut lasts) = (0.0f64, 0.0f64, 0.0f64, 0.5f64);
+    let mut seed = 1u32;
+    let mut drawn = move || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(seed >> 8) / f64::from(1u32 << 24)
+    };
+    for k in 0..15_000 {
+        for step in 0..fine {
+            let t = (f64::from(k) + f64::from(step) / f64::from(fine)) / rate_hz;
+            if t > begun + lasts + 0.4 {
+                (from, begun, lasts) = (to, t, 0.4 + 0.5 * drawn());
+                to = 0.4 * drawn() - 0.2;
+            }
+            // 3s² − 2s³: at rest at both ends.
+            let s = ((t - begun) / lasts).clamp(0.0, 1.0);
+            let target = from + (to - from) * s * s * (3.0 - 2.0 * s);
+            let speed = (to - from) * 6.0 * s * (1.0 - s) / lasts;
+            let u = 400.0 * (target - x) + 80.0 * (speed - v);
+            if step == 0 {
+                let _ = writeln!(text, "{u:.9},{x:.6}");
+            }
+            let h = 1.0 / (rate_hz * f64::from(fine));
+            let push = 0.4 * u - 2.0 * v;
+            let next = v + h * (push - 0.2 * if v == 0.0 { push.signum() } else { v.signum() });
+            let end = if v * next < 0.0 || (v == 0.0 && push.abs() <= 0.2) { 0.0 } else { next };
+            x += 0.5 * h * (v + end);
+            v = end;
+        }
+    }
+    text
+}
+
+fn from_point_to_point() -> Result<(), Failed> {
+    let bench = Bench::new()?;
+    let verdict = bench.diagnose(&points(), &MODEL.replace("1000.0", "500.0"), &["--json"])?.json()?;
+    check(verdict["verdict"] == "explained", format!("{}", verdict["sentence"]))?;
+    let names: Vec<&Value> = verdict["effects"].as_array().into_iter().flatten().map(|e| &e["id"]).collect();
+    check(names == ["coulomb-friction"], format!("{names:?}"))?;
+    // 1 %: where it starts and stops within the low-pass, its direction is known to a sample.
+    near("f_c", parameter(&verdict, "coulomb-friction", "f_c")?, 0.2, 0.002)
 }
 
 /// x″ = 0.4 u − 2 x′, in closed form: five tones of the input, position rounded to so many digits, the input itself

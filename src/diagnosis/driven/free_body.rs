@@ -7,6 +7,7 @@
 //! that swing: those are simulated (`simulation`).
 
 pub mod conclusion;
+mod low_pass;
 pub mod motion;
 pub mod noise;
 pub mod regression;

@@ -4,16 +4,11 @@
 
 use std::ops::Range;
 
+use super::low_pass::{FORCE, POSITION, least_speed, slope};
 use crate::driven::intake::data::Data;
 use crate::driven::intake::several::Piece;
 use crate::numerics::butterworth::zero_phase;
 
-/// Corner of the low-pass that the position goes through before it is differentiated, over the
-/// sampling rate.
-pub(super) const POSITION: f64 = 0.1;
-/// Corner of the low-pass that both sides of the equation of motion go through, over the sampling
-/// rate.
-pub(super) const FORCE: f64 = 0.04;
 /// Samples left out at either end of a recording, where a motion that begins at once is still in the low-passes: an
 /// e⁻¹⁹ of it after so many; at most a twentieth of the recording, and at least so few.
 const CUT: usize = 200;
@@ -101,7 +96,11 @@ impl MotionAndForce {
             all.v[range.clone()].copy_from_slice(&v);
             let cut = CUT.min(range.len() / 20).max(LEAST_CUT);
             if range.len() > 2 * cut {
-                all.counting.push(range.start + cut..range.end - cut);
+                let still = standing(&v, least_speed(&data.reading[range.clone()], &x, data.rate_hz));
+                all.counting.extend(
+                    between(cut..range.len() - cut, &still)
+                        .map(|moving| range.start + moving.start..range.start + moving.end),
+                );
             }
         }
         Some(all)
@@ -120,44 +119,32 @@ impl MotionAndForce {
     }
 }
 
-/// Weights of the differences over one, two and three samples to either side: exact to the sixth order (Fornberg, Math.
-/// Comp. 51, 1988). Of the second one, 1 − (ωT)²/6 of the slope would be left.
-const WIDE: [f64; 3] = [0.75, -0.15, 1.0 / 60.0];
-
-/// Central differences; near either end shorter ones, and at it those of a parabola through the last three
-/// values.
-pub(super) fn slope(values: &[f64], rate_hz: f64) -> Vec<f64> {
-    let (mut out, n) = (vec![0.0; values.len()], values.len());
-    for k in 1..n.saturating_sub(1) {
-        let of = |reach: usize| rate_hz * (values[k + reach] - values[k - reach]);
-        out[k] = match k >= WIDE.len() && k + WIDE.len() < n {
-            true => WIDE.iter().zip(1..).map(|(weight, reach)| weight * of(reach)).sum(),
-            false => 0.5 * of(1),
-        };
-    }
-    if let [a, b, c, ..] = values {
-        out[0] = 0.5 * rate_hz * (4.0 * b - 3.0 * a - c);
-    }
-    if let ([.., c, b, a], Some(last)) = (values, out.last_mut()) {
-        *last = 0.5 * rate_hz * (3.0 * a - 4.0 * b + c);
+/// Stretches in which it stands for longer than the low-pass of the force remembers, with twice as much to either side: dry
+/// friction takes what it must there, and says nothing of its size.
+fn standing(v: &[f64], least: f64) -> Vec<Range<usize>> {
+    let memory = (1.0 / FORCE) as usize;
+    let mut out: Vec<Range<usize>> = Vec::new();
+    let mut from = None;
+    for k in 0..=v.len() {
+        match (v.get(k).is_some_and(|v| v.abs() < least), from) {
+            (true, None) => from = Some(k),
+            (false, Some(begun)) => {
+                if k - begun > memory {
+                    out.push(begun.saturating_sub(2 * memory)..(k + 2 * memory).min(v.len()));
+                }
+                from = None;
+            }
+            _ => {}
+        }
     }
     out
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    // Differences of this order are exact on a parabola: of 3 + 2t − t², 2 − 2t.
-    #[test]
-    fn a_parabola_has_its_slope_everywhere() {
-        let t = |k: usize| k as f64 / 50.0;
-        let values: Vec<f64> = (0..40).map(|k| 3.0 + 2.0 * t(k) - t(k) * t(k)).collect();
-        assert!(slope(&values, 50.0).iter().enumerate().all(|(k, s)| (s - (2.0 - 2.0 * t(k))).abs() < 1e-9));
-        // A sine of 25 samples a turn, as fast as the force's low-pass lets pass, keeps its slope to (ωT)⁶/140.
-        let turn = std::f64::consts::TAU / 25.0;
-        let sine: Vec<f64> = (0..100).map(|k| (turn * k as f64).sin()).collect();
-        let off = (slope(&sine, 1.0)[50] - turn * (turn * 50.0).cos()).abs() / turn;
-        assert!(off < turn.powi(6) / 100.0, "{off}");
-    }
+/// Parts of a range that lie in none of these, which are in order.
+fn between(range: Range<usize>, without: &[Range<usize>]) -> impl Iterator<Item = Range<usize>> {
+    let ends = without.iter().map(|w| w.start).chain([range.end]);
+    let starts = [range.start].into_iter().chain(without.iter().map(|w| w.end));
+    let parts: Vec<Range<usize>> =
+        starts.zip(ends).map(|(start, end)| start.max(range.start)..end.min(range.end)).collect();
+    parts.into_iter().filter(|part| part.start < part.end)
 }

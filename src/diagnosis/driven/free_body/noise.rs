@@ -3,45 +3,21 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::motion::{FORCE, MotionAndForce, POSITION, Part, slope};
+use super::low_pass::{Impulse, power};
+use super::motion::{MotionAndForce, Part};
 use super::regression::Regression;
 use crate::driven::intake::data::Data;
-use crate::numerics::butterworth::zero_phase;
 use crate::numerics::moments::mean_sd;
 
 /// Variance of a residual over that of the reading's noise in it up to which it is taken for nothing else: noise is
 /// measured above the low-pass of the position, and is not white where it comes of rounding.
 const SLACK: f64 = 1.25;
-/// Samples of an impulse response: many times the length of the low-passes.
-const LENGTH: usize = 1024;
-
-/// Traces of one reading that is off by one: in the reading less the position, and in the
-/// position and its derivatives as the force is compared.
-struct Impulse {
-    above: Vec<f64>,
-    velocity: Vec<f64>,
-    acceleration: Vec<f64>,
-}
-
-impl Impulse {
-    fn of(rate_hz: f64) -> Self {
-        let mut reading = vec![0.0; LENGTH];
-        reading[LENGTH / 2] = 1.0;
-        let x = zero_phase(&reading, POSITION * rate_hz, rate_hz);
-        let v = slope(&x, rate_hz);
-        let a = slope(&v, rate_hz);
-        let smooth = |values: &[f64]| zero_phase(values, FORCE * rate_hz, rate_hz);
-        let above = reading.iter().zip(&x).map(|(y, x)| y - x).collect();
-        Self { above, velocity: smooth(&v), acceleration: smooth(&a) }
-    }
-}
 
 /// Standard deviation of white noise of the reading, from what lies above the low-pass of the position.
 pub fn of_reading(data: &Data, motion: &MotionAndForce) -> f64 {
     let counted = motion.counting.iter().cloned().flatten();
     let above: Vec<f64> = counted.map(|k| data.reading[k] - motion.x[k]).collect();
-    let passed: f64 = Impulse::of(data.rate_hz).above.iter().map(|h| h * h).sum();
-    mean_sd(&above).1 / passed.sqrt()
+    mean_sd(&above).1 / power(&Impulse::of(data.rate_hz).above).sqrt()
 }
 
 /// Fraction of the variance of a residual of the force that its own past, every so many samples, predicts where it
