@@ -81,8 +81,8 @@ fn free_body() -> Result<(), Failed> {
     check(!is_free(&of(0.0, 25.0)?), "a spring is taken for none")
 }
 
-/// x″ = 0.4 u − 2 x′ − 0.2 sgn x′: a loop leads it from point to point, where it stands, held by its friction, without turning back. Moves of
-/// many lengths and speeds; position rounded to 1 µm.
+/// x″ = 0.4 u − 2 x′ − 0.2 sgn x′: a control loop moves it from point to point without overshoot; between moves friction
+/// holds it. Moves differ in length and speed; the position is rounded to 1 µm.
 fn points() -> String {
     let (rate_hz, fine) = (500.0, 40);
     let (mut x, mut v, mut text) = (0.0f64, 0.0f64, String::from("u,y\n"));
@@ -124,12 +124,12 @@ fn from_point_to_point() -> Result<(), Failed> {
     check(verdict["verdict"] == "explained", format!("{}", verdict["sentence"]))?;
     let names: Vec<&Value> = verdict["effects"].as_array().into_iter().flatten().map(|e| &e["id"]).collect();
     check(names == ["coulomb-friction"], format!("{names:?}"))?;
-    // 1 %: where it starts and stops within the low-pass, its direction is known to a sample.
+    // Moves last 200 samples or more, and at either end the direction is known to one: 1 %.
     near("f_c", parameter(&verdict, "coulomb-friction", "f_c")?, 0.2, 0.002)
 }
 
-/// x″ = 0.4 u − 2 x′, in closed form: five tones of the input, position rounded to so many digits, the input itself
-/// given to so many.
+/// x″ = 0.4 u − 2 x′ − `drag` |x′|x′ under five tones, by the midpoint rule in steps of 0.1 ms; the position is rounded
+/// to `digits` decimals.
 fn free(digits: usize, drag: f64) -> String {
     let rate_hz = 500.0;
     let tones = [(1.0, 0.9), (1.4, 2.3), (1.9, 4.7), (2.2, 9.1), (2.6, 17.3)].map(|(u, hz): (f64, f64)| (u, hz / 3.0));
@@ -143,7 +143,6 @@ fn free(digits: usize, drag: f64) -> String {
         let _ = writeln!(text, "{:.9},{x:.digits$}", input(f64::from(k) / rate_hz));
         for step in 0..fine {
             let t = f64::from(k) / rate_hz + f64::from(step) * h;
-            // Ralston's midpoint rule: errs by h² of a fiftieth of a period.
             let rate = |t: f64, v: f64| 0.4 * input(t) - 2.0 * v - drag * v.abs() * v;
             let middle = v + 0.5 * h * rate(t, v);
             x += h * middle;
@@ -161,7 +160,8 @@ fn free_and_noisy() -> Result<(), Failed> {
         let findings = verdict["findings"].to_string();
         check(findings.contains("no spring was detected"), findings)?;
         check(verdict["verdict"] == "adequate", format!("{digits} digits: {}", verdict["sentence"]))?;
-        // Rounding errs by 1/√12 of its step: 5 % of that for what is read off above a low-pass.
+        // Rounding errs by 1/√12 of its step. Chance is 1/√(2n), below 1 % for these rows; the rest is for rounding of a
+        // slow motion, which is not quite white.
         let expected = 10f64.powi(-(digits as i32)) / 12f64.sqrt();
         near("noise floor", number(&verdict["fit"]["noise_floor"]), expected, 0.05 * expected)?;
     }

@@ -140,7 +140,7 @@ pub(super) fn g_sensitivity(point: &Point) -> Matrix3<f64> {
 /// Holds what the sensors felt, and the attitude that their gyro leads to.
 #[derive(Debug, Clone)]
 pub(super) struct Course {
-    /// Rate in the IMU's axes, rad per second of its own clock.
+    /// Rate in the IMU's axes, in rad per second of the IMU's clock.
     pub rate: Vec<Vector3<f64>>,
     /// Specific force in the IMU's axes, m/s².
     pub force: Vec<Vector3<f64>>,

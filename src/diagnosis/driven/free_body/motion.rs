@@ -9,9 +9,10 @@ use crate::driven::intake::data::Data;
 use crate::driven::intake::several::Piece;
 use crate::numerics::butterworth::zero_phase;
 
-/// Samples left out at either end of a recording, where a motion that begins at once is still in the low-passes: an
-/// e⁻¹⁹ of it after so many; at most a twentieth of the recording, and at least so few.
+/// Samples left out at either end of a recording, where the low-passes still ring from a motion that began abruptly:
+/// eight periods of the force's corner, after which e⁻¹⁹ of it is left. A short recording loses a twentieth at either end.
 const CUT: usize = 200;
+/// Fewest samples left out at either end.
 const LEAST_CUT: usize = 50;
 
 /// One part of the force that a body takes, as a function of its motion and of the input.

@@ -52,7 +52,7 @@ impl Simulated {
         let variance = noise.deviation.max(1e-6 * scales.output).powi(2);
         let rows = under_input::rows(data, TAU / (base.point[OMEGA] * data.interval_s()), None);
         let mut members = space::members(data.environments, data.input.is_some(), scales);
-        // Its lines are noise, and are named last.
+        // Under an input a line is part of the noise, which is named after the search.
         members.retain(|m| data.input.is_none() || !matches!(m.term, Term::PeriodicDisturbance(_)));
         for term in further {
             if members.iter().all(|m| m.term != *term) {
