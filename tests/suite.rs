@@ -55,6 +55,7 @@ mod suite {
     pub mod limits;
     pub mod long_decays;
     pub mod mistakes;
+    pub mod modes;
     pub mod motion;
     pub mod motion_keys;
     pub mod near_laws;
@@ -310,6 +311,7 @@ fn main() {
         // creeping_friction: dry friction that is smooth about standstill.
         suite::creeping_friction::tests(),
         suite::dense_decays::tests(),
+        suite::modes::tests(),
         suite::long_decays::tests(),
         // held_chaos: chaotic motion under an input that is held between its samples.
         suite::held_chaos::tests(),

@@ -143,7 +143,7 @@ library! {
     // What a diagnosis names as a form of another law.
     in studies CreepingFriction in creeping_friction, OneSidedStop in one_sided_stop, WarmStiffness in warm_stiffness;
     // With loops of their own: shapes of a law, and what is fitted like one and never named.
-    beside FreeForm in free_form, ShapedFriction in shaped_friction
+    beside FreeForm in free_form, PumpedStiffness in pumped_stiffness, RingingMode in ringing_mode, ShapedFriction in shaped_friction
 }
 
 impl Term {

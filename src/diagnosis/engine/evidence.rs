@@ -15,6 +15,8 @@ pub(crate) struct Gain {
     /// differ by Δ differ in their sums of squares by 2 σ √ΣΔ² from chance alone (Vuong,
     /// Econometrica 57, 1989).
     pub apart: f64,
+    /// The same if all that the larger model leaves is white noise.
+    pub apart_at_most: f64,
     /// Part of the excess error of the model without, that over the noise.
     pub share: f64,
     /// States whether enough blocks differ for their scatter to say anything.
@@ -29,6 +31,12 @@ impl Gain {
     pub(crate) fn holds(&self) -> bool {
         let errors = if self.is_white { self.errors.max(self.apart) } else { self.errors };
         errors >= NAME && self.share >= LEAST_SHARE
+    }
+
+    /// Returns whether further laws may follow those that the larger model adds: they hold, or few blocks show
+    /// them, as a motion that dies away early, and they hold if all that is left now is noise.
+    pub(crate) fn may_hold(&self) -> bool {
+        self.holds() || (!self.is_known && self.apart_at_most >= NAME && self.share >= LEAST_SHARE)
     }
 
     /// Returns whether chance accounts for the difference: the smaller model is as good. White
@@ -71,10 +79,11 @@ pub(crate) fn gain(layout: &Layout, without: &Fitted, with: &Fitted, noise: f64)
     let excess = without.error - noise * layout.rows() as f64;
     // What is removed of a model that is at the noise is all that there was.
     let share = if removed > 0.0 { (removed / excess.max(removed)).min(1.0) } else { removed / excess.max(-removed) };
-    let apart = removed / (2.0 * (noise * size).sqrt()).max(1e-300);
+    let apart_in = |variance: f64| removed / (2.0 * (variance * size).sqrt()).max(1e-300);
+    let (apart, apart_at_most) = (apart_in(noise), apart_in(with.variance.max(noise)));
     let share = if share.is_finite() { share } else { 0.0 };
     let is_white = with.variance < (1.0 + AT_NOISE) * noise;
-    Gain { removed, errors, apart, share, is_known: few.is_finite(), is_white }
+    Gain { removed, errors, apart, apart_at_most, share, is_known: few.is_finite(), is_white }
 }
 
 #[cfg(test)]

@@ -64,6 +64,10 @@ pub(crate) enum Argument {
     Readout,
     /// Frequency: linear dynamics next to the base model's, or a line.
     Frequency,
+    /// A motion of its own.
+    Motion,
+    /// Time, to which it goes up and down.
+    Rhythm,
 }
 
 impl Argument {
@@ -84,10 +88,11 @@ impl Argument {
             Self::Both => "displacement and velocity",
             Self::Path => "the path taken",
             Self::Input => "input",
-            Self::Time => "time",
+            Self::Time | Self::Rhythm => "time",
             Self::Environment => "environment",
             Self::Readout => "reading",
             Self::Frequency => "frequency",
+            Self::Motion => "a motion of its own",
         }
     }
 }
@@ -153,6 +158,10 @@ pub(crate) trait Kind: Sync {
     fn residuals(&self, set: &[usize], points: &[Point]) -> Vec<Option<Vec<f64>>>;
     /// Residual with its derivatives; `None` where the model breaks down.
     fn linearise(&self, set: &[usize], point: &Point) -> Option<Linearised>;
+    /// Returns whether two laws are one, of which a set may hold several: neither is a rival of the other.
+    fn are_alike(&self, _law: usize, _other: usize) -> bool {
+        false
+    }
     /// Returns whether the 95 % interval of a law's exponent contains an odd whole number, as a smooth symmetric
     /// force has: then it is one term of a series by itself, and needs no further one.
     fn may_be_whole(&self, _set: &[usize], _place: usize, _point: &Point, _deviations: &[f64]) -> bool {

@@ -152,15 +152,16 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
     let may_be_zero = !strengths.is_empty() && !strengths.iter().any(is_clear);
     // A law that is linear or goes with time alone can imitate anything slow or broad; one that
     // removes no more than the others may be inexact by, or that leaves more than the noise in any form
-    // of it, can be an imitation too. Two of the three are enough to doubt it.
+    // of it, can be an imitation too. Two of the three are enough to doubt it. A motion of its own is a
+    // line, which imitates nothing large.
     let leaves = |f: &Fitted| excess(search, f) >= AT_NOISE;
-    let is_patch = match [
-        matches!(search.kind.argument(best.set[place]), Argument::Frequency | Argument::Time),
-        gain.removed < EXACT * (base.error - best.error),
-    ] {
-        [true, true] => true,
-        [false, false] => false,
-        _ => leaves(best) && search.freed(best, place).is_none_or(|freed| leaves(&freed)),
+    let is_small = gain.removed < EXACT * (base.error - best.error);
+    let is_patch = match (search.kind.argument(best.set[place]), is_small) {
+        (Argument::Frequency | Argument::Time | Argument::Motion, true) => true,
+        (Argument::Frequency | Argument::Time, false) | (_, true) => {
+            leaves(best) && search.freed(best, place).is_none_or(|freed| leaves(&freed))
+        }
+        _ => false,
     };
     let may_be_nothing = may_be_zero || (strengths.is_empty() && reaches_a_bound(search.kind, best, own.start));
     if on_bound || best.is_impossible || may_be_nothing || is_patch || !search.holds(&without, best) {
@@ -172,6 +173,12 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
         return None;
     }
     let law = best.set[place];
+    // What goes up and down with time puts lines next to the own one of the motion, as further modes do.
+    let is_rhythm = |l: &usize| search.kind.form(*l) == Form::Free && search.kind.argument(*l) == Argument::Rhythm;
+    let mut rhythms = (0..search.kind.laws()).filter(is_rhythm).filter_map(|l| search.with(&without, l));
+    if search.kind.argument(law) == Argument::Motion && rhythms.any(|f| search.as_good(&f, best)) {
+        return None;
+    }
     let instead = |f: &Arc<Fitted>| {
         let same = f.set.len() == best.set.len() && sorted(&f.set) != sorted(&best.set);
         let kept = without.set.iter().all(|l| f.set.contains(l));
@@ -182,7 +189,7 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
             Form::Exponent => search.kind.argument(other) == search.kind.argument(law) && !f.at_bound.contains(&true),
             Form::Beside | Form::Free => false,
         };
-        let is_other = !search.kind.excludes(other, law);
+        let is_other = !search.kind.excludes(other, law) && !search.kind.are_alike(other, law);
         (same && kept && may_stand && is_other && search.as_good(f, best)).then(|| (other, f.clone()))
     };
     let mut rivals: Vec<(usize, Arc<Fitted>)> = search.all().iter().filter_map(instead).collect();

@@ -142,17 +142,19 @@ impl<'a, K: Kind> Search<'a, K> {
     fn held_children(&self, parent: &Arc<Fitted>) -> Vec<Arc<Fitted>> {
         let of = |form: Form| -> Vec<Arc<Fitted>> {
             let all = self.children(parent, form, form == Form::Stated);
-            all.into_iter().filter(|child| self.holds(parent, child)).collect()
+            all.into_iter().filter(|child| self.gain(parent, child).may_hold()).collect()
         };
-        let stated = of(Form::Stated);
-        if !stated.is_empty() || !parent.set.is_empty() || self.is_at_noise(parent) {
+        let mut stated = of(Form::Stated);
+        let holds = stated.iter().any(|child| self.holds(parent, child));
+        if holds || !parent.set.is_empty() || self.is_at_noise(parent) {
             return stated;
         }
         // If no stated law holds, try laws with a free exponent. These can mimic other physics, so they only count
         // if they bring the residual down to the noise.
         let mut bent = of(Form::Exponent);
         bent.retain(|child| self.is_at_noise(child));
-        bent
+        stated.append(&mut bent);
+        stated
     }
 
     /// Returns whether the law that was added last is within its range: at the end of it a form is that of

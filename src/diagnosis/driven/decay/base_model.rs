@@ -5,9 +5,10 @@ use std::ops::Range;
 
 use crate::driven::base::{GAIN, OMEGA, ZETA};
 use crate::driven::identification::start::first_scales;
+use crate::driven::simulated::coordinates::z;
 use crate::driven::simulated::rows::Rows;
 use crate::driven::simulated::space;
-use crate::driven::simulated::system::{System, z};
+use crate::driven::simulated::system::System;
 use crate::engine::fit::{Fitted, MOST_STEPS, fit};
 use crate::engine::kind::Point;
 use crate::model::Output;

@@ -11,6 +11,7 @@ use crate::driven::simulated::rows::{LEAST_BLOCK, Rows};
 use crate::engine::kind::Layout;
 use crate::numerics::moments::dot;
 use crate::physics::library::Term;
+use crate::physics::ringing_mode::RingingMode;
 
 use super::swings::Motion;
 
@@ -52,16 +53,16 @@ fn half(step: usize) -> usize {
 /// Factor from a law's parameter in the rows to the same in the samples: the parabolas take part of a sine
 /// whose samples are few a cycle.
 pub(super) fn in_samples(rows: &Rows, term: &Term, parameters: &[f64], which: usize) -> f64 {
-    match (term, parameters) {
-        (Term::PeriodicDisturbance(_), [_, _, frequency_hz, ..]) if which < 2 => {
-            let half = half(rows.step);
-            let turn = TAU * frequency_hz / (rows.data.rate_hz * rows.step as f64);
-            let weights = weights(half);
-            let kept = weights.iter().enumerate().map(|(i, w)| w * (turn * (i as f64 - half as f64)).cos());
-            1.0 / kept.sum::<f64>()
-        }
-        _ => 1.0,
-    }
+    let frequency_hz = match (term, parameters) {
+        (Term::PeriodicDisturbance(_), [_, _, frequency_hz, ..]) if which < 2 => *frequency_hz,
+        (Term::RingingMode(_), [omega_rad_s, ..]) if RingingMode::SIZES.contains(&which) => omega_rad_s / TAU,
+        _ => return 1.0,
+    };
+    let half = half(rows.step);
+    let turn = TAU * frequency_hz / (rows.data.rate_hz * rows.step as f64);
+    let weights = weights(half);
+    let kept = weights.iter().enumerate().map(|(i, w)| w * (turn * (i as f64 - half as f64)).cos());
+    1.0 / kept.sum::<f64>()
 }
 
 /// Rows of a motion in which laws are searched, in segments of about `cycles` cycles each; rows in `filled` were

@@ -29,6 +29,7 @@ use super::swings::{self, Motion};
 const FEWEST_SEGMENTS: usize = 4;
 
 /// A decay that was searched.
+#[derive(Clone)]
 pub(crate) struct Decay {
     /// The recording, with readings as the displacement that stands for them.
     pub(crate) data: Data,
@@ -45,6 +46,7 @@ pub(crate) struct Decay {
 
 /// The final model over segments as long as it follows the motion through: its numbers are those of
 /// the whole decay, and not of its loudest part.
+#[derive(Clone)]
 pub(super) struct Numbers {
     /// The decay in those segments.
     pub(super) system: System,
@@ -62,6 +64,9 @@ pub(crate) fn decay(data: &Data, filled: &[Range<usize>]) -> Option<Decay> {
     let first = rows::rows(&data, &motion, filled, CYCLES);
     let begins = base_model::free(data.rate_hz, motion.cycle);
     let mut decay = searched(data, first, motion, &begins)?;
+    if !decay.motion.knocks.is_empty() && decay.is_at_noise() {
+        decay = decay.unbroken(filled).unwrap_or(decay);
+    }
     let mut cycles = CYCLES;
     let longest = decay.motion.stretches.iter().map(Range::len).max().unwrap_or(0) as f64 / decay.motion.cycle;
     while decay.is_at_noise() && LONGER * cycles < longest {
@@ -188,6 +193,12 @@ impl Decay {
             let begun = |start: &Vec<f64>| start.iter().copied().chain(std::iter::repeat(0.0)).take(states).collect();
             Point { starts: starts.iter().map(begun).collect(), ..fitted.point.clone() }
         })
+    }
+
+    /// The same as one motion that nothing excites again; `None` where the model leaves more than the noise then.
+    fn unbroken(&self, filled: &[Range<usize>]) -> Option<Self> {
+        let whole = Self { motion: self.motion.unbroken(), ..self.clone() };
+        whole.longer(CYCLES, filled).filter(Self::is_at_noise)
     }
 
     /// The laws that were found, judged and measured on more rows, which no parabola bends, or with shorter

@@ -45,6 +45,14 @@ pub(crate) struct Motion {
     pub knocks: Vec<usize>,
 }
 
+impl Motion {
+    /// The same without knocks: what grows again beats.
+    pub(super) fn unbroken(&self) -> Self {
+        let (first, last) = (self.stretches[0].start, self.stretches[self.stretches.len() - 1].end);
+        Self { stretches: std::iter::once(first..last).collect(), knocks: Vec::new(), ..self.clone() }
+    }
+}
+
 /// Finds the free motion within some rows, with noise of this deviation; `None` where nothing swings.
 pub(crate) fn motion(reading: &[f64], rows: Range<usize>, noise: f64) -> Option<Motion> {
     let y = &reading[rows.clone()];

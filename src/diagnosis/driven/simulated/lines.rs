@@ -4,6 +4,8 @@
 use crate::driven::identification::refined_scales::lines;
 use crate::driven::simulation::filter::Nothing;
 use crate::engine::kind::Point;
+use crate::numerics::moments::mean_sd;
+use crate::numerics::{order, spectrum};
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 
@@ -14,13 +16,19 @@ use super::system::System;
 const MOST: usize = 300_000;
 /// Factor by which a residual is padded with zeros before its spectrum is taken.
 const PADDED: usize = 4;
+/// Peaks of the reading at which a mode may start: the first ones may be side lobes of the highest.
+const PEAKS: usize = 4;
 
 impl System {
-    /// Scales with which a law is added to a set. A periodic disturbance starts at the lines of the residual
-    /// that the set leaves.
+    /// Scales with which a law is added to a set. A periodic disturbance and a mode start at the lines of the residual
+    /// that the set leaves; a mode also at further peaks of the reading, which a segment too short to beat hides.
     pub(super) fn scales_for(&self, term: &Term, set: &[usize], point: &Point) -> Scales {
+        let is_short = self.samples().at.len() <= MOST;
         let lines_hz = match term {
-            Term::PeriodicDisturbance(_) if self.samples().at.len() <= MOST => self.lines_hz(set, point),
+            Term::PeriodicDisturbance(_) if is_short => self.lines_hz(set, point),
+            Term::RingingMode(_) | Term::PumpedStiffness(_) if is_short => {
+                self.further_peaks_hz().into_iter().chain(self.lines_hz(set, point)).collect()
+            }
             _ => self.scales.lines_hz.clone(),
         };
         Scales { lines_hz, ..self.scales.clone() }
@@ -34,12 +42,28 @@ impl System {
     pub(in crate::driven) fn lines_hz(&self, set: &[usize], point: &Point) -> Vec<f64> {
         let rows = self.samples();
         let left = Self { rows: rows.clone(), ..self.clone() }.traced(set, point, &mut Nothing);
-        let at = &rows.at;
-        let [Some(first), Some(last)] = [at.first(), at.last()] else { return Vec::new() };
-        // Nothing where nothing is fitted, so that a line keeps its phase; and behind it, so that a frequency is
-        // met within a part of its width.
-        let mut over_time = vec![0.0; PADDED * (last + 1 - first)];
-        at.iter().zip(left).for_each(|(k, e)| over_time[k - first] = e);
-        lines(&over_time, rows.data.rate_hz)
+        lines(&over_time(rows, &left), rows.data.rate_hz)
     }
+
+    /// Frequencies of the peaks in the spectrum of the reading after the highest one.
+    fn further_peaks_hz(&self) -> Vec<f64> {
+        let rows = self.samples();
+        let mean = mean_sd(rows.readings()).0;
+        let moved: Vec<f64> = rows.readings().iter().map(|y| y - mean).collect();
+        let raw = spectrum::periodogram(&over_time(rows, &moved), rows.data.rate_hz);
+        let d = &raw.density;
+        let mut peaks: Vec<usize> =
+            (1..d.len().saturating_sub(1)).filter(|i| d[*i] > d[i - 1] && d[*i] >= d[i + 1]).collect();
+        order::sort_by_key(&mut peaks, |i| -d[*i]);
+        peaks.iter().skip(1).take(PEAKS).map(|i| raw.frequency_hz[*i]).collect()
+    }
+}
+
+/// Values of some rows over time: nothing where nothing is fitted, so that a line keeps its phase; and behind it,
+/// so that a frequency is met within a part of its width.
+fn over_time(rows: &Rows, values: &[f64]) -> Vec<f64> {
+    let [Some(first), Some(last)] = [rows.at.first(), rows.at.last()] else { return Vec::new() };
+    let mut all = vec![0.0; PADDED * (last + 1 - first)];
+    rows.at.iter().zip(values).for_each(|(k, value)| all[k - first] = *value);
+    all
 }

@@ -12,7 +12,9 @@ use crate::physics::library::Term;
 use crate::physics::power::Exponent;
 use crate::physics::power_law_damping::PowerLawDamping;
 use crate::physics::power_law_stiffness::PowerLawStiffness;
+use crate::physics::pumped_stiffness::PumpedStiffness;
 use crate::physics::readout_lowpass::{Poles, ReadoutLowpass};
+use crate::physics::ringing_mode::RingingMode;
 use crate::physics::scales::Scales;
 use crate::physics::shaped_friction::{Shape, ShapedFriction};
 use crate::physics::stiffness_drift::StiffnessDrift;
@@ -46,6 +48,9 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
             terms.push(stop);
         }
     }
+    if !is_driven {
+        terms.extend(RingingMode::ALL.map(Term::RingingMode));
+    }
     let stated = terms.into_iter().map(|term| Member { term, form: Form::Stated });
     let powers = [
         Term::PowerLawStiffness(PowerLawStiffness(Exponent::Free)),
@@ -75,6 +80,9 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
     if is_driven {
         forms.extend([free(Freed::Drive, 2.0 * scales.input), free(Freed::Readout, size)]);
     }
+    if !is_driven {
+        forms.push(Member { term: Term::PumpedStiffness(PumpedStiffness), form: Form::Free });
+    }
     stated.chain(powers).chain(forms).collect()
 }
 
@@ -98,6 +106,8 @@ pub(in crate::driven) fn argument(term: &Term) -> Argument {
         | Term::ReadoutHighpass(_)
         | Term::InputHighpass(_)
         | Term::Feedthrough(_) => Argument::Frequency,
+        Term::RingingMode(_) => Argument::Motion,
+        Term::PumpedStiffness(_) => Argument::Rhythm,
         Term::FreeForm(form) => match form.law {
             Freed::Drag => Argument::Velocity,
             Freed::Film => Argument::Both,
@@ -139,5 +149,9 @@ pub(in crate::driven) fn excludes(one: &Term, other: &Term) -> bool {
         Term::ReadoutHighpass(_) | Term::InputHighpass(_) => 11,
         _ => 0,
     };
+    // A structure has several modes.
+    if let (Term::RingingMode(one), Term::RingingMode(other)) = (one, other) {
+        return one == other;
+    }
     one.id() == other.id() || (group(one) != 0 && group(one) == group(other))
 }

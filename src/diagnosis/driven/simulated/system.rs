@@ -12,9 +12,11 @@ use crate::physics::end_stop::EndStop;
 use crate::physics::free_form::Freed;
 use crate::physics::law::Role;
 use crate::physics::library::Term;
+use crate::physics::ringing_mode::RingingMode;
 use crate::physics::scales::{Coordinate, Scales};
 use crate::physics::state::{LANES, Lanes};
 
+use super::coordinates::{strengths, strong, value, z};
 use super::rows::Rows;
 use super::space::{self, Member};
 
@@ -203,8 +205,11 @@ impl System {
             let silent =
                 |j: usize| start[j] == 0.0 && matches!(coordinates[j], Coordinate::Linear(_) | Coordinate::Bounded(..));
             let parameters = term.values() - term.unknown_beginnings();
-            let strengths: Vec<usize> =
-                if start.first() == Some(&0.0) { (0..parameters).filter(|j| silent(*j)).collect() } else { Vec::new() };
+            let strengths: Vec<usize> = if start.get(strengths(term).start) == Some(&0.0) {
+                (0..parameters).filter(|j| silent(*j)).collect()
+            } else {
+                Vec::new()
+            };
             let is_product = matches!(term, Term::FreeForm(form) if form.law != Freed::Readout);
             let strengths = if is_product { strengths.into_iter().take(1).collect() } else { strengths };
             if strengths.is_empty() {
@@ -218,34 +223,6 @@ impl System {
             }
         }
         all
-    }
-}
-
-/// Returns how many of a law's first parameters are its strength.
-fn strengths(term: &Term) -> usize {
-    match term {
-        Term::ReadoutSaturation(_) => 0,
-        Term::ReadoutNonlinearity(_) | Term::PeriodicDisturbance(_) => 2,
-        Term::FreeForm(form) if form.law == Freed::Readout => 3,
-        _ => 1,
-    }
-}
-
-/// The value at a coordinate.
-pub(in crate::driven) fn value(coordinate: Coordinate, z: f64) -> f64 {
-    match coordinate {
-        Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => z * scale,
-        Coordinate::Log(..) => z.exp(),
-        Coordinate::Held => z,
-    }
-}
-
-/// The coordinate of a value.
-pub(in crate::driven) fn z(coordinate: Coordinate, value: f64) -> f64 {
-    match coordinate {
-        Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => value / scale,
-        Coordinate::Log(low, high) => value.clamp(low, high).ln(),
-        Coordinate::Held => value,
     }
 }
 
@@ -270,6 +247,10 @@ impl Kind for System {
         space::excludes(&self.members[law].term, &self.members[other].term)
     }
 
+    fn are_alike(&self, law: usize, other: usize) -> bool {
+        self.members[law].term.id() == self.members[other].term.id()
+    }
+
     fn joined(&self, set: &[usize], point: &Point, law: usize) -> Vec<Point> {
         let mut larger = set.to_vec();
         larger.push(law);
@@ -280,6 +261,11 @@ impl Kind for System {
             return Vec::new();
         }
         let term = self.members[law].term;
+        // Modes are alike: the next one joins those that are there.
+        let modes = set.iter().filter(|l| matches!(self.members[**l].term, Term::RingingMode(_))).count();
+        if matches!(term, Term::RingingMode(RingingMode(place)) if place > modes) {
+            return Vec::new();
+        }
         let coordinates = term.coordinates(&self.scales);
         let known = term.values() - term.unknown_beginnings();
         let joined = |start: Vec<f64>| {
@@ -297,7 +283,7 @@ impl Kind for System {
         let place = set.len().checked_sub(1)?;
         let coordinates = self.shared_coordinates(set);
         let mut point = point.clone();
-        for i in self.coordinates(set, place).take(strengths(&self.members[set[place]].term)) {
+        for i in strong(&self.members[set[place]].term, self.coordinates(set, place)) {
             match coordinates[i] {
                 Coordinate::Log(..) if factor > 0.0 => point.shared[i] += factor.ln(),
                 Coordinate::Bounded(_, low, _) if factor < 0.0 && low >= 0.0 => return None,
@@ -325,7 +311,9 @@ impl Kind for System {
         let structure = self.structure(set);
         let all: Vec<Vec<f64>> = points.iter().map(|p| self.parameters(set, p)).collect();
         let columns = all.chunks(LANES).flat_map(|group| self.simulated(&structure, group, &mut Nothing));
-        columns.map(|c| c.iter().all(|v| v.is_finite()).then_some(c)).collect()
+        let stands =
+            |(c, p): (Vec<f64>, &Point)| (self.stands_alone(set, p) && c.iter().all(|v| v.is_finite())).then_some(c);
+        columns.zip(points).map(stands).collect()
     }
 
     fn linearise(&self, set: &[usize], point: &Point) -> Option<Linearised> {
@@ -403,7 +391,6 @@ impl Kind for System {
     fn strengths(&self, set: &[usize], place: usize) -> Vec<usize> {
         let coordinates = self.shared_coordinates(set);
         let has_zero = |i: &usize| matches!(coordinates[*i], Coordinate::Linear(_) | Coordinate::Bounded(..));
-        let own = self.coordinates(set, place).take(strengths(&self.members[set[place]].term));
-        own.filter(has_zero).collect()
+        strong(&self.members[set[place]].term, self.coordinates(set, place)).filter(has_zero).collect()
     }
 }

@@ -11,7 +11,7 @@ pub(super) fn listed(items: &[String]) -> String {
     }
 }
 
-/// Effects with their numbers, indistinguishable ones once: "a or b".
+/// Effects with their numbers, indistinguishable ones once: "a or b"; a mode may be there more than once.
 pub(super) fn holding(effects: &[Effect], named: &[String]) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     let mut said: Vec<&str> = Vec::new();
@@ -19,7 +19,6 @@ pub(super) fn holding(effects: &[Effect], named: &[String]) -> Vec<String> {
         if said.contains(&effect.id.as_str()) {
             continue;
         }
-        said.push(&effect.id);
         said.extend(effect.confusable_with.iter().map(String::as_str));
         let tied = std::iter::once(&effect.id).chain(&effect.confusable_with).cloned().collect::<Vec<_>>();
         out.push(if effect.confusable_with.is_empty() { words.clone() } else { tied.join(" or ") });
