@@ -87,7 +87,7 @@ pub fn diagnose(recording: &Recording, model: &model::Response, control: &Contro
     let fewer = rested.as_ref().and_then(|rested| {
         let fewer = system.over(rested);
         let (search, base) = Search::begin(&fewer, deviation.powi(2), &base.point)?;
-        let again = names::again(&search, base, &found, |fitted| fitted.point.clone())?;
+        let again = names::again(&search, base, &found, |fitted| fitted.point.clone(), true)?;
         drop(search);
         Some((fewer, again))
     });

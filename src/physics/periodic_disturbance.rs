@@ -7,9 +7,9 @@ use super::law::{Law, Place, Role};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 
-/// One sinusoid added to the reading, a cos 2πft + b sin 2πft.
+/// One sinusoid added to the reading, a cos 2πft + b sin 2πft, by its place among them.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct PeriodicDisturbance;
+pub struct PeriodicDisturbance(pub usize);
 
 /// States the candidate for the library.
 pub(crate) const CANDIDATE: Candidate = Candidate {

@@ -44,6 +44,9 @@ impl RingingMode {
     /// All that a diagnosis looks for.
     pub const ALL: [Self; 3] = [Self(0), Self(1), Self(2)];
 
+    /// One that may as well belong to the first motion: a free form, which is not named.
+    pub const ANY: Self = Self(usize::MAX);
+
     /// Places of its sizes a and b among its parameters.
     pub const SIZES: Range<usize> = 2..4;
 

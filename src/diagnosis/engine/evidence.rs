@@ -29,8 +29,12 @@ impl Gain {
     /// Returns whether the laws that the larger model adds earn a name: by scatter between blocks, or, where no
     /// more than the noise is left, by what white noise gives.
     pub(crate) fn holds(&self) -> bool {
-        let errors = if self.is_white { self.errors.max(self.apart) } else { self.errors };
-        errors >= NAME && self.share >= LEAST_SHARE
+        self.deviations() >= NAME && self.share >= LEAST_SHARE
+    }
+
+    /// Standard errors that tell for the larger model.
+    pub(crate) fn deviations(&self) -> f64 {
+        if self.is_white { self.errors.max(self.apart) } else { self.errors }
     }
 
     /// Returns whether further laws may follow those that the larger model adds: they hold, or few blocks show

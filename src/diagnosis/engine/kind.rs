@@ -66,6 +66,8 @@ pub(crate) enum Argument {
     Frequency,
     /// A motion of its own.
     Motion,
+    /// A second frequency, of a motion of its own or of the first one's.
+    Line,
     /// Time, to which it goes up and down.
     Rhythm,
 }
@@ -92,7 +94,7 @@ impl Argument {
             Self::Environment => "environment",
             Self::Readout => "reading",
             Self::Frequency => "frequency",
-            Self::Motion => "a motion of its own",
+            Self::Motion | Self::Line => "a second frequency",
         }
     }
 }

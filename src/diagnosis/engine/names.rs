@@ -68,18 +68,19 @@ pub(crate) fn names<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, known: O
 }
 
 /// Says what holds of the best set on other rows than those it was found on, with the rivals found there, and
-/// with what only these rows show. A set is fitted from where `begin` says.
+/// with what only these rows show where it `grows`. A set is fitted from where `begin` says.
 pub(crate) fn again<K: Kind>(
     search: &Search<'_, K>,
     base: Arc<Fitted>,
     found: &Found,
     begin: impl Fn(&Fitted) -> Point,
+    grows: bool,
 ) -> Option<Found> {
     let best = search.at(&found.best.set, &begin(&found.best))?;
     for (_, rival) in found.named.iter().flat_map(|n| &n.rivals) {
         search.at(&rival.set, &begin(rival));
     }
-    let best = search.grown(&base, best);
+    let best = if grows { search.grown(&base, best) } else { best };
     let judged = judged(search, base, best, false);
     Some(Found { alone: found.alone.clone(), ..judged })
 }

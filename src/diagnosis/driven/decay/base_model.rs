@@ -9,13 +9,20 @@ use crate::driven::simulated::coordinates::z;
 use crate::driven::simulated::rows::Rows;
 use crate::driven::simulated::space;
 use crate::driven::simulated::system::System;
-use crate::engine::fit::{Fitted, MOST_STEPS, fit};
+use crate::engine::fit::{Fitted, MOST_STEPS, fit, nearer};
 use crate::engine::kind::Point;
 use crate::model::Output;
 use crate::numerics::moments::{mean_sd, rms};
 
 /// Damping ratios at which the base model of a free motion begins.
 const ZETAS: [f64; 4] = [0.003, 0.03, 0.15, 0.5];
+/// A fit from a point: what it leaves, and where.
+type Begun = dyn Fn(&System, &Point) -> Option<(f64, Point)>;
+
+/// Steps of a fit that tells where the base model begins.
+const SOON: usize = 6;
+/// Rows of a cycle below which the rows between two passes through zero say little of it.
+const FEW_ROWS: f64 = 8.0;
 
 /// Starting values of the base model of a free motion: gain, ω₀ in rad/s and ζ. `cycle` in samples.
 pub(super) fn free(rate_hz: f64, cycle: f64) -> Vec<[f64; 3]> {
@@ -40,14 +47,24 @@ pub(super) fn base(rows: Rows, cycle: f64, begins: &[[f64; 3]]) -> Option<(Syste
     scales.duration_s = rows.data.clock_s.last().map_or(scales.duration_s, |last| last.max(scales.interval_s));
     scales.highest_hz *= rows.step as f64;
     let mut system = System { rows, scales, members: Vec::new() };
-    let fits = begins.iter().filter_map(|begin| {
-        system.scales.begun(begin);
-        let start = beginning(&system);
-        fit(&system, &[], &start, 6).map(|fitted| (fitted.variance, begin, fitted))
-    });
-    let (_, begin, fitted) = fits.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    // Of a motion of few rows to a cycle the spectrum knows the frequency better than the passes through zero.
+    let peak = (!is_driven && cycle < FEW_ROWS)
+        .then(|| system.peaks_hz().first().map(|hz| [1.0, TAU * hz, ZETAS[0]]))
+        .flatten();
+    let begins: Vec<[f64; 3]> = begins.iter().copied().chain(peak).collect();
+    let mut best = |fits: &Begun| {
+        let all = begins.iter().filter_map(|begin| {
+            system.scales.begun(begin);
+            fits(&system, &beginning(&system)).map(|(left, point)| (left, begin, point))
+        });
+        all.min_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    // Next to a motion of another frequency none comes to rest soon.
+    let at_rest = best(&|s, start| fit(s, &[], start, SOON).map(|f| (f.variance, f.point)));
+    let nearest = || best(&|s, start| nearer(s, &[], start, SOON).map(|(point, left)| (left, point)));
+    let (_, begin, point) = at_rest.or_else(nearest)?;
     system.scales.begun(begin);
-    let fitted = fit(&system, &[], &fitted.point, MOST_STEPS)?;
+    let fitted = fit(&system, &[], &point, MOST_STEPS)?;
     let values = system.shared_values(&[], &fitted.point);
     let [gain, omega, zeta] = [GAIN, OMEGA, ZETA].map(|place| system.own(place, &values));
     let lines_hz = system.lines_hz(&[], &fitted.point);

@@ -29,7 +29,7 @@ pub(super) fn share(gain: Gain) -> Share {
 /// Probability of a gain by chance, among as many laws as were tried.
 pub(super) fn p_value(decay: &Decay, gain: Gain) -> f64 {
     let degrees = (decay.system.layout().blocks.len() as f64 - 1.0).max(1.0);
-    let chance = 0.5 * special::f_survival(gain.errors.max(0.0).powi(2), 1.0, degrees);
+    let chance = 0.5 * special::f_survival(gain.deviations().max(0.0).powi(2), 1.0, degrees);
     (chance * decay.system.laws() as f64).clamp(0.0, 1.0)
 }
 

@@ -6,6 +6,9 @@ use crate::number::short;
 
 use super::searched::Decay;
 
+/// Knocks that are listed one by one.
+const KNOCKS: usize = 5;
+
 /// States where the motion begins and ends, how it was thinned, what was tried and holds no name.
 pub(super) fn findings(decay: &Decay, data: &Data, unit: &str) -> Vec<String> {
     let (motion, rows) = (&decay.motion, &decay.system.rows);
@@ -27,8 +30,11 @@ pub(super) fn findings(decay: &Decay, data: &Data, unit: &str) -> Vec<String> {
             first - 1
         ));
     }
-    for knock in &motion.knocks {
+    for knock in motion.knocks.iter().take(KNOCKS) {
         all.push(format!("the mass is excited again near {} s: another stretch begins there", second(*knock)));
+    }
+    if let further @ 1.. = motion.knocks.len().saturating_sub(KNOCKS) {
+        all.push(format!("the same {further} times more"));
     }
     if last < data.hull.end {
         all.push(format!(

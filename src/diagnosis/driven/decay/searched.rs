@@ -61,8 +61,8 @@ pub(super) struct Numbers {
 pub(crate) fn decay(data: &Data, filled: &[Range<usize>]) -> Option<Decay> {
     let motion = swings::motion(&data.reading, data.hull.clone(), reading_noise(&Sample::of(data))?.deviation)?;
     let data = seen(data, TAU * data.rate_hz / motion.cycle);
-    let first = rows::rows(&data, &motion, filled, CYCLES);
     let begins = base_model::free(data.rate_hz, motion.cycle);
+    let first = rows::rows(&data, &motion, filled, CYCLES);
     let mut decay = searched(data, first, motion, &begins)?;
     if !decay.motion.knocks.is_empty() && decay.is_at_noise() {
         decay = decay.unbroken(filled).unwrap_or(decay);
@@ -195,7 +195,7 @@ impl Decay {
         })
     }
 
-    /// The same as one motion that nothing excites again; `None` where the model leaves more than the noise then.
+    /// The same laws in one motion that nothing excites again; `None` where they leave more than the noise then.
     fn unbroken(&self, filled: &[Range<usize>]) -> Option<Self> {
         let whole = Self { motion: self.motion.unbroken(), ..self.clone() };
         whole.longer(CYCLES, filled).filter(Self::is_at_noise)
@@ -210,9 +210,11 @@ impl Decay {
 
     /// The laws that were found, judged on other rows, where their fits begin at these points.
     fn again(&self, system: System, begin: impl Fn(&Fitted) -> Point) -> Option<Self> {
+        // Shorter steps show no further law, other rows may.
+        let grows = system.scales.fineness == self.system.scales.fineness;
         let variance = variance(&self.noise, &system);
         let (search, base) = Search::begin(&system, variance, &begin(&self.found.base))?;
-        let found = names::again(&search, base, &self.found, begin)?;
+        let found = names::again(&search, base, &self.found, begin, grows)?;
         drop(search);
         let numbers = numbers(&system, &found, variance);
         Some(Self { system, variance, found, numbers, data: self.data.clone(), motion: self.motion.clone(), ..*self })

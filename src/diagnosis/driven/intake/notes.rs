@@ -1,6 +1,5 @@
 //! Notes on a recording apart from its physics.
 
-use crate::driven::base::ZETAS;
 use crate::verdict::Estimate;
 
 use super::data::Data;
@@ -66,7 +65,7 @@ impl Notes {
     /// Says of an oscillation that may not decay, by its base model's numbers, what else it may be.
     pub fn may_be_steady(&mut self, base: &[Estimate]) {
         // A tenth of the value is where ± 90 % of it ends.
-        let is_steady = |number: &Estimate| number.name == "zeta" && number.ci95[0] <= ZETAS[0].max(0.1 * number.value);
+        let is_steady = |number: &Estimate| number.name == "zeta" && number.ci95[0] <= 0.1 * number.value;
         if base.iter().any(is_steady) {
             let clause = "the damping may be none at all; a sensor at rest that picks up hum or vibration shows such a line \
                           too, and is diagnosed with kind = \"static\"";

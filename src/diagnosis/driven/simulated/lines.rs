@@ -17,7 +17,7 @@ const MOST: usize = 300_000;
 /// Factor by which a residual is padded with zeros before its spectrum is taken.
 const PADDED: usize = 4;
 /// Peaks of the reading at which a mode may start: the first ones may be side lobes of the highest.
-const PEAKS: usize = 4;
+const PEAKS: usize = 5;
 
 impl System {
     /// Scales with which a law is added to a set. A periodic disturbance and a mode start at the lines of the residual
@@ -27,7 +27,7 @@ impl System {
         let lines_hz = match term {
             Term::PeriodicDisturbance(_) if is_short => self.lines_hz(set, point),
             Term::RingingMode(_) | Term::PumpedStiffness(_) if is_short => {
-                self.further_peaks_hz().into_iter().chain(self.lines_hz(set, point)).collect()
+                self.peaks_hz().into_iter().skip(1).chain(self.lines_hz(set, point)).collect()
             }
             _ => self.scales.lines_hz.clone(),
         };
@@ -45,8 +45,8 @@ impl System {
         lines(&over_time(rows, &left), rows.data.rate_hz)
     }
 
-    /// Frequencies of the peaks in the spectrum of the reading after the highest one.
-    fn further_peaks_hz(&self) -> Vec<f64> {
+    /// Frequencies of the peaks in the spectrum of the reading, the highest first.
+    pub(in crate::driven) fn peaks_hz(&self) -> Vec<f64> {
         let rows = self.samples();
         let mean = mean_sd(rows.readings()).0;
         let moved: Vec<f64> = rows.readings().iter().map(|y| y - mean).collect();
@@ -55,7 +55,7 @@ impl System {
         let mut peaks: Vec<usize> =
             (1..d.len().saturating_sub(1)).filter(|i| d[*i] > d[i - 1] && d[*i] >= d[i + 1]).collect();
         order::sort_by_key(&mut peaks, |i| -d[*i]);
-        peaks.iter().skip(1).take(PEAKS).map(|i| raw.frequency_hz[*i]).collect()
+        peaks.iter().take(PEAKS).map(|i| raw.frequency_hz[*i]).collect()
     }
 }
 

@@ -6,11 +6,16 @@ use std::f64::consts::TAU;
 use crate::driven::base::{OMEGA, ZETA};
 use crate::engine::kind::{Kind, Point};
 use crate::physics::library::Term;
+use crate::physics::ringing_mode::RingingMode;
 
+use super::rows::Rows;
 use super::system::System;
 
 /// Order up to which a harmonic may be as large as a mode.
 const HIGHEST: u32 = 9;
+
+/// Part of the distance between aliases that the width of lines may be.
+const CROWDED: f64 = 0.1;
 
 /// A line of a free motion: its place and half its width at half its power, rad/s.
 #[derive(Debug, Clone, Copy)]
@@ -20,10 +25,18 @@ struct Line {
 }
 
 impl System {
+    /// Distance of the aliases of a line where one segment in some is fitted, rad/s.
+    fn aliases(&self) -> Option<f64> {
+        let Rows { layout, of, data, .. } = &self.rows;
+        let rows = layout.counts.len() as f64 / layout.segments.len() as f64 * *of as f64;
+        (*of > 1).then(|| TAU / (rows * data.interval_s()))
+    }
+
     /// Returns whether each further mode of a set, and a pump of its spring, goes at a pace of its own.
     pub(super) fn stands_alone(&self, set: &[usize], point: &Point) -> bool {
         let places = |is: fn(&Term) -> bool| (0..set.len()).filter(move |place| is(&self.members[set[*place]].term));
-        let mut modes = places(|t| matches!(t, Term::RingingMode(_))).peekable();
+        let is_mode = |t: &Term| matches!(t, Term::RingingMode(mode) if *mode != RingingMode::ANY);
+        let mut modes = places(is_mode).peekable();
         let mut pumps = places(|t| matches!(t, Term::PumpedStiffness(_))).peekable();
         if modes.peek().is_none() && pumps.peek().is_none() {
             return true;
@@ -36,8 +49,19 @@ impl System {
         let modes: Vec<Line> = modes.map(own).map(|i| line(values[i], values[i + 1])).collect();
         let resolution = TAU / self.scales.duration_s;
         let is_own = |pump: f64| !is_harmonic(first, &line(pump, 0.0), resolution);
+        let aliases = self.aliases();
+        if modes.iter().any(|mode| aliases.is_some_and(|rate| is_alias(first, mode, resolution, rate))) {
+            return false;
+        }
         stand_alone(first, &modes, resolution) && pumps.map(own).all(|i| is_own(values[i]))
     }
+}
+
+/// Returns whether a line may stand for the first, or for one next to it, where lines have aliases that far apart: as far
+/// as those are told from each other.
+fn is_alias(first: Line, line: &Line, resolution: f64, rate: f64) -> bool {
+    let (reach, apart) = (line.half + first.half + resolution, (line.omega - first.omega) / rate);
+    reach < CROWDED * rate && (apart - apart.round()).abs() * rate < reach
 }
 
 /// Returns whether a line may be a harmonic of the first, or the first itself.

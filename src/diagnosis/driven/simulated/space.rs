@@ -9,6 +9,7 @@ use crate::physics::free_form::{Extent, FreeForm, Freed};
 use crate::physics::hysteresis::{Hysteresis, Sharpness};
 use crate::physics::law::Role;
 use crate::physics::library::Term;
+use crate::physics::periodic_disturbance::PeriodicDisturbance;
 use crate::physics::power::Exponent;
 use crate::physics::power_law_damping::PowerLawDamping;
 use crate::physics::power_law_stiffness::PowerLawStiffness;
@@ -50,6 +51,7 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
     }
     if !is_driven {
         terms.extend(RingingMode::ALL.map(Term::RingingMode));
+        terms.push(Term::PeriodicDisturbance(PeriodicDisturbance(1)));
     }
     let stated = terms.into_iter().map(|term| Member { term, form: Form::Stated });
     let powers = [
@@ -81,7 +83,8 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
         forms.extend([free(Freed::Drive, 2.0 * scales.input), free(Freed::Readout, size)]);
     }
     if !is_driven {
-        forms.push(Member { term: Term::PumpedStiffness(PumpedStiffness), form: Form::Free });
+        let any = [Term::PumpedStiffness(PumpedStiffness), Term::RingingMode(RingingMode::ANY)];
+        forms.extend(any.map(|term| Member { term, form: Form::Free }));
     }
     stated.chain(powers).chain(forms).collect()
 }
@@ -106,6 +109,7 @@ pub(in crate::driven) fn argument(term: &Term) -> Argument {
         | Term::ReadoutHighpass(_)
         | Term::InputHighpass(_)
         | Term::Feedthrough(_) => Argument::Frequency,
+        Term::RingingMode(RingingMode::ANY) => Argument::Line,
         Term::RingingMode(_) => Argument::Motion,
         Term::PumpedStiffness(_) => Argument::Rhythm,
         Term::FreeForm(form) => match form.law {
@@ -117,6 +121,17 @@ pub(in crate::driven) fn argument(term: &Term) -> Argument {
             _ => Argument::Displacement,
         },
         _ => Argument::Displacement,
+    }
+}
+
+/// The place of a law among those of its id, of which a set may hold several: a structure has several modes, and hum
+/// several lines.
+pub(in crate::driven) fn place(term: &Term) -> Option<(&'static str, usize)> {
+    match term {
+        Term::RingingMode(RingingMode(place)) | Term::PeriodicDisturbance(PeriodicDisturbance(place)) => {
+            Some((term.id(), *place))
+        }
+        _ => None,
     }
 }
 
@@ -149,8 +164,7 @@ pub(in crate::driven) fn excludes(one: &Term, other: &Term) -> bool {
         Term::ReadoutHighpass(_) | Term::InputHighpass(_) => 11,
         _ => 0,
     };
-    // A structure has several modes.
-    if let (Term::RingingMode(one), Term::RingingMode(other)) = (one, other) {
+    if let (Some(one), Some(other)) = (place(one), place(other)) {
         return one == other;
     }
     one.id() == other.id() || (group(one) != 0 && group(one) == group(other))

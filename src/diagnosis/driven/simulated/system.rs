@@ -262,8 +262,9 @@ impl Kind for System {
         }
         let term = self.members[law].term;
         // Modes are alike: the next one joins those that are there.
-        let modes = set.iter().filter(|l| matches!(self.members[**l].term, Term::RingingMode(_))).count();
-        if matches!(term, Term::RingingMode(RingingMode(place)) if place > modes) {
+        let alike =
+            |id: &str| set.iter().filter_map(|l| space::place(&self.members[*l].term)).filter(|p| p.0 == id).count();
+        if space::place(&term).is_some_and(|(id, place)| place != RingingMode::ANY.0 && place > alike(id)) {
             return Vec::new();
         }
         let coordinates = term.coordinates(&self.scales);
