@@ -19,8 +19,13 @@ pub fn tests() -> Vec<Trial> {
         test("modes: one that dies away early is named beside a drag or a spring", beside),
         test("modes: the harmonics of one that is not linear are no modes", harmonics),
         test("modes: one of higher frequency is no knock where an acceleration is read", beats),
+        test("modes: two lines of hum are lines, and a string's harmonics a second frequency", lines),
+        test("modes: one of few rows to a cycle is found at its frequency", few_rows),
     ]
 }
+
+/// Rows of a cycle.
+const ROWS: f64 = PER_CYCLE as f64;
 
 /// Frequency, damping ratio, amplitude and phase of a mode.
 type Mode = [f64; 4];
@@ -29,7 +34,7 @@ type Mode = [f64; 4];
 const FIRST: Mode = [1.0, 0.004, 1.0, 0.4];
 
 /// The sum of modes at these rows of a cycle, in noise of this size.
-fn ringing(modes: &[Mode], per_cycle: usize, cycles: usize, noise: f64, seed: u64) -> Vec<f64> {
+fn ringing(modes: &[Mode], per_cycle: f64, cycles: usize, noise: f64, seed: u64) -> Vec<f64> {
     let mut rng = Philox::new(seed, 0, Stream::Host);
     let at = |t: f64| -> f64 {
         let of = |[omega, zeta, size, phase]: &Mode| {
@@ -37,7 +42,8 @@ fn ringing(modes: &[Mode], per_cycle: usize, cycles: usize, noise: f64, seed: u6
         };
         modes.iter().map(of).sum()
     };
-    (0..cycles * per_cycle).map(|k| at(TAU * k as f64 / per_cycle as f64) + noise * rng.normal()).collect()
+    let rows = (cycles as f64 * per_cycle) as usize;
+    (0..rows).map(|k| at(TAU * k as f64 / per_cycle) + noise * rng.normal()).collect()
 }
 
 /// Checks that the modes that are named are these, in any order.
@@ -75,14 +81,14 @@ fn several() -> Result<(), Failed> {
     ];
     for (n, modes) in further.into_iter().enumerate() {
         let all: Vec<Mode> = std::iter::once(FIRST).chain(modes.iter().copied()).collect();
-        let verdict = diagnosed(ringing(&all, PER_CYCLE, 100, 0.003, n as u64), PER_CYCLE as f64 / TAU)?;
+        let verdict = diagnosed(ringing(&all, ROWS, 100, 0.003, n as u64), ROWS / TAU)?;
         let said = format!("{n}");
         check(verdict.verdict == Outcome::Explained, format!("{said}: {}", verdict.sentence))?;
         check(verdict.effects.len() == modes.len(), format!("{said}: {:?}", ids(&verdict)))?;
         are_named(&verdict, modes, &said)?;
     }
     // Control: the first mode alone.
-    let verdict = diagnosed(ringing(&[FIRST], PER_CYCLE, 100, 0.003, 9), PER_CYCLE as f64 / TAU)?;
+    let verdict = diagnosed(ringing(&[FIRST], ROWS, 100, 0.003, 9), ROWS / TAU)?;
     check(verdict.verdict == Outcome::Adequate, verdict.sentence)
 }
 
@@ -96,9 +102,8 @@ fn beside() -> Result<(), Failed> {
     let early: Mode = [4.3, 0.01, 0.2, -1.0];
     for (n, (id, number, force)) in laws.into_iter().enumerate() {
         let quiet = Made { zeta: 0.005, cycles: 60, noise: 0.003, seed: 30 + n as u64, force: &force }.reading();
-        let reading: Vec<f64> =
-            quiet.iter().zip(ringing(&[early], PER_CYCLE, 60, 0.0, 0)).map(|(a, b)| a + b).collect();
-        let verdict = diagnosed(reading, PER_CYCLE as f64 / TAU)?;
+        let reading: Vec<f64> = quiet.iter().zip(ringing(&[early], ROWS, 60, 0.0, 0)).map(|(a, b)| a + b).collect();
+        let verdict = diagnosed(reading, ROWS / TAU)?;
         check(verdict.verdict == Outcome::Explained, format!("{id}: {}", verdict.sentence))?;
         are_named(&verdict, &[early], id)?;
         let law = verdict.effects.iter().find(|e| e.id == id).ok_or(verdict.sentence.clone())?;
@@ -121,7 +126,7 @@ fn harmonics() -> Result<(), Failed> {
     ];
     for (n, force) in forces.into_iter().enumerate() {
         let reading = Made { zeta: 0.005, cycles: 60, noise: 0.003, seed: 40 + n as u64, force: &force }.reading();
-        let verdict = diagnosed(reading, PER_CYCLE as f64 / TAU)?;
+        let verdict = diagnosed(reading, ROWS / TAU)?;
         check(!ids(&verdict).contains(&"parasitic-mode"), format!("{n}: {}", verdict.sentence))?;
     }
     Ok(())
@@ -130,7 +135,26 @@ fn harmonics() -> Result<(), Failed> {
 // Of an acceleration the higher mode is the larger one: its swings come and go with the first one's.
 fn beats() -> Result<(), Failed> {
     let modes = [FIRST, [6.27, 0.006, 0.03 * 6.27 * 6.27, 1.0]];
-    let verdict = diagnosed(ringing(&modes, 80, 100, 0.003, 3), 80.0 / TAU)?;
+    let verdict = diagnosed(ringing(&modes, 80.0, 100, 0.003, 3), 80.0 / TAU)?;
     are_named(&verdict, &modes[1..], "beats")?;
     check(!verdict.findings.iter().any(|f| f.contains("excited again")), format!("{:?}", verdict.findings))
+}
+
+// Mains hum and its third harmonic do not die away; a string's harmonics may be those of one motion that is not linear.
+fn lines() -> Result<(), Failed> {
+    let hum = [FIRST, [2.73, 0.0, 0.04, 1.0], [8.19, 0.0, 0.03, 2.0]];
+    let verdict = diagnosed(ringing(&hum, ROWS, 100, 0.005, 6), ROWS / TAU)?;
+    check(ids(&verdict) == ["periodic-disturbance"; 2], format!("{:?} {}", ids(&verdict), verdict.sentence))?;
+    let string = [FIRST, [3.0, 0.004, 0.3, 1.0]];
+    let verdict = diagnosed(ringing(&string, ROWS, 100, 0.005, 7), ROWS / TAU)?;
+    check(verdict.effects.is_empty() && verdict.sentence.contains("a second frequency"), verdict.sentence)
+}
+
+// At 2.25 rows to a cycle the rows between two passes through zero are one or two.
+fn few_rows() -> Result<(), Failed> {
+    let verdict = diagnosed(ringing(&[[1.0, 1e-5, 1.0, 0.3]], 2.25, 4000, 0.01, 8), 2.25 / TAU)?;
+    check(verdict.verdict == Outcome::Adequate, &verdict.sentence)?;
+    let omega = verdict.base.iter().find(|b| b.name == "omega0").ok_or("no frequency")?;
+    near("frequency", omega.value, 1.0, omega.ci95[1] - omega.ci95[0])?;
+    check(!verdict.sentence.contains("none at all"), verdict.sentence)
 }

@@ -121,7 +121,11 @@ fn held<K: Kind>(
 ) -> (Arc<Fitted>, Vec<Named>) {
     let mut best = found.clone();
     loop {
-        let all: Vec<Option<Named>> = (0..best.set.len()).map(|place| named(search, base, &best, place)).collect();
+        let stands = |place: usize| {
+            let own = named(search, base, &best, place)?;
+            (!searches || !is_rhythm(search, &best, place)).then_some(own)
+        };
+        let all: Vec<Option<Named>> = (0..best.set.len()).map(stands).collect();
         // The one that was added last had the least to add.
         let idle = (0..best.set.len()).rev().filter(|place| all[*place].is_none());
         match idle.filter_map(|place| search.without(&best, place)).next() {
@@ -174,12 +178,6 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
         return None;
     }
     let law = best.set[place];
-    // What goes up and down with time puts lines next to the own one of the motion, as further modes do.
-    let is_rhythm = |l: &usize| search.kind.form(*l) == Form::Free && search.kind.argument(*l) == Argument::Rhythm;
-    let mut rhythms = (0..search.kind.laws()).filter(is_rhythm).filter_map(|l| search.with(&without, l));
-    if search.kind.argument(law) == Argument::Motion && rhythms.any(|f| search.as_good(&f, best)) {
-        return None;
-    }
     let instead = |f: &Arc<Fitted>| {
         let same = f.set.len() == best.set.len() && sorted(&f.set) != sorted(&best.set);
         let kept = without.set.iter().all(|l| f.set.contains(l));
@@ -196,6 +194,19 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
     let mut rivals: Vec<(usize, Arc<Fitted>)> = search.all().iter().filter_map(instead).collect();
     rivals.extend(search.expansions(best, &without, place));
     Some(Named { place, gain, rivals, departs: None })
+}
+
+/// Returns whether what goes up and down with time does as well as a motion of its own at a place of a set: it puts lines
+/// next to that of the first motion, as further modes do.
+fn is_rhythm<K: Kind>(search: &Search<'_, K>, best: &Arc<Fitted>, place: usize) -> bool {
+    let kind = search.kind;
+    if kind.argument(best.set[place]) != Argument::Motion {
+        return false;
+    }
+    let Some(without) = search.without(best, place) else { return false };
+    let is_other = |l: &usize| kind.form(*l) == Form::Free && kind.argument(*l) == Argument::Rhythm;
+    let mut others = (0..kind.laws()).filter(is_other).filter_map(|l| search.with(&without, l));
+    others.any(|f| search.as_good(&f, best))
 }
 
 /// Returns whether the 95 % interval of a coordinate reaches a bound: of a law without a strength that can be zero,
