@@ -1,5 +1,6 @@
 //! Notes on a recording apart from its physics.
 
+use crate::driven::base::ZETAS;
 use crate::verdict::Estimate;
 
 use super::data::Data;
@@ -64,8 +65,12 @@ impl Notes {
 
     /// Says of an oscillation that may not decay, by its base model's numbers, what else it may be.
     pub fn may_be_steady(&mut self, base: &[Estimate]) {
-        // A tenth of the value is where ± 90 % of it ends.
-        let is_steady = |number: &Estimate| number.name == "zeta" && number.ci95[0] <= 0.1 * number.value;
+        // A tenth of the value is where ± 90 % of it ends; so does the least damping that a fit reaches, where the value
+        // is hardly known. A light damping that is known well stands below that one.
+        let is_steady = |number: &Estimate| {
+            let ([low, high], value) = (number.ci95, number.value);
+            number.name == "zeta" && (low <= 0.1 * value || (low <= ZETAS[0] && high - low > value))
+        };
         if base.iter().any(is_steady) {
             let clause = "the damping may be none at all; a sensor at rest that picks up hum or vibration shows such a line \
                           too, and is diagnosed with kind = \"static\"";
