@@ -1,9 +1,9 @@
 //! A further mode of a structure that rings freely: what a diagnosis names as a parasitic mode where
 //! no input is recorded.
 //!
-//! Let go, each linear mode dies away by itself, whatever the others do: as the sum of its cosine and
-//! its sine, counted from the first sample. Its gain to an input stays unknown, so that no study runs
-//! it. A structure may ring in several ([`RingingMode::ALL`]).
+//! Once released, each linear mode decays independently of the others: a decaying cosine and sine, with time
+//! counted from the first sample. Its gain to an input stays unknown, so that no study runs it. A structure
+//! may ring in several ([`RingingMode::ALL`]).
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -35,7 +35,7 @@ pub(super) const CANDIDATE: Candidate = Candidate {
         Parameter { name: "a", unit: "y", range: (-1.0, 1.0) },
         Parameter { name: "b", unit: "y", range: (-1.0, 1.0) },
     ],
-    signature: "a second line in the spectrum of the decay, which dies away at a rate of its own",
+    signature: "a second line in the spectrum of the decay, which decays at its own rate",
     confusable_with: &["periodic-disturbance"],
     ..parasitic_mode::CANDIDATE
 };

@@ -37,8 +37,8 @@ impl Gain {
         if self.is_white { self.errors.max(self.apart) } else { self.errors }
     }
 
-    /// Returns whether further laws may follow those that the larger model adds: they hold, or few blocks show
-    /// them, as a motion that dies away early, and they hold if all that is left now is noise.
+    /// Returns whether the search may go on from the larger model: what it adds holds, or shows in few blocks, as a mode
+    /// that decays early does, and would hold if the rest were white noise. A name still needs [`Gain::holds`].
     pub(crate) fn may_hold(&self) -> bool {
         self.holds() || (!self.is_known && self.apart_at_most >= NAME && self.share >= LEAST_SHARE)
     }

@@ -64,11 +64,11 @@ pub(crate) enum Argument {
     Readout,
     /// Frequency: linear dynamics next to the base model's, or a line.
     Frequency,
-    /// A motion of its own.
+    /// A further mode.
     Motion,
-    /// A second frequency, of a motion of its own or of the first one's.
+    /// A second frequency, which may be a harmonic of the first.
     Line,
-    /// Time, to which it goes up and down.
+    /// Time, periodically.
     Rhythm,
 }
 

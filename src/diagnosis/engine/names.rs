@@ -157,7 +157,7 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
     let may_be_zero = !strengths.is_empty() && !strengths.iter().any(is_clear);
     // A law that is linear or goes with time alone can imitate anything slow or broad; one that
     // removes no more than the others may be inexact by, or that leaves more than the noise in any form
-    // of it, can be an imitation too. Two of the three are enough to doubt it. A motion of its own is a
+    // of it, can be an imitation too. Two of the three are enough to doubt it. A further mode is a
     // line, which imitates nothing large.
     let leaves = |f: &Fitted| excess(search, f) >= AT_NOISE;
     let is_small = gain.removed < EXACT * (base.error - best.error);
@@ -196,8 +196,8 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
     Some(Named { place, gain, rivals, departs: None })
 }
 
-/// Returns whether what goes up and down with time does as well as a motion of its own at a place of a set: it puts lines
-/// next to that of the first motion, as further modes do.
+/// Returns whether a periodic change in time fits as well as the further mode at a place of a set: it puts lines next to
+/// that of the first mode.
 fn is_rhythm<K: Kind>(search: &Search<'_, K>, best: &Arc<Fitted>, place: usize) -> bool {
     let kind = search.kind;
     if kind.argument(best.set[place]) != Argument::Motion {

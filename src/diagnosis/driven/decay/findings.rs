@@ -34,7 +34,7 @@ pub(super) fn findings(decay: &Decay, data: &Data, unit: &str) -> Vec<String> {
         all.push(format!("the mass is excited again near {} s: another stretch begins there", second(*knock)));
     }
     if let further @ 1.. = motion.knocks.len().saturating_sub(KNOCKS) {
-        all.push(format!("the same {further} times more"));
+        all.push(format!("the mass is excited again {further} times more"));
     }
     if last < data.hull.end {
         all.push(format!(

@@ -1,5 +1,5 @@
-//! Tells what goes at a pace of its own, a further mode or a pump, from what belongs to the motion of the first: a harmonic
-//! of a motion that is not linear, the two side lines of one that is modulated, or part of a line that is not a mode's.
+//! Tells a further mode from lines that the first mode makes: harmonics of a nonlinear motion, the two side lines of a
+//! modulated one, or part of the first line itself. A pump of the spring is told from such harmonics, too.
 
 use std::f64::consts::TAU;
 
@@ -32,7 +32,7 @@ impl System {
         (*of > 1).then(|| TAU / (rows * data.interval_s()))
     }
 
-    /// Returns whether each further mode of a set, and a pump of its spring, goes at a pace of its own.
+    /// Returns whether the first mode cannot be the cause of any further mode of a set, or of a pump of its spring.
     pub(super) fn stands_alone(&self, set: &[usize], point: &Point) -> bool {
         let places = |is: fn(&Term) -> bool| (0..set.len()).filter(move |place| is(&self.members[set[*place]].term));
         let is_mode = |t: &Term| matches!(t, Term::RingingMode(mode) if *mode != RingingMode::ANY);

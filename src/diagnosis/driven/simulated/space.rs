@@ -81,8 +81,7 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
     ];
     if is_driven {
         forms.extend([free(Freed::Drive, 2.0 * scales.input), free(Freed::Readout, size)]);
-    }
-    if !is_driven {
+    } else {
         let any = [Term::PumpedStiffness(PumpedStiffness), Term::RingingMode(RingingMode::ANY)];
         forms.extend(any.map(|term| Member { term, form: Form::Free }));
     }
