@@ -56,7 +56,7 @@ pub(crate) struct Found {
 /// already.
 pub(crate) fn names<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, known: Option<Arc<Fitted>>) -> Found {
     let found = search.run(&base, known);
-    let judged = judged(search, base, found, true);
+    let judged = judged(search, base, found, None);
     let mut alone: Vec<(usize, Gain)> = search
         .all()
         .into_iter()
@@ -81,19 +81,19 @@ pub(crate) fn again<K: Kind>(
         search.at(&rival.set, &begin(rival));
     }
     let best = if grows { search.grown(&base, best) } else { best };
-    let judged = judged(search, base, best, false);
+    let judged = judged(search, base, best, Some(found));
     Some(Found { alone: found.alone.clone(), ..judged })
 }
 
-/// Says what holds of the best set; with `searches` rivals are looked for.
-fn judged<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, found: Arc<Fitted>, searches: bool) -> Found {
+/// Says what holds of the best set; rivals are looked for where nothing was found `earlier`.
+fn judged<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, found: Arc<Fitted>, earlier: Option<&Found>) -> Found {
     // A law is another one of its kind where that leaves the noise alone, or, at the noise, does better by more
     // than laws are inexact by.
     let bent = search.or_expanded(search.with_exponents(found.clone()));
-    let (best, named) = held(search, &base, &found, searches);
+    let (best, named) = held(search, &base, &found, earlier);
     let reaches = excess(search, &bent) < AT_NOISE && excess(search, &best) >= FAINT;
     let is_other = reaches || best.error - bent.error > EXACT * (base.error - best.error);
-    let (best, mut named) = if is_other { held(search, &base, &bent, searches) } else { (best, named) };
+    let (best, mut named) = if is_other { held(search, &base, &bent, earlier) } else { (best, named) };
     named.sort_by(|a, b| b.gain.removed.total_cmp(&a.gain.removed));
     let together = search.gain(&base, &best);
     let whole = !named.is_empty() && named.len() == best.set.len();
@@ -117,13 +117,14 @@ fn held<K: Kind>(
     search: &Search<'_, K>,
     base: &Fitted,
     found: &Arc<Fitted>,
-    searches: bool,
+    earlier: Option<&Found>,
 ) -> (Arc<Fitted>, Vec<Named>) {
     let mut best = found.clone();
     loop {
         let stands = |place: usize| {
             let own = named(search, base, &best, place)?;
-            (!searches || !is_rhythm(search, &best, place)).then_some(own)
+            let is_weighed = earlier.is_some_and(|found| found.model.set.contains(&best.set[place]));
+            (is_weighed || !is_rhythm(search, &best, place)).then_some(own)
         };
         let all: Vec<Option<Named>> = (0..best.set.len()).map(stands).collect();
         // The one that was added last had the least to add.
@@ -131,7 +132,7 @@ fn held<K: Kind>(
         match idle.filter_map(|place| search.without(&best, place)).next() {
             Some(without) => {
                 best = without;
-                if searches {
+                if earlier.is_none() {
                     search.exchanged(&best);
                 }
             }
