@@ -35,6 +35,7 @@ mod suite {
     pub mod digits;
     pub mod documents;
     pub mod driven_bad_input;
+    pub mod driven_modes;
     pub mod dynamics;
     pub mod emit;
     pub mod export;
@@ -312,6 +313,7 @@ fn main() {
         suite::creeping_friction::tests(),
         suite::dense_decays::tests(),
         suite::modes::tests(),
+        suite::driven_modes::tests(),
         suite::long_decays::tests(),
         // held_chaos: chaotic motion under an input that is held between its samples.
         suite::held_chaos::tests(),

@@ -12,9 +12,14 @@ use super::study::Given;
 use crate::numerics::elementary::{Real, fma};
 use crate::units::key::{Key, Sign};
 
-/// A second resonance that answers the same input and adds to the reading.
+/// A second resonance that answers the same input and adds to the reading, by its place among them.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct ParasiticMode;
+pub struct ParasiticMode(pub usize);
+
+impl ParasiticMode {
+    /// All that a diagnosis looks for.
+    pub const ALL: [Self; 3] = [Self(0), Self(1), Self(2)];
+}
 
 /// States the candidate for the library.
 pub(crate) const CANDIDATE: Candidate = Candidate {
@@ -88,8 +93,9 @@ impl Law for ParasiticMode {
     fn fastest_rad_s(&self, p: &[f64], _: &Scales) -> f64 {
         0.35 * p[1]
     }
+    /// A study has one.
     fn study(&self) -> &'static [Given] {
-        GIVEN
+        if self.0 == 0 { GIVEN } else { &[] }
     }
     fn wgsl(&self) -> &'static str {
         "fn parasitic_mode_rates(at: Instant, p0: f32, p1: f32, p2: f32, own: vec2<f32>) -> vec2<f32> {

@@ -5,7 +5,7 @@ mod acting;
 pub mod filter;
 mod force;
 pub mod gain;
-mod mover;
+pub mod mover;
 mod once;
 mod propagator;
 pub mod restarted;

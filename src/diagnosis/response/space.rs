@@ -47,7 +47,7 @@ fn stated(with_time: bool) -> Vec<Term> {
         Term::SqueezeFilmDamping(SqueezeFilmDamping),
         Term::CoulombFriction(CoulombFriction::default()),
         Term::CoupledMode(CoupledMode),
-        Term::ParasiticMode(ParasiticMode),
+        Term::ParasiticMode(ParasiticMode(0)),
         Term::ReadoutDelay(ReadoutDelay),
         Term::ReadoutLowpass(ReadoutLowpass::default()),
         Term::ReadoutHighpass(ReadoutHighpass),

@@ -15,6 +15,8 @@ use crate::engine::kind::{Argument, Kind};
 use crate::engine::levels::AT_NOISE;
 use crate::engine::names;
 use crate::engine::search::Search;
+use crate::physics::library::Term;
+use crate::physics::parasitic_mode::ParasiticMode;
 
 use super::input::{gone, other_input};
 use super::rows::{CYCLES, LEAST_SEGMENT};
@@ -36,11 +38,17 @@ pub(crate) fn driven(prepared: &Prepared) -> Option<Decay> {
     let excerpt = loudest(&data);
     let whole = start::base(excerpt.as_ref().unwrap_or(&data), hints);
     begins.extend(whole.map(|(fit, _)| [GAIN, OMEGA, ZETA].map(|i| fit.point[i])));
-    let search = |data: Data| {
+    let search_from = |data: Data, begins: &[[f64; 3]]| {
         let rows = under_input::rows(&data, cycle, Some(segment));
         let stretches = std::iter::once(data.hull.clone()).collect();
         let motion = Motion { cycle, stretches, is_released: false, knocks: Vec::new() };
-        Some(searched(data, rows, motion, &begins)?.further())
+        Some(searched(data, rows, motion, begins)?.further())
+    };
+    // What the mass is without may belong to another mode than the one that is read the most.
+    let search = |data: Data| {
+        let first = search_from(data.clone(), &begins)?;
+        let others = first.other_modes().into_iter().filter_map(|mode| search_from(data.clone(), &[mode]));
+        others.chain([first]).min_by(|a, b| a.left().total_cmp(&b.left()))
     };
     let decay = search(data.clone())?;
     let models = [&*decay.found.model, &*decay.found.best];
@@ -53,6 +61,25 @@ pub(crate) fn driven(prepared: &Prepared) -> Option<Decay> {
 }
 
 impl Decay {
+    /// Variance that the final model leaves, over that of the noise.
+    fn left(&self) -> f64 {
+        self.found.model.variance / self.variance
+    }
+
+    /// Gain, frequency and damping of each further mode of the best set, where it leaves more than the noise, though no
+    /// mode is missing: another one would be in it.
+    fn other_modes(&self) -> Vec<[f64; 3]> {
+        let (system, best) = (&self.system, &self.found.best);
+        let is_mode = |place: &usize| matches!(system.members[best.set[*place]].term, Term::ParasiticMode(_));
+        let modes: Vec<usize> = (0..best.set.len()).filter(is_mode).collect();
+        if self.left() < 1.0 + AT_NOISE || modes.len() == ParasiticMode::ALL.len() {
+            return Vec::new();
+        }
+        let values = system.shared_values(&best.set, &best.point);
+        let first = modes.into_iter().map(|place| system.coordinates(&best.set, place).start);
+        first.filter_map(|first| values[first..].first_chunk().copied()).collect()
+    }
+
     /// Searches again over the longest segments that the final model follows the motion through.
     fn further(self) -> Self {
         let mut system = self.numbers.system.clone();

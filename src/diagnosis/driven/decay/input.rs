@@ -1,5 +1,7 @@
 //! The way of the input between its samples: what a wrong one leaves looks like linear laws.
 
+use std::sync::Arc;
+
 use crate::driven::intake::data::Data;
 use crate::driven::intake::input::Interpolation;
 use crate::driven::simulated::rows::Rows;
@@ -34,8 +36,9 @@ pub(super) fn rows(rows: &Rows, how: Interpolation) -> Rows {
 /// Error of a model on another input, where it is as good there without its linear laws, or with one law in the place
 /// of several, or better.
 fn left(other: &System, system: &System, noise: f64, model: &Fitted) -> Option<f64> {
+    let is_linear = |law: &usize| other.argument(*law) == Argument::Frequency;
     let (mut set, mut point) = (model.set.clone(), model.point.clone());
-    while let Some(place) = set.iter().position(|law| other.argument(*law) == Argument::Frequency) {
+    while let Some(place) = set.iter().position(is_linear) {
         point = other.without(&set, &point, place);
         set.remove(place);
     }
@@ -50,6 +53,12 @@ fn left(other: &System, system: &System, noise: f64, model: &Fitted) -> Option<f
     // Where the rest of the model does no better there, no linear law makes up for that.
     let is_worth_it = || fit(system, &set, &point, MOST_STEPS).is_none_or(|here| without.error < here.error);
     let with = if has_fewer && is_worth_it() { search.children(&without, Form::Stated, false) } else { Vec::new() };
-    let good = with.into_iter().chain([without]).filter(|f| is_as_good(f) || search.holds(model, f));
+    // Where one of the linear laws is large, it hides from the rest on which input that does better.
+    let whole = search.at(&model.set, &model.point);
+    let places = |f: &Fitted| (0..f.set.len()).filter(|place| is_linear(&f.set[*place])).collect::<Vec<_>>();
+    let less = |f: &Arc<Fitted>| -> Vec<_> { places(f).into_iter().filter_map(|p| search.without(f, p)).collect() };
+    let one_less = whole.as_ref().map(less).unwrap_or_default();
+    let good = with.into_iter().chain(one_less).chain(whole).chain([without]);
+    let good = good.filter(|f| is_as_good(f) || search.holds(model, f));
     good.map(|f| f.error).min_by(f64::total_cmp)
 }

@@ -26,7 +26,7 @@ use super::residual_structure::residual_structure;
 use super::rivals::TIE;
 
 const TWO_POLES: Term = Term::ReadoutLowpass(ReadoutLowpass(Poles::Two));
-const MODE: Term = Term::ParasiticMode(ParasiticMode);
+const MODE: Term = Term::ParasiticMode(ParasiticMode(0));
 const TWO_MASSES: Term = Term::CoupledMode(CoupledMode);
 /// Iterations of poles, or of masses and springs, that move along each other.
 const HEAT: usize = 3 * ITERATIONS;

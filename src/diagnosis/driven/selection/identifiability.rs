@@ -211,7 +211,7 @@ mod tests {
     #[test]
     fn two_parameters_a_line_and_no_more_are_told_apart() {
         let delay = Term::ReadoutDelay(ReadoutDelay);
-        let (mode, cubic) = (Term::ParasiticMode(ParasiticMode), Term::CubicStiffness(CubicStiffness));
+        let (mode, cubic) = (Term::ParasiticMode(ParasiticMode(0)), Term::CubicStiffness(CubicStiffness));
         let lines = |n: usize| Identifiability { lines_hz: vec![1.0; n], few_cycles: None };
         // One line, two numbers, four parameters; two lines, four numbers, four parameters; three
         // lines, six numbers.

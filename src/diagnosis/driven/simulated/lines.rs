@@ -21,11 +21,11 @@ const PEAKS: usize = 5;
 
 impl System {
     /// Scales with which a law is added to a set. A periodic disturbance and a mode start at the lines of the residual
-    /// that the set leaves; a mode also at further peaks of the reading, which a segment too short to beat hides.
+    /// that the set leaves; a free mode also at further peaks of the reading, which a segment too short to beat hides.
     pub(super) fn scales_for(&self, term: &Term, set: &[usize], point: &Point) -> Scales {
         let is_short = self.samples().at.len() <= MOST;
         let lines_hz = match term {
-            Term::PeriodicDisturbance(_) if is_short => self.lines_hz(set, point),
+            Term::PeriodicDisturbance(_) | Term::ParasiticMode(_) if is_short => self.lines_hz(set, point),
             Term::RingingMode(_) | Term::PumpedStiffness(_) if is_short => {
                 self.peaks_hz().into_iter().skip(1).chain(self.lines_hz(set, point)).collect()
             }

@@ -9,6 +9,7 @@ use crate::physics::free_form::{Extent, FreeForm, Freed};
 use crate::physics::hysteresis::{Hysteresis, Sharpness};
 use crate::physics::law::Role;
 use crate::physics::library::Term;
+use crate::physics::parasitic_mode::ParasiticMode;
 use crate::physics::periodic_disturbance::PeriodicDisturbance;
 use crate::physics::power::Exponent;
 use crate::physics::power_law_damping::PowerLawDamping;
@@ -49,7 +50,9 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
             terms.push(stop);
         }
     }
-    if !is_driven {
+    if is_driven {
+        terms.extend(ParasiticMode::ALL.into_iter().skip(1).map(Term::ParasiticMode));
+    } else {
         terms.extend(RingingMode::ALL.map(Term::RingingMode));
         terms.push(Term::PeriodicDisturbance(PeriodicDisturbance(1)));
     }
@@ -127,9 +130,9 @@ pub(in crate::driven) fn argument(term: &Term) -> Argument {
 /// several lines.
 pub(in crate::driven) fn place(term: &Term) -> Option<(&'static str, usize)> {
     match term {
-        Term::RingingMode(RingingMode(place)) | Term::PeriodicDisturbance(PeriodicDisturbance(place)) => {
-            Some((term.id(), *place))
-        }
+        Term::ParasiticMode(ParasiticMode(place))
+        | Term::RingingMode(RingingMode(place))
+        | Term::PeriodicDisturbance(PeriodicDisturbance(place)) => Some((term.id(), *place)),
         _ => None,
     }
 }

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use crate::driven::base::{GAIN, OFFSET, OMEGA, OMEGAS_PER_SAMPLE, ZETA, ZETAS};
 use crate::driven::simulation::filter::{Keep, Nothing};
+use crate::driven::simulation::mover::have_room;
 use crate::driven::simulation::run::{Run, innovations};
 use crate::driven::simulation::structure::ModelStructure;
 use crate::engine::kind::{Argument, Form, Kind, Layout, Linearised, Point};
@@ -254,10 +255,9 @@ impl Kind for System {
     fn joined(&self, set: &[usize], point: &Point, law: usize) -> Vec<Point> {
         let mut larger = set.to_vec();
         larger.push(law);
-        let staged = |t: &Term| if t.role().acts_on_mass() { t.states() } else { 0 };
         let terms = self.terms(&larger);
         let frictions = terms.iter().filter(|t| t.role() == Role::Friction).count();
-        if terms.iter().map(staged).sum::<usize>() > crate::physics::state::MOST_STAGED || frictions > 1 {
+        if !have_room(&terms) || frictions > 1 {
             return Vec::new();
         }
         let term = self.members[law].term;

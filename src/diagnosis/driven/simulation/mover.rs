@@ -4,8 +4,8 @@ use crate::physics::law::Role;
 use crate::physics::library::Term;
 use crate::physics::state::{LANES, Lanes, MOST_STAGED, MOST_VALUES, Values};
 
-/// Most own states of all terms of a model together.
-pub(super) const MOST_STATES: usize = 8;
+/// Most own states of all terms of a model together: those that move the mass, three modes, and a filter of two poles.
+pub(super) const MOST_STATES: usize = MOST_STAGED + 3 * 2 + 2;
 
 /// A term, its values and where its states begin.
 #[repr(C, align(64))]
@@ -20,6 +20,15 @@ pub(super) struct Mover<'a> {
     pub first: usize,
     /// Index of its first state among those of all terms.
     pub state: usize,
+}
+
+/// Returns whether a pass has room for the own states of these terms.
+pub(in crate::driven) fn have_room(terms: &[Term]) -> bool {
+    let [moving, others] = [true, false].map(|moves| {
+        let own = terms.iter().filter(|t| t.role().acts_on_mass() == moves);
+        own.map(|t| t.states()).sum::<usize>()
+    });
+    moving <= MOST_STAGED && others <= MOST_STATES - MOST_STAGED
 }
 
 /// Terms in their order; those that move the mass have the first states.

@@ -175,8 +175,9 @@ impl Simulation {
         answer.fit.noise_floor = noise.unwrap_or(answer.fit.noise_floor);
         let share = |gain: Gain| Share { value: gain.share, ci95: gain.ci95() };
         for (index, gain) in &worth.each {
-            let id = c.model.fit.structure.terms[*index].id();
-            if let Some(effect) = answer.effects.iter_mut().find(|e| e.id == id) {
+            // Effects begin with the named terms, in their order; several may have one id.
+            let place = c.named.iter().position(|n| n.index == *index);
+            if let Some(effect) = place.and_then(|place| answer.effects.get_mut(place)) {
                 effect.share = Some(share(*gain));
             }
         }

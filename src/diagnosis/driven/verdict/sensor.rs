@@ -190,6 +190,7 @@ fn why_not(term: &Term) -> &'static str {
         Term::ReadoutSaturation(_) => "a study's range is the same on both sides of zero",
         Term::ReadoutLowpass(_) => "a study's low-pass has one pole",
         Term::BiasDrift(_) => "a study's ramp is a straight line",
+        Term::ParasiticMode(_) => "a study has one further mode",
         Term::RingingMode(_) => "how an input moves it shows under an input alone",
         Term::InputLag(_) | Term::InputHighpass(_) => "it belongs to what recorded the input, not to the sensor",
         _ => "a study has no key for it",
