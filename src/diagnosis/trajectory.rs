@@ -31,6 +31,7 @@ mod known;
 mod left_out;
 mod log;
 mod mistaken;
+mod mounted;
 mod orientation;
 mod parameters;
 mod permutation;
@@ -193,16 +194,17 @@ fn examined<T>(
         library.retain(|t| t.parameters != LEVER_ARM);
         examined.findings.push(LEVER_ARM_UNDETERMINED.into());
     }
+    let base = selection::base(&case);
+    // What is free anyway is no candidate.
+    library.retain(|t| t.parameters.clone().all(|p| !base.contains(&p)));
     // The Earth's rate is too small to bend anything: its slope is judged, and it is never
     // followed.
     // Next to positions alone most of the library is poorly observable, and a fit of everything
     // goes astray: at first only clock and lever arm are free.
     let first = |t: &&&candidate::Term| motion.halves.attitude || t.sensor.is_none();
     let first = library.iter().filter(first).copied();
-    let everything: Vec<usize> = selection::with(&selection::base(motion.halves), first)
-        .into_iter()
-        .filter(|p| !EARTH_RATE.contains(p))
-        .collect();
+    let everything: Vec<usize> =
+        selection::with(&base, first).into_iter().filter(|p| !EARTH_RATE.contains(p)).collect();
     let mut point = [0.0; PARAMETERS];
     point[OFFSET] = start.offset_s;
     point[GYRO_BIAS].copy_from_slice(start.gyro_bias.as_slice());
@@ -229,12 +231,11 @@ fn examined<T>(
         // Attitude that is reckoned from the gyro gives the residual a colour that changes with the
         // motion: what falls by less than such colour may is not named.
         let least_part = if motion.halves.attitude { 0.0 } else { COLOUR };
-        let allowed = Allowed { halves: motion.halves, least_part, tilt_rad, interval_s: log.interval_s };
+        let allowed = Allowed { base: &base, least_part, tilt_rad, interval_s: log.interval_s };
         selection::select(&fit.linear, &library, &allowed, control).map_err(stopped)
     };
     let about = |fit: &Fit, selection: &Selection| {
-        let active: Vec<usize> =
-            selection.active(motion.halves).into_iter().filter(|p| !EARTH_RATE.contains(p)).collect();
+        let active: Vec<usize> = selection.active().into_iter().filter(|p| !EARTH_RATE.contains(p)).collect();
         let solved = fit.linear.solve(&active, |_| true).point;
         Fit::new(&case, &solved, &active, control).map_err(stopped)
     };

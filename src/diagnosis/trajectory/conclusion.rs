@@ -12,13 +12,14 @@ use super::effects;
 use super::fit::Fit;
 use super::judgement::{COLOUR, HeldOut, Standing};
 use super::log::Log;
+use super::mounted;
 use super::parameters::Point;
 use super::permutation::Permutation;
 use super::plausible;
 use super::published::{self, Fitted};
 use super::rows::Row;
 use super::scatter;
-use super::selection::{Named, Selection, base};
+use super::selection::{Named, Selection};
 use super::sensor::Diagnosed;
 use super::start::Start;
 use super::vibration::{self, Vibration};
@@ -118,8 +119,8 @@ impl Examined<'_> {
         let (fit, selection, halves) = (found.fit, found.selection, found.case.motion.halves);
         let matrix = if halves.attitude { ACCELEROMETER_HELD } else { ACCELEROMETER_FREE };
         self.findings.push(format!("{matrix}; a tumble recording determines them"));
-        let small = base(halves);
-        let active = selection.active(halves);
+        let small = selection.base.clone();
+        let active = selection.active();
         let fitted = |active: &[usize]| Fitted::of(&fit.linear, active, found.log.interval_s);
         let chosen = fitted(&active);
         let wide = fitted(&published::usual(&active, selection));
@@ -132,7 +133,7 @@ impl Examined<'_> {
             Evidence { held_out_gain: found.start.explained.max(0.0), p_value: found.start.chance_exchanged };
         let mut effects = effects::of_fit(selection, &chosen, |term| self.channels(term));
         let tied = effects.iter().filter(|e| !e.confusable_with.is_empty()).count();
-        effects::mounted(&mut effects, found.start, &self.names);
+        mounted::named(&mut effects, &chosen, found.start, &self.names);
         effects.splice(0..0, self.of_readings([clipped; 2], swap, exchanged));
         let seated = fitted(&published::seated(&active, halves));
         let own = scatter::random_walks(found.log, self.stated);
@@ -187,7 +188,7 @@ impl Examined<'_> {
         // Noise and limits are named next to a model that they do not change.
         let changed = !effects.is_empty() && active != small && !failed;
         let scores = scores(found, [&before, &chosen.point], &held, changed);
-        let base = if failed { Vec::new() } else { published::base(&seated, &wide) };
+        let base = if failed { Vec::new() } else { published::base(&seated, &wide, found.case.turned) };
         let mut answer = self.answer(outcome, effects, scores, remainder, base, detail);
         answer.ranking = if failed { Vec::new() } else { ranking(&answer.effects, selection) };
         answer

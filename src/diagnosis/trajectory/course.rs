@@ -99,6 +99,13 @@ impl Case<'_> {
         all.filter(|(_, masked)| **masked).map(|(time_s, _)| time_s - clock_s(point)).collect()
     }
 
+    /// Returns whether the fit turns a mounting that the search began with further. Next to free axes of the
+    /// gyro only specific force tells a mounting, and only positions say what that should be.
+    pub(super) fn refines_mounting(&self) -> bool {
+        let halves = self.motion.halves;
+        self.turned.angle() > 0.0 && halves.attitude && halves.position
+    }
+
     /// C at a point.
     pub(super) fn mounting(&self, point: &Point) -> UnitQuaternion<f64> {
         self.turned * UnitQuaternion::from_scaled_axis(vector(point, MOUNTING.start))

@@ -1,10 +1,6 @@
 //! Named effects as the public document states them.
 
-use nalgebra::{UnitQuaternion, Vector3};
-
-use super::candidate::{
-    AXIS_SWAP, CLOCK, LOWPASS, MOUNTING, REFERENCE_NOISE, SATURATION, TIME_OFFSET, Term, VIBRATION,
-};
+use super::candidate::{AXIS_SWAP, CLOCK, LOWPASS, REFERENCE_NOISE, SATURATION, TIME_OFFSET, Term, VIBRATION};
 use super::clipping::Limit;
 use super::judgement::Standing;
 use super::log::Halves;
@@ -13,16 +9,11 @@ use super::permutation::Permutation;
 use super::published::Fitted;
 use super::scatter::Excess;
 use super::selection::{Named, Selection};
-use super::start::Start;
 use super::vibration::Vibration;
 use crate::candidate::Candidate;
 use crate::number::short;
 use crate::sensor::Sense;
-use crate::units::DEGREE;
 use crate::verdict::{Effect, Estimate, Evidence};
-
-/// Accuracy to which a mounting that needed no fit is known, °: below, it would cost nothing.
-const SMALL_DEG: f64 = 0.1;
 
 /// Difference between the lag of a real filter and that of one pole, as a fraction of the time
 /// constant, that is still put down to the filter: the difference that higher poles at twenty times
@@ -37,7 +28,13 @@ pub(super) fn unit(sensor: Sense) -> &'static str {
     }
 }
 
-fn effect(candidate: &Candidate, parameters: Vec<Estimate>, channels: Vec<String>, evidence: Evidence) -> Effect {
+/// An effect without form, share or rivals.
+pub(super) fn effect(
+    candidate: &Candidate,
+    parameters: Vec<Estimate>,
+    channels: Vec<String>,
+    evidence: Evidence,
+) -> Effect {
     Effect {
         id: candidate.id.into(),
         statement: candidate.statement.into(),
@@ -88,30 +85,6 @@ fn fitted(named: &Named, fit: &Fitted, channels: Vec<String>) -> Effect {
     let mut effect = effect(term.candidate, parameters, channels, evidence);
     effect.confusable_with = named.rivals.iter().map(|t| t.id().to_owned()).collect();
     effect
-}
-
-/// A mounting by large angles, which the start found: the effect is there, and its numbers are
-/// those of the whole rotation.
-pub(super) fn mounted(effects: &mut Vec<Effect>, start: &Start, names: &[[String; 3]; 2]) {
-    let turned = start.turned;
-    if turned.angle() == 0.0 {
-        return;
-    }
-    let known = effects.iter().position(|e| e.id == MOUNTING.id);
-    let small = known.map(|at| effects.remove(at));
-    let half = |axis: usize| {
-        small.as_ref().and_then(|e| e.parameters.get(axis)).map_or(SMALL_DEG, |p| 0.5 * (p.ci95[1] - p.ci95[0]))
-    };
-    let rest = small.as_ref().map_or(Vector3::zeros(), |e| Vector3::from_fn(|i, _| e.parameters[i].value * DEGREE));
-    let whole = (turned * UnitQuaternion::from_scaled_axis(rest)).scaled_axis() / DEGREE;
-    let parameters = ["x", "y", "z"].into_iter().enumerate().map(|(axis, name)| Estimate {
-        name: name.into(),
-        value: whole[axis],
-        unit: "deg".into(),
-        ci95: [whole[axis] - half(axis), whole[axis] + half(axis)],
-    });
-    let evidence = Evidence { held_out_gain: start.explained.max(0.0), p_value: start.chance_turned };
-    effects.insert(0, effect(&MOUNTING, parameters.collect(), names.concat(), evidence));
 }
 
 /// Readings at a limit; `gain` is the fraction of the error that lies in the time when they stand

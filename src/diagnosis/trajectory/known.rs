@@ -70,7 +70,7 @@ impl Question {
         let halves = found.case.motion.halves;
         let library = candidate::terms(halves);
         let has = |p: &usize| library.iter().any(|t| t.parameters.contains(p));
-        let base = found.selection.active(halves);
+        let base = found.selection.active();
         let usual = published::usual(&base, found.selection);
         // A mounting only where it was named: next to free axes of the gyro no motion tells it.
         let more = G_SENSITIVITY.filter(has).filter(|p| !usual.contains(p));

@@ -11,8 +11,8 @@ use super::parameters::{
 use super::rows::{Bins, Orders, Row, Spacing, rows};
 use crate::parallel;
 
-/// Nor how fast.
-pub(super) const POSITION: Orders = Orders { of: [2; 3], spacing: Spacing::Width };
+/// Nor how fast: bins that are cut short next to a gap stand uneven, and must leave nothing of a velocity.
+pub(super) const POSITION: Orders = Orders { of: [2; 3], spacing: Spacing::Middles };
 
 /// Rows of the position: changes of velocity from bin to bin, m/s².
 pub(super) fn position_rows(case: &Case<'_>, course: &Course, point: &Point, bins: &Bins, error: &Steady) -> Vec<Row> {

@@ -2,11 +2,12 @@
 //! fitted next to all that is named so that none is forced to zero because it was too small to be
 //! named.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::blocks::Linear;
 use super::course::{accelerometer_matrix, gyro_matrix, vector};
 use super::log::Halves;
+use super::mounted;
 use super::parameters::{
     DRIFT, FORCE_BIAS, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_SCALE, LEVER_ARM, LOWPASS, MOUNTING, OFFSET, Point, TILT,
     lowpass_s, stated, widths,
@@ -70,7 +71,7 @@ impl Fitted {
     }
 
     /// A number made of parameters, with its 95 % interval.
-    fn number(&self, of: &dyn Fn(&Point) -> f64) -> (f64, [f64; 2]) {
+    pub(super) fn number(&self, of: &dyn Fn(&Point) -> f64) -> (f64, [f64; 2]) {
         let (value, half) = (of(&self.point), half_width(of, &self.point, &self.apart));
         (value, [value - half, value + half])
     }
@@ -100,25 +101,26 @@ pub(super) fn seated(active: &[usize], halves: Halves) -> Vec<usize> {
 
 /// Numbers of the base model, and clock, mounting and lever arm of the wide one; those that are
 /// known less well than before the recording are left out.
-pub(super) fn base(chosen: &Fitted, wide: &Fitted) -> Vec<Estimate> {
+pub(super) fn base(chosen: &Fitted, wide: &Fitted, turned: UnitQuaternion<f64>) -> Vec<Estimate> {
     let widths = widths();
     let is_known = |p: usize, e: &Estimate, per_si: f64| e.ci95[1] - e.ci95[0] <= 2.0 * widths[p] * per_si;
+    let mut all: Vec<Estimate> = Vec::new();
     let rows = [
         (chosen, GYRO_BIAS, ["gyro_bias_x", "gyro_bias_y", "gyro_bias_z"], "rad/s", 1.0),
         (chosen, FORCE_BIAS, ["accelerometer_bias_x", "accelerometer_bias_y", "accelerometer_bias_z"], "m/s^2", 1.0),
-        (wide, MOUNTING, ["mounting_x", "mounting_y", "mounting_z"], "deg", 1.0 / DEGREE),
         (wide, LEVER_ARM, ["lever_arm_x", "lever_arm_y", "lever_arm_z"], "m", 1.0),
     ];
-    let mut all: Vec<Estimate> = rows
-        .into_iter()
-        .flat_map(|(fitted, range, names, unit, per_si)| {
-            let there = range.zip(names).filter(|(p, _)| fitted.has(*p));
-            there.filter_map(move |(p, name)| {
-                let estimate = fitted.estimate(p, name, unit, per_si);
-                is_known(p, &estimate, per_si).then_some(estimate)
-            })
-        })
-        .collect();
+    for (fitted, range, names, unit, per_si) in rows {
+        if range == LEVER_ARM && wide.has(MOUNTING.start) {
+            let angles = mounted::angles(wide, turned, ["mounting_x", "mounting_y", "mounting_z"]);
+            all.extend(MOUNTING.zip(angles).filter(|(p, e)| is_known(*p, e, 1.0 / DEGREE)).map(|(_, e)| e));
+        }
+        let there = range.zip(names).filter(|(p, _)| fitted.has(*p));
+        all.extend(there.filter_map(|(p, name)| {
+            let estimate = fitted.estimate(p, name, unit, per_si);
+            is_known(p, &estimate, per_si).then_some(estimate)
+        }));
+    }
     for (p, name) in TILT.zip(["gravity_north", "gravity_east"]).filter(|(p, _)| chosen.has(*p)) {
         all.push(chosen.estimate(p, name, "m/s^2", 1.0));
     }

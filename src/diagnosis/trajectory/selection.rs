@@ -3,8 +3,8 @@
 
 use super::blocks::Linear;
 use super::candidate::{LOWPASS, MISALIGNMENT, MOUNTING, TIME_OFFSET, Term};
+use super::course::Case;
 use super::judgement::{Question, Standing, judge};
-use super::log::Halves;
 use super::parameters::{self, FORCE_BIAS, FORCE_MATRIX, GYRO_BIAS, OFFSET, TILT};
 use crate::control::{Control, Stopped};
 use crate::numerics::order;
@@ -21,6 +21,8 @@ const PER_PARAMETER: f64 = 2.0;
 /// The outcome of a search.
 #[derive(Debug, Clone)]
 pub(super) struct Selection {
+    /// Parameters of the base model.
+    pub base: Vec<usize>,
     /// Named, strongest first, each judged against the model without it.
     pub named: Vec<Named>,
     /// The rest, judged as additions.
@@ -49,15 +51,20 @@ impl Selection {
     }
 
     /// The chosen model's parameters.
-    pub(super) fn active(&self, halves: Halves) -> Vec<usize> {
-        with(&base(halves), self.named.iter().map(|n| n.standing.term))
+    pub(super) fn active(&self) -> Vec<usize> {
+        with(&self.base, self.named.iter().map(|n| n.standing.term))
     }
 }
 
 /// Parameters of the base model.
-pub(super) fn base(halves: Halves) -> Vec<usize> {
+///
+/// A mounting that the search began with is a rough one, and free like a bias: what is left of it would
+/// pass for misalignment.
+pub(super) fn base(case: &Case<'_>) -> Vec<usize> {
+    let halves = case.motion.halves;
     let by_position = FORCE_BIAS.chain(TILT.filter(|_| halves.attitude)).filter(|_| halves.position);
-    GYRO_BIAS.chain(by_position).chain(FORCE_MATRIX.filter(|_| !halves.attitude)).collect()
+    let seat = parameters::MOUNTING.filter(|_| case.refines_mounting());
+    GYRO_BIAS.chain(by_position).chain(FORCE_MATRIX.filter(|_| !halves.attitude)).chain(seat).collect()
 }
 
 /// A model and more terms.
@@ -67,9 +74,9 @@ pub(super) fn with(active: &[usize], terms: impl IntoIterator<Item = &'static Te
 
 /// Holds what the reference allows to be told.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Allowed {
-    /// Holds what of each pose it has.
-    pub halves: Halves,
+pub(super) struct Allowed<'a> {
+    /// Parameters of the base model.
+    pub base: &'a [usize],
     /// Fraction of the held-out sum of squares that a name must account for.
     pub least_part: f64,
     /// By how much attitudes may err, root mean square: what is smaller in the accelerometer may be
@@ -86,11 +93,11 @@ pub(super) struct Allowed {
 pub(super) fn select(
     linear: &Linear,
     library: &[&'static Term],
-    allowed: &Allowed,
+    allowed: &Allowed<'_>,
     control: &Control,
 ) -> Result<Selection, Stopped> {
-    let base = base(allowed.halves);
-    let search = Search { linear, library, base: &base, allowed };
+    let base = allowed.base;
+    let search = Search { linear, library, base, allowed };
     let mut named: Vec<&'static Term> = Vec::new();
     let mut seen: Vec<Vec<usize>> = Vec::new();
     for _ in 0..ROUNDS {
@@ -109,7 +116,7 @@ pub(super) fn select(
             let Some(weakest) = kept.filter(|s| !s.counts()).min_by(|a, b| a.fall.total_cmp(&b.fall)) else { break };
             named.retain(|t| *t != weakest.term);
         }
-        let state = with(&base, named.iter().copied());
+        let state = with(base, named.iter().copied());
         if named.len() == before || seen.contains(&state) {
             break;
         }
@@ -121,14 +128,14 @@ pub(super) fn select(
     order::sort_by_key(&mut others, |s| s.p_value);
     let named =
         standings.into_iter().map(|standing| Named { rivals: search.rivals(&named, &standing), standing }).collect();
-    Ok(Selection { named, others })
+    Ok(Selection { base: base.to_vec(), named, others })
 }
 
 struct Search<'a> {
     linear: &'a Linear,
     library: &'a [&'static Term],
     base: &'a [usize],
-    allowed: &'a Allowed,
+    allowed: &'a Allowed<'a>,
 }
 
 impl Search<'_> {
