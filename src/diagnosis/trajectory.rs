@@ -3,8 +3,8 @@
 //! `start` → `intake` → `fit` → `conclusion`: clocks, axes and biases roughly; readings and poses
 //! on one clock, and whether they agree; attitude and position of the reference against dead
 //! reckoning, linear in every parameter (`attitude`, `position`), made white (`whitening`) and
-//! summed in blocks of time (`blocks`); candidates judged on blocks that were held out; the
-//! verdict. Where the reference has positions alone, `start_by_position` and `along_gyro` stand in:
+//! summed in blocks of time (`blocks`); candidates judged on blocks that were held out; what is left
+//! held against laws that are no candidates (`beyond`); the verdict. Where the reference has positions alone, `start_by_position` and `along_gyro` stand in:
 //! attitude is reckoned from the gyro, and turns by block. The base model has constant biases,
 //! gravity of the place and the IMU's stamps and axes as they are given. Not for motion without
 //! sensors (`motion`), nor for how far a sensor drifts (`strapdown`).
@@ -13,6 +13,7 @@ pub mod account;
 mod alignment;
 mod along_gyro;
 mod attitude;
+mod beyond;
 mod blocks;
 pub mod candidate;
 mod clipping;
@@ -24,6 +25,7 @@ pub mod detail;
 mod effects;
 mod faults;
 mod fit;
+mod fitted;
 mod intake;
 mod integral;
 mod judgement;
@@ -39,6 +41,7 @@ mod plausible;
 mod position;
 mod published;
 mod rates;
+mod remains;
 pub mod repaired;
 mod rows;
 mod scatter;
@@ -47,6 +50,8 @@ mod sensor;
 mod slow;
 mod start;
 mod start_by_position;
+mod undetermined;
+mod upright;
 pub mod vibration;
 mod whitening;
 

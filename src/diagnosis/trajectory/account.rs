@@ -24,9 +24,22 @@ pub struct Account {
     /// Numbers that the fit needed and no IMU or reference has: the fit failed, and no fitted term
     /// is named.
     pub absurd: Vec<Absurd>,
+    /// By what the chosen model is refused, where it is.
+    pub rest: Rest,
     /// Root mean square of the base model's whitened residual on held-out blocks, and that with the
     /// named effects.
     pub held_out: [f64; 2],
+}
+
+/// By what a model is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rest {
+    /// More than noise is left on held-out parts.
+    Large,
+    /// No more than noise is left, but it is not white, in this half of a pose.
+    Coloured(Half),
+    /// A law that is no candidate.
+    Law,
 }
 
 /// A number beyond what is plausible.

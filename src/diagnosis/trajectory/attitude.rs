@@ -11,7 +11,7 @@ use super::course::{Case, Course};
 use super::integral::{between, cumulative, place};
 use super::parameters::{
     COSINES, DRIFT, EARTH_RATE, G_SENSITIVITY, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL, GYRO_SCALE,
-    GYRO_WANDER, LOWPASS, MOUNTING, OFFSET, PARAMETERS, Point,
+    GYRO_WANDER, LOWPASS, MOUNTING, OFFSET, PARAMETERS, Point, RATE_SQUARE,
 };
 use super::rows::{Bins, Orders, Row, Spacing, rows};
 use crate::parallel;
@@ -71,6 +71,10 @@ pub(super) fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize) ->
     if G_SENSITIVITY.contains(&p) {
         let n = p - G_SENSITIVITY.start;
         return Some(unit(n / 3, f[n % 3]));
+    }
+    if RATE_SQUARE.contains(&p) {
+        let axis = p - RATE_SQUARE.start;
+        return Some(unit(axis, w[axis] * w[axis]));
     }
     if p == DRIFT {
         // Seconds that are shorter turn less.

@@ -3,6 +3,7 @@
 use super::log::Halves;
 use crate::candidate::Candidate;
 
+mod beyond;
 mod clock;
 mod frame;
 mod readout;
@@ -44,6 +45,13 @@ fn fitted() -> impl Iterator<Item = &'static Term> {
 /// Returns what a reference with these halves of a pose can show.
 pub(super) fn terms(halves: Halves) -> Vec<&'static Term> {
     fitted().filter(|t| t.needs.is_none_or(|half| halves.has(half))).collect()
+}
+
+/// Returns the laws that are no candidates and that such a reference can show: next to positions alone the
+/// attitude is the gyro's own, and nothing is held against it.
+pub(super) fn beyond(halves: Halves) -> Vec<&'static Term> {
+    let shown = |t: &&Term| halves.attitude && t.needs.is_none_or(|half| halves.has(half));
+    beyond::TERMS.iter().filter(shown).collect()
 }
 
 /// Returns what it cannot show.

@@ -3,33 +3,37 @@
 
 use nalgebra::Vector3;
 
-use super::account::{Account, Hidden, Manoeuvre, NamedEffect, Untold};
-use super::candidate::{LOWPASS, TIME_OFFSET, Term, untold};
+use super::account::{Account, NamedEffect, Rest, Untold};
+use super::beyond::{self, Left};
+use super::candidate::{AXIS_SWAP, LOWPASS, TIME_OFFSET, Term, untold};
 use super::clipping::Limit;
 use super::course::Case;
 use super::detail::{Detail, Series};
 use super::effects;
 use super::fit::Fit;
-use super::judgement::{COLOUR, HeldOut, Standing};
+use super::fitted::Fitted;
+use super::judgement::{HeldOut, Standing};
 use super::log::Log;
 use super::mounted;
 use super::parameters::Point;
 use super::permutation::Permutation;
 use super::plausible;
-use super::published::{self, Fitted};
+use super::published;
+use super::remains;
 use super::rows::Row;
 use super::scatter;
-use super::selection::{Named, Selection};
+use super::selection::{Named, Selection, with};
 use super::sensor::Diagnosed;
 use super::start::Start;
+use super::undetermined;
+use super::upright;
 use super::vibration::{self, Vibration};
 use crate::answer::{self, Answer, Places};
 use crate::candidate::Kind;
 use crate::model::{Half, InertialNoise, Noise, Reference, Trajectory};
-use crate::numerics::special::normal_cdf;
 use crate::recording::Recording;
 use crate::recording::inertial::Names;
-use crate::remainder::{Remainder, Size, Test};
+use crate::remainder::Remainder;
 use crate::ruling::{self, rule};
 use crate::sensor::Sense;
 use crate::standing::{Gain, Note, Ranked};
@@ -41,12 +45,6 @@ const ACCELEROMETER_FREE: &str = "scale factors and axes of the accelerometer ar
                                   to gravity counts as no error of the gyro, and are not judged";
 /// Points of a figure.
 const DRAWN: usize = 2000;
-/// Held-out mean square over that of the noise which is tolerated, and from which on something is
-/// missing.
-const TOLERATED: [f64; 2] = [1.5, 3.0];
-/// Half an interval over the smallest size that matters, beyond which the motion tells nothing of
-/// it.
-const WIDE: f64 = 10.0;
 
 /// Holds what a search found.
 pub(super) struct Found<'a> {
@@ -123,19 +121,28 @@ impl Examined<'_> {
         let active = selection.active();
         let fitted = |active: &[usize]| Fitted::of(&fit.linear, active, found.log.interval_s);
         let chosen = fitted(&active);
-        let wide = fitted(&published::usual(&active, selection));
+        let left = Left { linear: &fit.linear, active: &active, halves, interval_s: found.log.interval_s };
+        let laws = left.laws();
+        // What goes with a law that has no name goes into no other number, nor into noise of the reference.
+        let lawful = with(&active, laws.iter().copied());
+        let told = fitted(&lawful);
+        let wide = fitted(&published::usual(&lawful, selection));
+        let seated = fitted(&published::seated(&lawful, halves));
         let before = fit.linear.solve(&small, |_| true).point;
         let held = HeldOut::of(&fit.linear, &small, &active);
         let first = halves.lacks().map_or(Half::Attitude, other);
-        let clipped = fit.residuals_at(first, &chosen.point).map_or(0.0, |all| lies_in_clipped(&all));
+        let clipped = fit.residuals_at(first, &chosen.point).map_or(0.0, |all| remains::lies_in_clipped(&all));
         let swap = [found.start.gyro, found.start.accelerometer];
         let exchanged =
             Evidence { held_out_gain: found.start.explained.max(0.0), p_value: found.start.chance_exchanged };
-        let mut effects = effects::of_fit(selection, &chosen, |term| self.channels(term));
+        let mut effects = effects::of_fit(selection, &told, |term| self.channels(term));
         let tied = effects.iter().filter(|e| !e.confusable_with.is_empty()).count();
-        mounted::named(&mut effects, &chosen, found.start, &self.names);
+        mounted::named(&mut effects, &told, found.start, &self.names);
         effects.splice(0..0, self.of_readings([clipped; 2], swap, exchanged));
-        let seated = fitted(&published::seated(&active, halves));
+        self.findings.extend(laws.iter().map(|law| beyond::words(law, &seated)));
+        self.findings.extend(selection.named.iter().filter_map(undetermined::elements));
+        self.findings.extend(upright::tilted(&seated, found.case.gravity_m_s2));
+        let (remainder, rest) = remains::remainder(fit, &chosen.point, &held, !laws.is_empty());
         let own = scatter::random_walks(found.log, self.stated);
         let residuals = |half: Half| {
             // Without attitudes only what points down is differenced as often as noise is judged
@@ -149,7 +156,6 @@ impl Examined<'_> {
         let erring = effects::reference(attitude, position, halves);
         let errs = erring.is_some();
         effects.extend(erring);
-        let remainder = remainder(fit, &chosen.point, &held);
         let ruled = |base_determined: bool, named: usize| {
             rule(&ruling::Evidence {
                 base_determined,
@@ -169,6 +175,7 @@ impl Examined<'_> {
         let outcome = ruled(!failed, effects.len());
         let mut account = self.account(&effects, Some(selection), held.rms());
         account.absurd = absurd;
+        account.rest = rest;
         account.untold = halves.lacks().map(|half| Untold { half, terms: untold(halves) });
         let mut detail = self.detail(found.log, Some((found, &before, &chosen.point)), account);
         detail.published = published::calibration(&wide, swap).filter(|_| !failed);
@@ -176,7 +183,7 @@ impl Examined<'_> {
             case: found.case,
             start: found.start,
             selection,
-            chosen: &chosen,
+            chosen: &told,
             seated: &seated,
             reference: found.reference,
             place: found.place,
@@ -232,13 +239,14 @@ impl Examined<'_> {
             let within = |k: &usize| effect.channels.iter().all(|c| self.names[*k].contains(c));
             let alone = (0..SENSORS.len()).find(within);
             let of = alone.map_or(effect.id.clone(), |k| format!("{} of the {}", effect.id, SENSORS[k].name()));
+            let of = if effect.id == AXIS_SWAP.id { format!("{of} ({})", effect.equation) } else { of };
             term.map_or(of, |n| n.standing.term.phrase())
         };
         let named = effects
             .iter()
             .map(|e| NamedEffect { id: e.id.clone(), phrase: phrase(e), rivals: e.confusable_with.clone() })
             .collect();
-        let hidden = selection.map_or(Vec::new(), |s| s.others.iter().filter_map(hidden).collect());
+        let hidden = selection.map_or(Vec::new(), |s| s.others.iter().filter_map(undetermined::hidden).collect());
         let is_fitted = selection.is_some_and(|s| !s.named.is_empty());
         let louder = SENSORS.iter().zip(&self.vibration).filter_map(|(sensor, found)| {
             let found = found.as_ref()?;
@@ -251,6 +259,7 @@ impl Examined<'_> {
             hidden,
             untold: None,
             absurd: Vec::new(),
+            rest: Rest::Large,
             with_reference: selection.is_some(),
             held_out,
         }
@@ -331,40 +340,6 @@ fn other(half: Half) -> Half {
     }
 }
 
-/// Fraction of the error of all rows that lies in those which do not hold.
-fn lies_in_clipped(at: &[(Vector3<f64>, bool)]) -> f64 {
-    let mean = |wanted: &dyn Fn(bool) -> bool| {
-        let squares = at.iter().filter(|(_, holds)| wanted(*holds)).map(|(value, _)| value.norm_squared());
-        let (sum, n) = squares.fold((0.0, 0.0), |s, v| (s.0 + v, s.1 + 1.0));
-        sum / f64::max(n, 1.0)
-    };
-    (1.0 - mean(&|holds| holds) / mean(&|_| true).max(f64::MIN_POSITIVE)).max(0.0)
-}
-
-/// Returns what the chosen model leaves: more than everything together would, or a colour that was
-/// not seen.
-fn remainder(fit: &Fit, chosen: &Point, held: &HeldOut) -> Remainder {
-    let size = Size::of(held.rms()[1].powi(2), TOLERATED[0], TOLERATED[1]);
-    // Of three tests: this one and the colour of each half of the pose.
-    let mut tests = vec![Test { p_value: 3.0 * held.chance_after(TOLERATED[0]), size }];
-    for (residuals, sums) in fit.residuals.iter().zip(&fit.linear.sensors) {
-        let from = &fit.linear.point;
-        let white = |k: usize| {
-            let (residual, slope) = residuals.whitening.white(&residuals.rows, k)?;
-            let to = sums.at(residuals.rows[k].time_s, from, chosen);
-            Some(slope.iter().zip(to.iter().zip(from)).fold(residual, |r, (s, (to, from))| r + s * (to - from)))
-        };
-        let all: Vec<Option<Vector3<f64>>> = (0..residuals.rows.len()).map(white).collect();
-        let pairs: Vec<(Vector3<f64>, Vector3<f64>)> = all.windows(2).filter_map(|p| Some((p[0]?, p[1]?))).collect();
-        let squares: f64 = pairs.iter().map(|(a, _)| a.norm_squared()).sum();
-        let follows = pairs.iter().map(|(a, b)| a.dot(b)).sum::<f64>() / squares.max(f64::MIN_POSITIVE);
-        let deviations = follows.abs() * (3.0 * pairs.len() as f64).sqrt();
-        let p_value = 4.0 * (1.0 - normal_cdf(deviations));
-        tests.push(Test { p_value, size: Size::of(follows.abs(), COLOUR, 3.0 * COLOUR) });
-    }
-    Remainder::of(tests)
-}
-
 fn scores(found: &Found<'_>, [before, after]: [&Point; 2], held: &HeldOut, named: bool) -> FitScore {
     let linear = &found.fit.linear;
     let rms = |point: &Point| {
@@ -416,21 +391,4 @@ fn ranking(effects: &[Effect], selection: &Selection) -> Vec<Ranked> {
     // term.
     let beside_lowpass = |s: &Standing| s.term.id() == TIME_OFFSET.id && effects.iter().any(|e| e.id == TIME_OFFSET.id);
     named.chain(selection.others.iter().map(|s| row(s, beside_lowpass(s), beside()))).collect()
-}
-
-/// A term whose interval is so wide that the recording says nothing of it.
-fn hidden(standing: &Standing) -> Option<Hidden> {
-    let term = standing.term;
-    let widest = term.size(standing.half_widths.iter().copied().fold(0.0, f64::max));
-    (widest > WIDE * term.smallest).then(|| Hidden {
-        term,
-        half_width: widest * term.unit.per_si,
-        manoeuvre: match (term.id(), term.sensor) {
-            ("earth-rate", _) => Manoeuvre::Longer,
-            ("lever-arm", _) => Manoeuvre::FigureEight,
-            ("g-sensitivity", _) | (_, Some(Sense::Accelerometer)) => Manoeuvre::SixPositions,
-            (_, Some(Sense::Gyro)) => Manoeuvre::TurnEveryAxis,
-            _ => Manoeuvre::FigureEight,
-        },
-    })
 }

@@ -2,11 +2,11 @@
 
 use super::candidate::{AXIS_SWAP, CLOCK, LOWPASS, REFERENCE_NOISE, SATURATION, TIME_OFFSET, Term, VIBRATION};
 use super::clipping::Limit;
+use super::fitted::Fitted;
 use super::judgement::Standing;
 use super::log::Halves;
 use super::parameters::{self, OFFSET};
 use super::permutation::Permutation;
-use super::published::Fitted;
 use super::scatter::Excess;
 use super::selection::{Named, Selection};
 use super::vibration::Vibration;
@@ -79,7 +79,7 @@ pub(super) fn of_fit(selection: &Selection, fit: &Fitted, channels: impl Fn(&Ter
 /// A fitted term, with its parameters in the library's units.
 fn fitted(named: &Named, fit: &Fitted, channels: Vec<String>) -> Effect {
     let Standing { term, gain, p_value, .. } = &named.standing;
-    let parameters = term.parameters.clone().zip(term.names);
+    let parameters = term.parameters.clone().zip(term.names).filter(|(p, _)| fit.has(*p));
     let parameters = parameters.map(|(p, name)| fit.estimate(p, name, term.unit.name, term.unit.per_si)).collect();
     let evidence = Evidence { held_out_gain: *gain, p_value: *p_value };
     let mut effect = effect(term.candidate, parameters, channels, evidence);

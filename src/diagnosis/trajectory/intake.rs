@@ -8,6 +8,7 @@ use super::mistaken::Mistake;
 use super::orientation;
 use super::permutation::Permutation;
 use super::start::Start;
+use super::upright;
 use crate::error::{Error, Result};
 use crate::model::{Half, Reference, Trajectory};
 use crate::motion::file::part::{Part, Wanted};
@@ -226,6 +227,10 @@ pub(super) fn alike(
     (start, kept): (&Start, f64),
     gravity_m_s2: f64,
 ) -> Result<()> {
+    if let Some(wrong) = upright::wrong(log, motion, start, gravity_m_s2) {
+        let (cause, hint) = wrong.words();
+        return Err(fail(recording, format!("{}: {cause}", reference.file.display()), &hint));
+    }
     let turning = (log.rate.iter().map(Vector3::norm_squared).sum::<f64>() / log.rate.len() as f64).sqrt();
     // What hardly turns does not tell one reading of a quaternion from another.
     let fault =

@@ -49,6 +49,22 @@ pub(super) struct Standing {
 }
 
 impl Standing {
+    /// Parameters that the motion determines: the others are left as they are without the candidate.
+    pub(super) fn determined(&self) -> impl Iterator<Item = usize> {
+        self.each().filter(|(.., is_known)| *is_known).map(|(p, ..)| p)
+    }
+
+    /// Names of those that it does not determine.
+    pub(super) fn undetermined(&self) -> Vec<&'static str> {
+        self.each().filter(|(.., is_known)| !is_known).map(|(_, name, _)| name).collect()
+    }
+
+    /// Each parameter with its name, and whether it is known.
+    fn each(&self) -> impl Iterator<Item = (usize, &'static str, bool)> {
+        let known = self.half_widths.iter().map(|half| self.term.knows(*half));
+        self.term.parameters.clone().zip(self.term.names).zip(known).map(|((p, name), known)| (p, *name, known))
+    }
+
     /// Returns whether it may be named.
     pub(super) fn counts(&self) -> bool {
         self.p_value < FALSE_NAME && self.least_fall > 0.0 && self.plausible && self.matters

@@ -12,7 +12,7 @@
 use std::ops::Range;
 
 /// Number of parameters, fitted or not.
-pub(super) const PARAMETERS: usize = 59;
+pub(super) const PARAMETERS: usize = 63;
 /// A point in the space of all parameters, SI units.
 pub(super) type Point = [f64; PARAMETERS];
 
@@ -53,6 +53,12 @@ pub(super) const FORCE_MATRIX: Range<usize> = 52..58;
 /// late.
 pub(super) const LOWPASS: usize = 58;
 
+/// By how much each axis of the gyro reads too much in the square of its rate, s/rad. In no model: what is
+/// left is held against it.
+pub(super) const RATE_SQUARE: Range<usize> = 59..62;
+/// By how much the reference's positions are too large, as a part. In no model either.
+pub(super) const LENGTH: usize = 62;
+
 /// Places of the gyro's off-diagonal numbers.
 pub(super) const GYRO_OFF_DIAGONAL: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
 /// Places of the accelerometer's numbers: its axes are the body's.
@@ -64,7 +70,7 @@ pub(super) const COSINES: usize = 2;
 /// holds fast what nothing shows.
 pub(super) fn widths() -> Point {
     let mut widths = [0.0; PARAMETERS];
-    let rows: [(Range<usize>, f64); 16] = [
+    let rows: [(Range<usize>, f64); 18] = [
         (GYRO_BIAS, 1.0),
         (FORCE_BIAS, 5.0),
         (TILT, 3.0),
@@ -82,6 +88,8 @@ pub(super) fn widths() -> Point {
         // A sensor as it is delivered: half a per cent to one.
         (FORCE_MATRIX, 1e-2),
         (LOWPASS..LOWPASS + 1, 1e-2),
+        (RATE_SQUARE, 0.5),
+        (LENGTH..LENGTH + 1, 0.5),
     ];
     for (range, width) in rows {
         widths[range].fill(width);

@@ -6,7 +6,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::course::{Case, Course, vector};
 use super::integral::{between, cumulative, place};
 use super::parameters::{
-    COSINES, DRIFT, FORCE_BIAS, FORCE_WANDER, LEVER_ARM, LOWPASS, MOUNTING, OFFSET, PARAMETERS, Point, TILT,
+    COSINES, DRIFT, FORCE_BIAS, FORCE_WANDER, LENGTH, LEVER_ARM, LOWPASS, MOUNTING, OFFSET, PARAMETERS, Point, TILT,
 };
 use super::rows::{Bins, Orders, Row, Spacing, rows};
 use crate::parallel;
@@ -21,7 +21,10 @@ pub(super) fn position_rows(case: &Case<'_>, course: &Course, point: &Point, bin
         (0..log.time_s.len()).map(|k| error.at(log.time_s[k]) * course.attitude[k]).collect();
     let places = places(case, point);
     let twice = |changes: &[Vector3<f64>]| twice(case, &places, changes);
-    let gravity = Vector3::new(point[TILT.start], point[TILT.start + 1], case.gravity_m_s2);
+    let tilt = [point[TILT.start], point[TILT.start + 1]];
+    // However a frame is tilted, gravity is as large as it is.
+    let down = (case.gravity_m_s2.powi(2) - tilt[0].powi(2) - tilt[1].powi(2)).max(0.0).sqrt();
+    let gravity = Vector3::new(tilt[0], tilt[1], down);
     let felt: Vec<Vector3<f64>> = attitude
         .iter()
         .zip(&course.force)
@@ -38,8 +41,13 @@ pub(super) fn position_rows(case: &Case<'_>, course: &Course, point: &Point, bin
             let axis = Vector3::ith(p - LEVER_ARM.start, 1.0);
             return Some(case.motion.attitude.iter().map(|attitude| attitude * axis).collect());
         }
+        if p == LENGTH {
+            // Of the way that was felt: the noise of the positions themselves would pass for a size.
+            return Some(way.iter().map(|way| -way).collect());
+        }
         if TILT.contains(&p) {
-            let axis: Vector3<f64> = Vector3::ith(p - TILT.start, -1.0);
+            let n = p - TILT.start;
+            let axis = Vector3::z() * (tilt[n] / down.max(f64::MIN_POSITIVE)) - Vector3::ith(n, 1.0);
             return Some(twice(&vec![axis; log.time_s.len()]).0);
         }
         integrand(case, course, 0, p, middle)?;

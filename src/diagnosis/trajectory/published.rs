@@ -4,78 +4,21 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use super::blocks::Linear;
 use super::course::{accelerometer_matrix, gyro_matrix, vector};
+use super::fitted::Fitted;
 use super::log::Halves;
 use super::mounted;
 use super::parameters::{
-    DRIFT, FORCE_BIAS, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_SCALE, LEVER_ARM, LOWPASS, MOUNTING, OFFSET, Point, TILT,
-    lowpass_s, stated, widths,
+    DRIFT, FORCE_BIAS, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_SCALE, LEVER_ARM, MOUNTING, OFFSET, Point, TILT, widths,
 };
 use super::permutation::Permutation;
 use super::selection::Selection;
-use super::slow::{self, deviation, half_width};
-use crate::by_axis::Drawn;
 use crate::units::DEGREE;
 use crate::verdict::{Estimate, SensorCalibration, Triads};
 
 /// States how well the accelerometer's scale and axes are known, which are held or nearly so: what
 /// a sensor may have at most.
 const HELD: f64 = 0.2;
-
-/// A fitted subset with what its intervals are made of.
-pub(super) struct Fitted {
-    active: Vec<usize>,
-    /// Parameter vector at the optimum, SI units.
-    pub point: Point,
-    /// The fit with the noise of each slow wave of the recording in it.
-    apart: Vec<Point>,
-    /// From one reading to the next, s.
-    interval_s: f64,
-}
-
-impl Fitted {
-    /// A subset of the parameters fitted on all blocks.
-    pub(super) fn of(linear: &Linear, active: &[usize], interval_s: f64) -> Self {
-        let solved = linear.solve(active, |_| true);
-        Self { active: active.to_vec(), apart: slow::apart(linear, active, &solved), point: solved.point, interval_s }
-    }
-
-    /// Returns whether a parameter is in it.
-    pub(super) fn has(&self, p: usize) -> bool {
-        self.active.contains(&p)
-    }
-
-    /// A parameter in a unit of which `per_si` are one SI unit.
-    pub(super) fn estimate(&self, p: usize, name: &str, unit: &str, per_si: f64) -> Estimate {
-        let of = |point: &Point| stated(point, p);
-        let value = of(&self.point);
-        let half = half_width(&of, &self.point, &self.apart) + self.within_a_sample_s(p);
-        let ci95 = [(value - half) * per_si, (value + half) * per_si];
-        Estimate { name: name.into(), value: value * per_si, unit: unit.into(), ci95 }
-    }
-
-    /// By how much the lag of a low-pass depends on what happens between readings, s: straight
-    /// lines between them are a low-pass themselves, of a sixth of the square of their interval.
-    fn within_a_sample_s(&self, p: usize) -> f64 {
-        let tau_s = lowpass_s(&self.point);
-        if tau_s > 0.0 && (p == LOWPASS || p == OFFSET) { self.interval_s.powi(2) / (12.0 * tau_s) } else { 0.0 }
-    }
-
-    /// A parameter of the fit with its standard error, SI; nothing where it is not in it.
-    pub(super) fn drawn(&self, p: usize) -> Drawn {
-        if !self.has(p) {
-            return Drawn::default();
-        }
-        Drawn { mean: self.point[p], sd: deviation(&|point| point[p], &self.point, &self.apart) }
-    }
-
-    /// A number made of parameters, with its 95 % interval.
-    pub(super) fn number(&self, of: &dyn Fn(&Point) -> f64) -> (f64, [f64; 2]) {
-        let (value, half) = (of(&self.point), half_width(of, &self.point, &self.apart));
-        (value, [value - half, value + half])
-    }
-}
 
 /// Returns what nearly every unit has, next to a model.
 pub(super) fn usual(active: &[usize], selection: &Selection) -> Vec<usize> {

@@ -52,7 +52,7 @@ impl Selection {
 
     /// The chosen model's parameters.
     pub(super) fn active(&self) -> Vec<usize> {
-        with(&self.base, self.named.iter().map(|n| n.standing.term))
+        self.base.iter().copied().chain(self.named.iter().flat_map(|n| n.standing.determined())).collect()
     }
 }
 

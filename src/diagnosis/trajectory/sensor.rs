@@ -3,12 +3,12 @@
 use super::candidate::{AXIS_SWAP, REFERENCE_NOISE, Term};
 use super::clipping::Limit;
 use super::course::{Case, vector};
+use super::fitted::Fitted;
 use super::parameters::{
     DRIFT, EARTH_RATE, FORCE_BIAS, FORCE_WANDER, G_SENSITIVITY, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_SCALE, GYRO_WANDER,
     LEVER_ARM, LOWPASS, OFFSET,
 };
 use super::permutation::Permutation;
-use super::published::Fitted;
 use super::repaired::{Along, Repaired};
 use super::selection::Selection;
 use super::start::Start;

@@ -29,6 +29,11 @@ const SLIGHTLY: f64 = 1e-3;
 /// An angle that the fit finds by itself, rad.
 const SMALL_RAD: f64 = 0.2;
 
+/// Part of a turn that the gyro reads, below which the rest of what the reference turns is its noise: a
+/// regression on noise and as much of a signal has a slope of one half (Fuller, *Measurement error models*,
+/// 1987, §1.1).
+const SHOWN: f64 = 0.5;
+
 /// States where the search starts.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Start {
@@ -110,17 +115,22 @@ impl Pairs {
         (matrix, bias, 1.0 - unexplained / f64::max(all, f64::MIN_POSITIVE))
     }
 
-    /// The axis of the reference's turns, where turns about a second one do not show in what is read: the
-    /// regression then errs by more than an angle that the fit finds by itself.
-    fn only_axis(&self, matrix: &Matrix3<f64>) -> Option<Vector3<f64>> {
+    /// The axis of most of the reference's turns, where turns about another one do not show in what is read:
+    /// the regression errs there by more than an angle that the fit finds by itself, or what the reference
+    /// turns there is its own noise, of which the gyro reads nothing.
+    fn open_but_for(&self, matrix: &Matrix3<f64>) -> Option<Vector3<f64>> {
         let mean = self.reference.iter().sum::<Vector3<f64>>() / self.reference.len().max(1) as f64;
         let spread: Matrix3<f64> = self.reference.iter().map(|x| (x - mean) * (x - mean).transpose()).sum();
         let eigen = spread.symmetric_eigen();
         let first = eigen.eigenvalues.imax();
-        let second = (0..3).filter(|i| *i != first).map(|i| eigen.eigenvalues[i]).fold(0.0, f64::max);
+        let axis = |i: usize| eigen.eigenvectors.column(i).into_owned();
+        let others = || (0..3).filter(|i| *i != first);
+        let second = others().map(|i| eigen.eigenvalues[i]).fold(0.0, f64::max);
         // Of one axis of what is read, the residual is a third.
         let variance = self.residual(matrix).0 / 3.0;
-        (variance > SMALL_RAD * SMALL_RAD * second).then(|| eigen.eigenvectors.column(first).into_owned())
+        let whole = (matrix * axis(first)).norm();
+        let unread = others().any(|i| (matrix * axis(i)).norm() < SHOWN * whole);
+        (unread || variance > SMALL_RAD * SMALL_RAD * second).then(|| axis(first))
     }
 
     /// Attitude profile of Wahba's problem (SIAM Review 7 (1965) 409): read times reference, of length one at
@@ -176,8 +186,8 @@ pub(super) fn start(log: &Log, masked: &[bool], motion: &Motion, gravity_m_s2: f
     let pairs = at(offset_s);
     let (regressed, _, explained) = pairs.regression();
     let forces = forces(log, motion, offset_s, gravity_m_s2);
-    let (matrix, gyro_unit) = match pairs.only_axis(&regressed) {
-        // About one axis the rates leave a turn about it open, and a mirror: gravity settles both.
+    let (matrix, gyro_unit) = match pairs.open_but_for(&regressed) {
+        // About one axis the rates leave a turn about it open, and about two a mirror: gravity settles both.
         Some(axis) => {
             (nearest(&(pairs.profile() + forces.profile() + SLIGHTLY * Matrix3::identity())), (regressed * axis).norm())
         }
@@ -238,27 +248,45 @@ pub(super) fn refined(mut at: f64, mut step: f64, score: impl Fn(f64) -> f64) ->
     at
 }
 
-/// Mean specific forces over windows: the reference's, in its body axes, and those read.
-fn forces(log: &Log, motion: &Motion, offset_s: f64, gravity_m_s2: f64) -> Pairs {
+/// A window of time: how the reference's positions accelerate in it, and what the accelerometer reads.
+pub(super) struct Accelerated {
+    /// The pose in its middle.
+    pub pose: usize,
+    /// North, east and down, m/s².
+    pub acceleration: Vector3<f64>,
+    /// Mean specific force in the IMU's axes, m/s².
+    pub read: Vector3<f64>,
+}
+
+/// Windows of the reference, of three poses each, where the IMU stamps so much later.
+pub(super) fn accelerated(log: &Log, motion: &Motion, offset_s: f64) -> Vec<Accelerated> {
     let reach = ((2.0 * WINDOW_S / motion.interval_s).round() as usize).max(1);
     let velocity = cumulative(&log.time_s, &log.force, Rule::Straight);
     let (first, last) = (log.time_s[0], log.time_s[log.time_s.len() - 1]);
     let count = motion.time_s.len();
     let every = (count / MOST).max(reach / 2).max(1);
-    let (mut reference, mut read) = (Vec::new(), Vec::new());
-    for k in (reach..count.saturating_sub(reach)).step_by(every) {
-        let (before, middle, after) = (motion.time_s[k - reach], motion.time_s[k], motion.time_s[k + reach]);
+    let mut all = Vec::new();
+    for pose in (reach..count.saturating_sub(reach)).step_by(every) {
+        let (before, middle, after) = (motion.time_s[pose - reach], motion.time_s[pose], motion.time_s[pose + reach]);
         let half = 0.5 * (after - before);
         let [from, to] = [middle - 0.5 * half, middle + 0.5 * half].map(|t| t + offset_s);
         if from < first || to > last || half > 3.0 * reach as f64 * motion.interval_s {
             continue;
         }
-        let way = motion.position[k + reach] + motion.position[k - reach] - motion.position[k] * 2.0;
-        let force = way / (half * half) - Vector3::new(0.0, 0.0, gravity_m_s2);
-        reference.push(motion.attitude[k].inverse_transform_vector(&force));
+        let way = motion.position[pose + reach] + motion.position[pose - reach] - motion.position[pose] * 2.0;
         let end = |t: f64| between(&log.time_s, &velocity, &log.force, place(&log.time_s, t));
-        read.push((end(to) - end(from)) / (to - from));
+        all.push(Accelerated { pose, acceleration: way / (half * half), read: (end(to) - end(from)) / (to - from) });
     }
+    all
+}
+
+/// Mean specific forces over windows: the reference's, in its body axes, and those read.
+fn forces(log: &Log, motion: &Motion, offset_s: f64, gravity_m_s2: f64) -> Pairs {
+    let felt = |window: &Accelerated| {
+        let force = window.acceleration - Vector3::new(0.0, 0.0, gravity_m_s2);
+        (motion.attitude[window.pose].inverse_transform_vector(&force), window.read)
+    };
+    let (reference, read) = accelerated(log, motion, offset_s).iter().map(felt).unzip();
     Pairs { reference, read }
 }
 

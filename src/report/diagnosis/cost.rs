@@ -89,26 +89,33 @@ pub(super) fn sentence(costs: &[Cost], diagnosis: &Diagnosis) -> Option<String> 
         && !names
     {
         let [ten, sixty] = [only.position_10_s_m, only.position_60_s_m].map(metres);
-        return Some(format!("{}, a navigator errs by {ten} m after 10 s and by {sixty} m after 60 s", only.under));
+        let later =
+            if only.position_60_s_m.is_finite() { format!(" and by {sixty} m after 60 s") } else { String::new() };
+        return Some(format!("{}, a navigator errs by {ten} m after 10 s{later}", only.under));
     }
     let (before, after) = (before?, after?);
     let [old, new] = [before, after].map(|c| metres(c.position_10_s_m));
-    let later = [before, after].map(|c| metres(c.position_60_s_m));
-    let later = format!("after 60 s {} m and {} m", later[0], later[1]);
+    // A recording shorter than that has no such number.
+    let later = if [before, after].iter().all(|c| c.position_60_s_m.is_finite()) {
+        let [old, new] = [before, after].map(|c| metres(c.position_60_s_m));
+        format!(" (after 60 s {old} m and {new} m)")
+    } else {
+        String::new()
+    };
     let under = &before.under;
     match verdict.kind {
         // What a calibration subtracts is known whether it has a name or not.
         Kind::Trajectory => Some(format!(
-            "{under}, a navigator errs by {old} m after 10 s with the sensor uncorrected, by {new} m with it repaired \
-             ({later})"
+            "{under}, a navigator errs by {old} m after 10 s with the sensor uncorrected, by {new} m with it \
+             repaired{later}"
         )),
         // Noise is no error of a navigator's model that a better one takes away.
         Kind::Static if names => Some(format!(
-            "{under}, the old model predicts a position error of {old} m after 10 s, the repaired one {new} m ({later})"
+            "{under}, the old model predicts a position error of {old} m after 10 s, the repaired one {new} m{later}"
         )),
         _ if names => Some(format!(
-            "{under}, a navigator with the old model errs by {old} m after 10 s, with the repaired one by {new} m \
-             ({later})"
+            "{under}, a navigator with the old model errs by {old} m after 10 s, with the repaired one by {new} \
+             m{later}"
         )),
         _ => None,
     }

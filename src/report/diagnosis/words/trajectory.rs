@@ -2,8 +2,8 @@
 
 use proofmass_base::number::short;
 use proofmass_diagnosis::model::Half;
-use proofmass_diagnosis::trajectory::account::{Absurd, Account, Hidden, Manoeuvre, NamedEffect, Untold};
-use proofmass_diagnosis::trajectory::candidate::Measure;
+use proofmass_diagnosis::trajectory::account::{Absurd, Account, Hidden, Manoeuvre, NamedEffect, Rest, Untold};
+use proofmass_diagnosis::trajectory::candidate::{Measure, Term};
 use proofmass_diagnosis::trajectory::detail::Detail;
 use proofmass_diagnosis::verdict::Outcome;
 use proofmass_scenario::sensor::Sense;
@@ -57,11 +57,13 @@ pub(super) fn sentence(outcome: Outcome, detail: &Detail) -> String {
             if names.len() == 1 { "it" } else { "them" }
         ),
         Outcome::Unexplained if names.is_empty() => format!(
-            "IMU and reference differ by {before} times the noise, and no candidate in the library explains it."
+            "IMU and reference differ, and no candidate in the library explains it: {}.",
+            rest(account, &format!("by {before} times the noise"))
         ),
         Outcome::Unexplained => format!(
-            "The model left out {}, and something else: the error on held-out parts is still {after} times the noise.",
-            account.named.iter().map(or_its_rivals).collect::<Vec<_>>().join(", ")
+            "The model left out {}, and something else: {}.",
+            account.named.iter().map(or_its_rivals).collect::<Vec<_>>().join(", "),
+            rest(account, &format!("the error on held-out parts is still {after} times the noise"))
         ),
         Outcome::Undecidable => {
             let tied = account.named.iter().filter(|n| !n.rivals.is_empty());
@@ -71,6 +73,21 @@ pub(super) fn sentence(outcome: Outcome, detail: &Detail) -> String {
                 false => format!("Something is missing, but this motion cannot tell what: {}.", pairs.join("; ")),
             }
         }
+    }
+}
+
+/// Says by what a model is refused; `large` where by the size of what it leaves.
+fn rest(account: &Account, large: &str) -> String {
+    match account.rest {
+        Rest::Large => large.to_owned(),
+        Rest::Coloured(half) => {
+            let of = match half {
+                Half::Attitude => "attitude",
+                Half::Position => "position",
+            };
+            format!("what is left of {of} is no white noise, for its neighbours go together")
+        }
+        Rest::Law => "what is left goes with a law that no candidate has, stated among the findings".to_owned(),
     }
 }
 
@@ -113,17 +130,25 @@ pub(super) fn findings(account: &Account) -> Vec<String> {
         };
         // No number that is wider than all there is.
         if h.half_width >= h.term.largest() * h.term.unit.per_si {
-            return format!("this motion says nothing of {}; {} would", h.term.phrase(), manoeuvre(h.manoeuvre));
+            return format!("this motion says nothing of {}; {} would", subject(h.term), manoeuvre(h.manoeuvre));
         }
         format!(
             "this motion does not determine {}: it {known}{} {}; {} would determine it",
-            h.term.phrase(),
+            subject(h.term),
             short(h.half_width),
             h.term.unit.name,
             manoeuvre(h.manoeuvre)
         )
     };
     account.hidden.iter().map(one).chain(untold(account)).collect()
+}
+
+/// Names what is not known: of a bias that is a candidate its wander, for the bias itself is in the base model.
+fn subject(term: &Term) -> String {
+    match (term.id(), term.sensor) {
+        ("gyro-bias" | "accelerometer-bias", Some(sensor)) => format!("how the {}'s bias wanders", sensor.name()),
+        _ => term.phrase(),
+    }
 }
 
 /// States what a reference with one half of a pose cannot show.
