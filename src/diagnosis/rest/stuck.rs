@@ -18,6 +18,9 @@ const BLOCK: usize = 256;
 const MARGIN: f64 = 4.0;
 /// Fewer rows than this are no stretch, whatever the chance of them.
 const FEWEST: f64 = 20.0;
+/// Lengths of runs, one after the other, of which one at least is no chance where all are frozen: a run that fills a block
+/// stands for a faithful one until it is taken out itself.
+const FELLOWS: usize = 3;
 /// With more of the rows frozen, the rest is no surroundings to fill them from.
 const MOST: f64 = 0.5;
 
@@ -51,8 +54,11 @@ fn find(values: &[f64], filled: &[Range<usize>]) -> Vec<Range<usize>> {
     let mut lengths: Vec<usize> = runs.iter().map(Range::len).filter(|l| *l as f64 > FEWEST).collect();
     lengths.sort_unstable_by(|a, b| b.cmp(a));
     lengths.dedup();
-    // From the longest down, as long as what is shorter does not explain it.
-    let least = lengths.into_iter().take_while(|l| is_frozen(*l, values.len(), &runs)).last();
+    // From the longest down, as long as what is shorter does not explain it, unless that is frozen itself.
+    let frozen: Vec<bool> = lengths.iter().map(|l| is_frozen(*l, values.len(), &runs)).collect();
+    let explained =
+        frozen.windows(FELLOWS.min(frozen.len().max(1))).position(|some| !some.contains(&true)).unwrap_or(frozen.len());
+    let least = frozen[..explained].iter().rposition(|is| *is).map(|n| lengths[n]);
     let Some(least) = least else { return Vec::new() };
     let stuck: Vec<Range<usize>> = runs.into_iter().filter(|run| run.len() >= least).collect();
     let rows: usize = stuck.iter().map(Range::len).sum();
