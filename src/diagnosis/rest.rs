@@ -9,6 +9,7 @@
 
 mod agreement;
 mod block_means;
+mod by_column;
 mod candidate;
 mod candidates_round;
 mod cause;
@@ -17,8 +18,10 @@ mod channel;
 mod column;
 mod common;
 mod conclusion;
+mod corner;
 mod course;
 mod decimated;
+mod delayed;
 mod departure;
 mod describe;
 pub mod detail;
@@ -45,6 +48,7 @@ mod residual;
 mod rival_column;
 mod score;
 mod search;
+mod searched;
 mod selection;
 mod sensor;
 mod shape;
@@ -56,6 +60,7 @@ mod spectrum;
 mod standing;
 pub mod statement;
 mod statements;
+mod stuck;
 mod telegraph;
 mod temperature_profile;
 
@@ -67,7 +72,6 @@ use super::model::{self, MOST_AT_REST};
 use crate::control::{Control, Stopped};
 use crate::error::Result;
 use crate::number::short;
-use crate::parallel;
 use crate::recording::Recording;
 use crate::recording::disturbance;
 use crate::recording::health::Watch;
@@ -75,8 +79,7 @@ use crate::repeatability::run::Run;
 use crate::stated_units;
 use channel::{Channel, Curve};
 use intake::Columns;
-use selection::Surroundings;
-use shape::Following;
+use searched::{Measured, Searched};
 
 /// Diagnoses it.
 ///
@@ -109,13 +112,14 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
         .map(|n| Ok((n.clone(), Curve::new(reduce(columns.values(n)?)))))
         .collect::<Result<_>>()?;
     let filled = columns.filled();
+    let mut frozen = Vec::new();
     let channels: Vec<Channel> = names
         .iter()
         .zip(&live)
         .map(|(name, values)| {
             let step = Watch::of(name, values, &filled).step();
             let mut values = values.to_vec();
-            disturbance::roughen(&mut values, &filled);
+            frozen.push(columns.in_file(stuck::take_out(&mut values, &filled)));
             let disturbances = disturbance::take_out(&mut values);
             let mut channel = Channel::new(name, &reduce(&values), rate_hz);
             channel.unit = stated_units::words(recording, name, model).unwrap_or(channel.unit);
@@ -127,31 +131,22 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
             channel
         })
         .collect();
+    findings.extend(stuck::sentences(&names, &frozen, columns.rows.len()));
     let means: Vec<f64> = channels.iter().map(|c| c.mean).collect();
     findings.extend(plausible::gravity(&means, &model.unit));
     let stopped = |s: Stopped| s.during(format!("could not diagnose {}", recording.path.display()), "start it again");
-    let work = control.stage("searching the laws of each channel", channels.len() as u64);
-    let followed = shared_lag::find(&channels, &environment, control).map_err(stopped)?;
-    let select = |(channel, following): (&Channel, &Vec<Following>)| {
-        let surroundings = Surroundings { columns: &environment, following };
-        let selected = selection::select(channel, &surroundings, channels.len(), control);
-        work.step();
-        selected
-    };
-    let asked: Vec<_> = channels.iter().zip(&followed).collect();
-    let selected: Result<Vec<_>, Stopped> = parallel::map(&asked, |of| select(*of)).into_iter().collect();
-    let mut selected = selected.map_err(stopped)?;
-    work.rename("comparing the channels");
-    agreement::agree(&channels, &mut selected, &environment, control).map_err(stopped)?;
-    rival_column::tie(&channels, &mut selected, &environment, control).map_err(stopped)?;
-    let common = if environment.is_empty() { common::find(&channels, &selected) } else { None };
+    let measured = Measured { channels, environment, noise: model.noise.as_ref() };
+    let searched = Searched::of(measured, control).and_then(|s| s.below_the_corner(control));
+    let (Searched { measured, selected, common }, below) = searched.map_err(stopped)?;
+    findings.extend(below);
     Ok(conclusion::conclude(conclusion::Material {
         recording,
         columns: &columns,
         model,
-        channels: &channels,
+        channels: &measured.channels,
         selected: &selected,
         common,
+        environment: &measured.environment,
         findings,
     }))
 }
@@ -177,10 +172,10 @@ pub fn known(recordings: &[Recording], model: &model::Static, control: &Control)
         let rate_hz = recording.rate_hz / recording.averaged.as_ref().map_or(1, |a| a.together) as f64;
         let mut findings = recording.sentences();
         let mut channels = Vec::new();
-        let mut left_out = Vec::new();
+        let (mut left_out, mut frozen) = (Vec::new(), Vec::new());
         for name in &names {
             let mut values = columns.values(name)?.to_vec();
-            disturbance::roughen(&mut values, &filled);
+            frozen.push(columns.in_file(stuck::take_out(&mut values, &filled)));
             let disturbances = disturbance::take_out(&mut values);
             match disturbances.knocks.len() + disturbances.bad.len() {
                 0 => (),
@@ -194,6 +189,7 @@ pub fn known(recordings: &[Recording], model: &model::Static, control: &Control)
             findings
                 .push(format!("what follows `{columns}` is part of these numbers: `proofmass diagnose` takes it out"));
         }
+        findings.extend(stuck::sentences(&names, &frozen, columns.rows.len()));
         if !left_out.is_empty() {
             findings.push(format!("knocks and single bad readings were left out: {}", left_out.join(", ")));
         }

@@ -185,24 +185,31 @@ pub fn roughen(values: &mut [f64], filled: &[Range<usize>]) {
     let spread = spread(&off);
     let count = values.len();
     for gap in filled.iter().filter(|gap| gap.len() > 1 && gap.end <= count) {
-        let side = |from: usize, to: usize| median(values[from..to.max(from)].to_vec());
-        let before = side(gap.start.saturating_sub(BLOCK / 2), gap.start);
-        let after = side(gap.end, (gap.end + BLOCK / 2).min(count));
-        let ends = [before.unwrap_or(level[gap.start]), after.unwrap_or(level[gap.end - 1])];
-        lay(values, gap.clone(), ends, &off, spread);
+        // A level from fewer readings than half the gap's would be a drift that stands out.
+        let reach = (BLOCK / 2).max(gap.len() / 2);
+        let side =
+            |from: usize, to: usize| Some((0.5 * (from + to) as f64, median(values[from..to.max(from)].to_vec())?));
+        let before = side(gap.start.saturating_sub(reach), gap.start);
+        let after = side(gap.end, (gap.end + reach).min(count));
+        let knots = match (before.or(after), after.or(before)) {
+            (Some(before), Some(after)) => [before, after],
+            _ => [(gap.start as f64, level[gap.start]), (gap.end as f64, level[gap.end - 1])],
+        };
+        lay(values, gap.clone(), knots, &off, spread);
     }
 }
 
-/// Puts a line between two levels in a stretch's place, with the noise of the readings before it (after it, at the
-/// beginning).
-fn lay(values: &mut [f64], stretch: Range<usize>, [start, end]: [f64; 2], off: &[f64], spread: f64) {
+/// Puts a line through two levels at their places in a stretch's place, with the noise of the
+/// readings before it (after it, at the beginning).
+fn lay(values: &mut [f64], stretch: Range<usize>, [first, last]: [(f64, f64); 2], off: &[f64], spread: f64) {
     let Range { start: from, end: to } = stretch;
-    let (width, count) = ((to - from) as f64, off.len());
+    let count = off.len();
+    let slope = if last.0 > first.0 { (last.1 - first.1) / (last.0 - first.0) } else { 0.0 };
     for n in from..to {
         let noise =
             if 2 * from >= to { off[2 * from - 1 - n.min(2 * from - 1)] } else { off[(2 * to - 1 - n).min(count - 1)] };
         let noise = noise.clamp(-3.0 * spread, 3.0 * spread);
-        values[n] = start + (end - start) * (n - from) as f64 / width + noise;
+        values[n] = first.1 + slope * (n as f64 - first.0) + noise;
     }
 }
 
@@ -227,7 +234,7 @@ fn knock(run: &[usize], values: &mut [f64], level: &[f64], off: &[f64], spread: 
     if steps || to - from > count / 20 {
         return None;
     }
-    let ends = [before.unwrap_or(level[from]), after.unwrap_or(level[to - 1])];
+    let ends = [(from as f64, before.unwrap_or(level[from])), (to as f64, after.unwrap_or(level[to - 1]))];
     lay(values, from..to, ends, off, spread);
     Some(Knock { from, to, deviations: largest / spread })
 }

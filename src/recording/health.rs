@@ -8,6 +8,10 @@ use super::finding::Finding;
 /// Values that lie off whole steps by less than this are whole multiples, rounded in print.
 const ON_GRID: f64 = 0.05;
 
+/// Times that a run must be longer than the next one in a column that rests anyway: two plateaus of
+/// one course differ by less, unless it moves but once.
+const PLATEAU: usize = 4;
+
 /// Looks at the values of a channel as they pass.
 #[derive(Debug, Clone)]
 pub struct Watch {
@@ -21,6 +25,8 @@ pub struct Watch {
     run: usize,
     repeats: usize,
     longest: (usize, usize, f64),
+    /// Length of the longest run but that one.
+    second: usize,
     /// Smallest change between neighbours.
     step: f64,
     origin: f64,
@@ -76,6 +82,7 @@ impl Watch {
             run: 0,
             repeats: 0,
             longest: (0, 0, f64::NAN),
+            second: 0,
             step: f64::INFINITY,
             origin: f64::NAN,
             off_grid: 0.0,
@@ -115,8 +122,12 @@ impl Watch {
                 (self.step, self.off_grid) = (change, 0.0);
             }
         }
+        let first = self.count + 1 - self.run;
+        if first != self.longest.0 {
+            self.second = self.second.max(self.run.min(self.longest.1));
+        }
         if self.run > self.longest.1 {
-            self.longest = (self.count + 1 - self.run, self.run, value);
+            self.longest = (first, self.run, value);
         }
         if self.off_grid < ON_GRID {
             self.off_grid = self.off_grid.max(from_whole((value - self.origin) / self.step));
@@ -171,6 +182,12 @@ impl Watch {
     /// / ln(1/p) in n draws that repeat with probability p.
     fn frozen(&self) -> bool {
         let others = self.repeats.saturating_sub(self.longest.1) as f64;
+        // A column that rests more often than it changes has plateaus: a thermometer's steps. One as
+        // long as others is none the worse.
+        let rests = 2.0 * others > self.count.saturating_sub(self.longest.1) as f64;
+        if rests && self.longest.1 < PLATEAU * self.second {
+            return false;
+        }
         let chance = ((others + 1.0) / self.count as f64).min(0.999);
         self.longest.1 as f64 > 20.0 - 4.0 * (self.count as f64).ln() / chance.ln()
     }
@@ -220,6 +237,8 @@ mod tests {
         assert!(matches!(judge(frozen)[0], Finding::Stuck { rows: 400, .. }));
         assert!(judge(sine(1.0)).is_empty());
         assert!(judge(sine(6.3).iter().map(|v| v.round()).collect()).is_empty(), "a coarse reading is not clipped");
+        let plateaus = sine(6.3).iter().map(|v| v.round()).collect::<Vec<f64>>();
+        assert!(judge(plateaus.iter().flat_map(|v| [*v; 40]).collect()).is_empty(), "steps of a thermometer");
         let square = (0..5000).map(|i| if i / 50 % 2 == 0 { 1.0 } else { -1.0 }).collect();
         assert!(judge(square).is_empty(), "a two-level input is not clipped");
     }

@@ -16,11 +16,13 @@ use super::world::{check, data_test, test};
 
 use plant::{PLANTED, Plant, relaxation, sized, smoothed, walk, white};
 
+mod frozen;
 mod level;
 mod near;
 mod place;
 pub mod plant;
 mod recordings;
+mod together;
 mod watched;
 
 fn diagnose(recording: &Recording, model: &Static) -> proofmass::error::Result<Diagnosis> {
@@ -51,6 +53,13 @@ pub fn tests() -> Vec<Trial> {
         test("static: physics outside the library is unexplained and gets no name", foreign),
         test("static: a bias that jumps, in one channel or in all, is not called drift", jumps),
         test("static: popcorn noise is told from a Gauss–Markov process of the same spectrum", popcorn),
+        test("static: rows in which a reading hangs are left out, said, and named as nothing", frozen::rows),
+        test("static: popcorn about a temperature, a ramp or a warm-up is told", together::hops_about_a_course),
+        test("static: a course with a memory, and two courses, keep their names", together::courses_and_memories),
+        test(
+            "static: lag and play are one temperature, and a bend without a law is no noise",
+            together::forms_of_a_temperature,
+        ),
         test("static: long work says what it does, as many steps as there are channels", watched::told),
         data_test(
             "static: the ADIS16405's vibration is located, not named, and its roll-off is a finding",

@@ -11,10 +11,9 @@ use super::channel::{Addition, Channel, Curve, Fitted, Term};
 use super::course::is_course;
 use super::departure;
 use super::selection::Selection;
-use super::slow::is_slow;
+use super::slow::{is_slow, slow_part};
 use super::spectrum::Law;
 use super::standing::ALPHA;
-use crate::numerics::cosine;
 use crate::numerics::special::chi_squared_survival;
 
 /// A channel that follows another.
@@ -112,17 +111,4 @@ fn slow_power(fitted: &Fitted) -> f64 {
         if share > 0.5 { share * (bin.sum[0] + bin.sum[1]) } else { 0.0 }
     };
     fitted.bins.iter().zip(&fitted.variances).map(of).sum()
-}
-
-/// The slow part in time: every coefficient weighted by the fraction of its power that is not white
-/// (Wiener's filter).
-pub(super) fn slow_part(fitted: &Fitted) -> Vec<f64> {
-    let white = fitted.white().0;
-    let mut coefficients = vec![0.0; fitted.residual.len()];
-    for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {
-        let share = (1.0 - white / variance).max(0.0);
-        let part = bin.from..bin.to;
-        coefficients[part.clone()].iter_mut().zip(&fitted.residual[part]).for_each(|(c, r)| *c = share * r);
-    }
-    cosine::invert(&coefficients)
 }

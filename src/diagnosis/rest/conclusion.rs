@@ -1,10 +1,11 @@
 //! From what was selected to a verdict: which effects stand, what is left, how well it fits.
 
+use super::by_column::Asked;
 use super::candidate::row;
 use super::cause::Cause;
-use super::channel::{Channel, Fitted};
+use super::channel::{Channel, Environment, Fitted};
 use super::common::Common;
-use super::departure::{self, Departure, Ruling};
+use super::departure::{Departure, Of, Ruling};
 use super::detail::{self, ChannelDetail, Detail};
 use super::effects::{self, Basis, Found};
 use super::findings;
@@ -17,7 +18,6 @@ use super::residual::{Residual, TOLERANCE, residual};
 use super::score::{fit, ranking};
 use super::selection::Selection;
 use super::shared_exponent::{self, Member};
-use super::spectrum::{self, Law};
 use super::standing::correction;
 use super::statement::Statement;
 use super::{describe, earth, location, plausible, sensor, statements, telegraph};
@@ -39,6 +39,7 @@ pub(super) struct Material<'a> {
     pub(super) channels: &'a [Channel],
     pub(super) selected: &'a [Selection],
     pub(super) common: Option<Common>,
+    pub(super) environment: &'a Environment,
     pub(super) findings: Vec<String>,
 }
 
@@ -53,7 +54,7 @@ pub(super) fn conclude(material: Material<'_>) -> Answer {
     draft.answer()
 }
 
-/// A conclusion in the making; vectors by channel, in the recording's order.
+/// A conclusion in the making; vectors by channel.
 struct Draft<'a> {
     recording: &'a Recording,
     columns: &'a Columns<'a>,
@@ -61,6 +62,7 @@ struct Draft<'a> {
     channels: &'a [Channel],
     selected: &'a [Selection],
     common: Option<Common>,
+    environment: &'a Environment,
     findings: Vec<String>,
     unit: &'a str,
     /// The final models: those selected, or with what channels share.
@@ -76,7 +78,7 @@ struct Draft<'a> {
 
 impl<'a> Draft<'a> {
     fn of(material: Material<'a>) -> Self {
-        let Material { recording, columns, model, channels, selected, common, findings } = material;
+        let Material { recording, columns, model, channels, selected, common, environment, findings } = material;
         Self {
             recording,
             columns,
@@ -84,6 +86,7 @@ impl<'a> Draft<'a> {
             channels,
             selected,
             common,
+            environment,
             findings,
             unit: if model.unit.is_empty() { "unit" } else { &model.unit },
             finals: selected.iter().map(|s| s.chosen.clone()).collect(),
@@ -140,9 +143,12 @@ impl<'a> Draft<'a> {
             self.leaps[i] = true;
         }
         let steady: Vec<usize> = alone.into_iter().filter(|i| !self.leaps[*i]).collect();
-        for (i, found) in parallel::map(&steady, |i| {
-            (*i, departure::judge(&self.channels[*i], &self.selected[*i].chosen, correction(self.channels.len())))
-        }) {
+        let asked = |i: &usize| {
+            let (channel, chosen) = (&self.channels[*i], &self.selected[*i].chosen);
+            let asked = Asked { channel, chosen, environment: self.environment };
+            (*i, asked.judge_with_time(correction(self.channels.len())))
+        };
+        for (i, found) in parallel::map(&steady, asked) {
             self.departures[i] = found;
         }
         self.share_exponent(&steady);
@@ -188,7 +194,7 @@ impl<'a> Draft<'a> {
         self.finals[i].has(Cause::Jump) || self.channels[i].disturbances.are_foreign()
     }
 
-    /// Returns whether a free exponent has ruled so of this cause in a channel.
+    /// Returns whether another description has ruled so of this cause in a channel.
     fn is(&self, ruling: Ruling, cause: Cause, i: usize) -> bool {
         self.departures[i].is_some_and(|d| d.ruling == ruling && d.concerns(cause))
     }
@@ -251,11 +257,13 @@ impl<'a> Draft<'a> {
         let stands = |found: &Found| {
             let mut at = found.channels.iter();
             // What one jump, or hops between levels, describe better is no drift.
-            let leaps = row(found.cause).is_drift && at.clone().any(|i| self.leaps[*i]);
+            let leaps = row(found.cause).is_drift
+                && at.clone().any(|i| self.leaps[*i] && !self.residuals[*i].keeps(found.cause));
             let holds = |i: &usize| found.stands(&self.channels[*i], &self.finals[*i], &self.residuals[*i]);
             let whole = found.basis != Basis::Exponent;
             let refuted = whole && at.clone().any(|i| self.is(Ruling::Refuted, found.cause, *i));
-            !leaps && !refuted && (at.clone().all(|i| self.fits(*i)) || at.any(holds))
+            let has_hops = |i: &usize| self.leaps[*i] && row(found.cause).is_drift;
+            !leaps && !refuted && (at.clone().all(|i| self.fits(*i) || has_hops(i)) || at.any(holds))
         };
         let standing: Vec<Found> = self.effects.iter().filter(|f| stands(f)).cloned().collect();
         self.effects = standing;
@@ -320,7 +328,11 @@ impl<'a> Draft<'a> {
                 channel: self.channels[i].name.clone(),
                 ids: ids.into_iter().map(str::to_owned).collect(),
                 refuted,
-                in_time: departure.of == departure::Of::Time,
+                in_time: departure.of == Of::Time,
+                column: match departure.of {
+                    Of::Column(place) => self.environment.get(place).map(|(name, _)| name.clone()),
+                    Of::Spectrum | Of::Time => None,
+                },
                 exponent: departure.exponent.map(|e| e.value),
                 ci95: departure.exponent.map(|e| e.ci95),
             })
@@ -339,7 +351,7 @@ impl<'a> Draft<'a> {
         let effects: Vec<Effect> = self.effects.iter().filter_map(|e| e.public(channels)).collect();
         let fits: Vec<bool> = (0..count).map(|i| self.fits(i) && !self.is_disturbed(i)).collect();
         let before: Vec<Vec<f64>> =
-            (0..count).map(|i| base_variances(&channels[i], &self.selected[i], self.model)).collect();
+            (0..count).map(|i| describe::base_variances(&channels[i], &self.selected[i].base, self.model)).collect();
         let (places, location) = location::locate(channels, self.selected, &self.residuals, &fits);
         let of_channel = |i: usize| ChannelDetail {
             named: effects.iter().filter(|e| e.channels.contains(&channels[i].name)).map(|e| e.id.clone()).collect(),
@@ -353,8 +365,8 @@ impl<'a> Draft<'a> {
         let names = || channels.iter().map(|c| c.name.clone()).collect();
         ranking.extend(reference.as_ref().and_then(|r| earth::ranked(r, names())));
         let of_readings = statements::of(self.recording, channels, &self.finals, &self.residuals);
-        let statements = of_readings.into_iter().chain(means.iter().filter_map(Mean::statement)).chain(reference);
-        let statements: Vec<Statement> = statements.collect();
+        let of_means = means.iter().filter_map(Mean::statement);
+        let statements: Vec<Statement> = of_readings.into_iter().chain(of_means).chain(reference).collect();
         let follows_temperature = self.effects.iter().any(|e| e.cause == Cause::TemperatureSensitivity);
         let of_static = Detail {
             unit: self.unit.into(),
@@ -362,6 +374,7 @@ impl<'a> Draft<'a> {
             statements,
             departures: self.departures_named(),
             temperature_unlogged: follows_temperature && self.model.columns.environment.is_empty(),
+            has_environment: !self.environment.is_empty(),
             location,
         };
         Answer {
@@ -378,18 +391,6 @@ impl<'a> Draft<'a> {
             base,
             effects,
             findings: self.findings,
-        }
-    }
-}
-
-/// Returns what the base model says of every bin: the promised noise, else white noise at its best
-/// level.
-fn base_variances(channel: &Channel, selection: &Selection, model: &model::Static) -> Vec<f64> {
-    match &model.noise {
-        None => selection.base.variances.clone(),
-        Some(noise) => {
-            let white = describe::white_of_density(channel, noise.density);
-            spectrum::variances(&selection.base.bins, &[Law::White], &[white], &channel.promised)
         }
     }
 }

@@ -53,6 +53,8 @@ pub(super) struct Departure {
 pub(super) struct Takes {
     pub(super) courses: bool,
     pub(super) noise: bool,
+    /// Sines of a few cycles in the recording.
+    pub(super) slow_lines: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,12 +71,16 @@ pub(super) enum Of {
     Spectrum,
     /// Of the course in time, t^p.
     Time,
+    /// Of no course in time but of the environment column at this place.
+    Column(usize),
 }
 
 impl Departure {
     /// Returns whether it speaks of this cause.
     pub(super) fn concerns(&self, cause: Cause) -> bool {
-        self.takes.noise && SLOW.contains(&cause) || self.takes.courses && is_course(cause)
+        self.takes.noise && SLOW.contains(&cause)
+            || self.takes.courses && is_course(cause)
+            || self.takes.slow_lines && cause == Cause::Sinusoid
     }
 }
 
@@ -127,7 +133,7 @@ fn in_spectrum(channel: &Channel, chosen: &Fitted, correction: f64) -> Option<De
     let (free, best) = free_exponent(channel, chosen, &chosen.bins);
     let gain = 2.0 * (best - chosen.log_likelihood());
     let of = |ruling, free, better_by, courses| {
-        let takes = Takes { courses, noise: true };
+        let takes = Takes { courses, noise: true, slow_lines: false };
         Some(Departure { ruling, of: Of::Spectrum, exponent: Some(free), better_by, takes })
     };
     // A free exponent has one number more than a whole one.
@@ -217,7 +223,7 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
     if drift[..] == [Cause::RateRamp] {
         let ruling = whole(1.0, free, 2.0 * (best - before.log_likelihood()))?;
         let better_by = 2.0 * (best - before.log_likelihood()) - penalty;
-        let takes = Takes { courses: true, noise: true };
+        let takes = Takes { courses: true, noise: true, slow_lines: false };
         return Some(Departure { ruling, of: Of::Time, exponent: Some(free), better_by, takes });
     }
     let power = score(best, 2.0);
@@ -232,7 +238,7 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
     match rival(better_by) {
         Some(ruling) if ruling == Ruling::Refuted || has_noise || drift[..] == [Cause::WarmUp] => {
             let exponent = (power >= smooth).then_some(free);
-            return departs(ruling, exponent, better_by, Takes { courses: true, noise: true });
+            return departs(ruling, exponent, better_by, Takes { courses: true, noise: true, slow_lines: false });
         }
         _ => {}
     }
@@ -247,7 +253,7 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
         own.fit(kept.iter().cloned().chain([term(Cause::RateRamp, curves)]).collect()).log_likelihood()
     };
     let better_by = of_all(&beside, more) - held;
-    departs(rival(better_by)?, None, better_by, Takes { courses: false, noise: true })
+    departs(rival(better_by)?, None, better_by, Takes { courses: false, noise: true, slow_lines: false })
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::channel::{Channel, Fitted};
 use super::detail::ChannelDetail;
 use super::spectrum::{self, Bin, Law};
-use crate::model::Noise;
+use crate::model::{Noise, Static};
 use crate::numerics::allan;
 
 /// Variance per bin that a datasheet promises beyond white noise, in the channel's scale.
@@ -29,6 +29,18 @@ pub(super) fn white_of_density(channel: &Channel, density: f64) -> f64 {
 /// One-sided density of a white variance in the channel's scale.
 pub(super) fn density_of_white(channel: &Channel, variance: f64) -> f64 {
     (2.0 * variance / channel.rate_hz).sqrt() * channel.scale
+}
+
+/// Returns what the base model says of every bin: the promised noise, else white noise at its best
+/// level.
+pub(super) fn base_variances(channel: &Channel, base: &Fitted, model: &Static) -> Vec<f64> {
+    match &model.noise {
+        None => base.variances.clone(),
+        Some(noise) => {
+            let white = white_of_density(channel, noise.density);
+            spectrum::variances(&base.bins, &[Law::White], &[white], &channel.promised)
+        }
+    }
 }
 
 /// Allan variance of coefficients with these variances per bin: 2/N Σ S sin⁴(mθ)/(m sin θ)². Where

@@ -14,6 +14,8 @@ pub struct Detail {
     /// States whether something that a temperature column would show is named, and none was
     /// recorded.
     pub temperature_unlogged: bool,
+    /// States whether environment columns were recorded.
+    pub has_environment: bool,
     /// Location of the mismatch.
     pub location: Location,
     /// Drifts whose exponent is not, or may not be, that of a library law.
@@ -52,6 +54,8 @@ pub struct Departure {
     pub refuted: bool,
     /// States whether the exponent is that of the course in time, t^p; else of the spectrum, f^−α.
     pub in_time: bool,
+    /// The environment column that a function of no stated form describes it by, where one does.
+    pub column: Option<String>,
     /// The exponent; absent where a smooth course without one does best.
     pub exponent: Option<f64>,
     /// 95 % interval of the exponent.

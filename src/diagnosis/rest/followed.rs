@@ -23,6 +23,8 @@ pub(super) enum Delay {
     Lag(Profiled),
     /// It moves when the column has moved by the play; half its width, in units of the column.
     Play(Profiled),
+    /// A lag in samples, then play: a housing that warms late and holds what moves in it.
+    LagAndPlay(Profiled, Profiled),
 }
 
 impl Followed {
@@ -39,13 +41,34 @@ impl Delay {
             Self::None => column.to_vec(),
             Self::Lag(lag) => lagged(column, lag.value),
             Self::Play(play) => played(column, play.value),
+            Self::LagAndPlay(lag, play) => played(&lagged(column, lag.value), play.value),
+        }
+    }
+
+    /// Free numbers of it.
+    pub(super) fn numbers(self) -> f64 {
+        match self {
+            Self::None => 0.0,
+            Self::Lag(_) | Self::Play(_) => 1.0,
+            Self::LagAndPlay(..) => 2.0,
         }
     }
 
     /// The same in samples of which as many make one.
     pub(super) fn in_samples(self, together: usize) -> Self {
+        self.times(together as f64)
+    }
+
+    /// The same in means of as many samples.
+    pub(super) fn in_means(self, together: usize) -> Self {
+        self.times(1.0 / together as f64)
+    }
+
+    fn times(self, factor: f64) -> Self {
+        let longer = |lag: Profiled| lag.map(|v| v * factor);
         match self {
-            Self::Lag(lag) => Self::Lag(lag.map(|v| v * together as f64)),
+            Self::Lag(lag) => Self::Lag(longer(lag)),
+            Self::LagAndPlay(lag, play) => Self::LagAndPlay(longer(lag), play),
             other => other,
         }
     }

@@ -50,6 +50,14 @@ impl<'a> Columns<'a> {
         filled.filter(|gap| start < gap.start && gap.end < end).map(|gap| gap.start - start..gap.end - start).collect()
     }
 
+    /// Stretches of the rows used, in rows of the file.
+    pub(super) fn in_file(&self, stretches: Vec<Range<usize>>) -> Vec<Range<usize>> {
+        let before = self.recording.first_sample + self.rows.start;
+        // A mean stands for as many rows.
+        let together = self.recording.averaged.as_ref().map_or(1, |a| a.together);
+        stretches.into_iter().map(|s| before + s.start * together..before + s.end * together).collect()
+    }
+
     /// The step that a column was rounded to before neighbours were averaged.
     pub(super) fn step_before(&self, name: &str) -> Option<f64> {
         let steps = &self.recording.averaged.as_ref()?.steps;

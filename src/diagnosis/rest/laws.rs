@@ -7,13 +7,14 @@
 
 use crate::control::{Control, Stopped};
 
-use super::candidate::{MEMORIES, MOST_LAWS, is_filter, memories, row};
+use super::candidate::{MEMORIES, MOST_LAWS, Offer, is_filter, memories, row};
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Fitted, Term};
 use super::course::is_course;
 use super::search;
 use super::spectrum::Law;
-use super::standing::{CLOSE, contains, needs_all};
+use super::standing::{ALPHA, CLOSE, contains, needs_all};
+use crate::numerics::special::chi_squared_survival;
 
 /// The laws that may stand for one another.
 pub(super) const SLOW: [Cause; 3] = [Cause::FlickerNoise, Cause::RandomWalk, Cause::GaussMarkov];
@@ -88,6 +89,10 @@ pub(super) fn settle(
             all.push(fit_beside(&bare, &[law])?);
         }
     }
+    let more = Beside { channel, rest: &rest, laws: &fit_beside, control }.with_more_courses(laws)?;
+    let sums: Vec<&Fitted> = all.iter().chain([&selected]).collect();
+    let more: Vec<Fitted> = more.into_iter().filter(|m| leads(m, &sums, correction)).collect();
+    all.extend(more);
     all.retain(|f| !is_filter(f) && minus_aic(f) > minus_aic(&selected) - CLOSE && needs_all(channel, f, correction));
     all.push(selected);
     let most = all.iter().map(minus_aic).fold(f64::NEG_INFINITY, f64::max);
@@ -117,4 +122,69 @@ pub(super) fn settle(
         })
         .collect();
     Ok((best, rivals))
+}
+
+/// Times that a gain by numbers that are searched for comes more often by chance: a settling time
+/// and a memory, as in their rows.
+const SEARCHED: f64 = 5.0 * 4.0;
+
+/// Returns whether a model with more courses leads every simpler one by more than chance. Each of
+/// its terms is needed next to the others as they were fitted with it; but a memory searched for
+/// without the course is another one.
+fn leads(with: &Fitted, sums: &[&Fitted], correction: f64) -> bool {
+    let numbers = |of: &Fitted| -> f64 { of.terms.iter().map(|t| row(t.cause).numbers).sum() };
+    sums.iter().all(|sum| {
+        let more = numbers(with) - numbers(sum);
+        let gain = 2.0 * (with.log_likelihood() - sum.log_likelihood());
+        more <= 0.0 || SEARCHED * chi_squared_survival(gain.max(0.0), more) * correction < ALPHA
+    })
+}
+
+/// Holds what a course is tried next to: the terms that stay, and fits of slow laws with them.
+struct Beside<'a, F> {
+    channel: &'a Channel,
+    rest: &'a [Term],
+    laws: &'a F,
+    control: &'a Control,
+}
+
+impl<F: Fn(&[Term], &[Cause]) -> Result<Fitted, Stopped>> Beside<'_, F> {
+    /// Models with a straight or a settling course more, or both, next to no slow law or one: a law
+    /// taken first leaves nothing for a course that does better than it. `laws` are in the model
+    /// besides.
+    fn with_more_courses(&self, laws: usize) -> Result<Vec<Fitted>, Stopped> {
+        let missing: Vec<Cause> =
+            [Cause::RateRamp, Cause::WarmUp].into_iter().filter(|c| !self.rest.iter().any(|t| t.cause == *c)).collect();
+        let mut out = Vec::new();
+        let room = laws < MOST_LAWS;
+        for slow in std::iter::once(None).chain(SLOW.map(Some).into_iter().filter(|_| room)) {
+            for course in &missing {
+                out.extend(self.with(&[*course], slow)?);
+            }
+            if missing.len() > 1 {
+                out.extend(self.with(&missing, slow)?);
+            }
+        }
+        Ok(out)
+    }
+
+    /// The model with these courses: each number searched in turn, twice, since a memory that was
+    /// fitted without the course has grown to take it up.
+    fn with(&self, courses: &[Cause], slow: Option<Cause>) -> Result<Option<Fitted>, Stopped> {
+        let Self { channel, control, .. } = *self;
+        let slow: Vec<Cause> = slow.into_iter().collect();
+        let mut rest = self.rest.to_vec();
+        for _ in 0..2 {
+            for course in courses {
+                rest.retain(|t| t.cause != *course);
+                let current = (self.laws)(&rest, &slow)?;
+                let offered = (row(*course).offer)(&Offer { channel, current: &current, environment: &[], control })?;
+                let Some(term) = offered.into_iter().next().and_then(|mut fitted| fitted.terms.pop()) else {
+                    return Ok(None);
+                };
+                rest.push(term);
+            }
+        }
+        (self.laws)(&rest, &slow).map(Some)
+    }
 }

@@ -136,7 +136,7 @@ mod tests {
             of: Of::Spectrum,
             exponent: Some(Profiled { value, ci95 }),
             better_by: -1.0,
-            takes: Takes { courses: false, noise: true },
+            takes: Takes { courses: false, noise: true, slow_lines: false },
         };
         let memory = chosen(Cause::GaussMarkov, Law::Markov(30.0));
         let flicker = chosen(Cause::FlickerNoise, Law::Flicker);

@@ -3,10 +3,12 @@
 
 use std::f64::consts::PI;
 
+use super::cause::Cause;
 use super::channel::{Channel, Fitted};
 use super::hump;
 use super::jump;
 pub(super) use super::jump::TOLERANCE;
+use super::laws::SLOW;
 use super::spectrum::Bin;
 use super::telegraph::Telegraph;
 use crate::numerics::cosine;
@@ -53,6 +55,13 @@ pub(super) struct Residual {
     /// States whether outside the stretches named, which are the smaller part of the log, nothing
     /// is amiss.
     pub(super) only_there: bool,
+}
+
+impl Residual {
+    /// Returns whether a cause stands though the channel leaps: a course that it hops about.
+    pub(super) fn keeps(&self, cause: Cause) -> bool {
+        self.telegraph.as_ref().is_some_and(|t| t.about_course) && !SLOW.contains(&cause)
+    }
 }
 
 /// Judges a fitted model. With `tolerance` zero even the smallest deviation counts.

@@ -9,8 +9,10 @@ use super::jump;
 use super::laws::{self, Rivals};
 use super::shape::Following;
 use super::standing::{self, CLOSE, SUPERFLUOUS, Standing, contains, others, prune, removal_p_value};
+use super::telegraph;
 use crate::control::{Control, Stopped};
 use crate::numerics::order;
+use crate::remainder::REAL;
 
 /// At most this many effects per channel.
 const MOST: usize = 6;
@@ -85,7 +87,13 @@ pub(super) fn select(
             selection = Some(beside(channel, surroundings, channels, control, steps.clone())?);
         }
     }
-    Ok(selection.filter(|_| steps.len() <= MOST_STEPS).unwrap_or(as_one))
+    let Some(in_pieces) = selection.filter(|_| steps.len() <= MOST_STEPS) else { return Ok(as_one) };
+    // Two of many hops may take the place of the course that they hop about.
+    let is_lost = |t: &Term| matches!(t.addition, Addition::Curves(_)) && !in_pieces.chosen.has(t.cause);
+    let hops = || telegraph::hops(channel, &as_one.chosen).filter(|t| t.about_course && t.hops > MOST_STEPS);
+    let hops_about =
+        as_one.chosen.terms.iter().any(is_lost) && hops().is_some_and(|t| t.p_value * (channels as f64) < REAL);
+    Ok(if hops_about { as_one } else { in_pieces })
 }
 
 /// Environment columns by what they tell of a channel.
@@ -173,6 +181,8 @@ fn beside(
         current = prune(channel, fitted, correction);
     }
     let (chosen, settled) = laws::settle(channel, current, correction, control)?;
+    // What was needed next to the sum selected may not be next to the one settled on.
+    let chosen = prune(channel, chosen, correction);
     // Which of the slow laws: of the sums compared. All else: of the round in which it was taken.
     for (cause, own) in settled {
         let before = rivals.iter().rev().find(|r| r.0 == cause).map(|r| r.1.clone()).unwrap_or_default();

@@ -1,5 +1,5 @@
-//! The shapes in which a reading may follow an environment column: at once, with a lag, with play;
-//! straight or bent.
+//! The shapes in which a reading may follow an environment column: at once, with a lag, with play or
+//! with both; straight or bent.
 //!
 //! They are offered before any noise is, and next to a walk and flicker whose strengths are free: a
 //! column that only looks like the drift gains nothing there. What a column explains in some shape
@@ -7,17 +7,17 @@
 //! (`in_time`). Searched on means of neighbours, fitted on all values.
 
 use super::channel::Term;
-use super::column::{Column, POWERS, STRAIGHT};
+use super::column::{Column, POWERS};
 use super::decimated::Coarse;
-use super::followed::{Delay, lagged, played};
+use super::delayed::{Kind, Search};
+use super::followed::Delay;
 use super::in_time::{Told, beats_time};
-use super::profile::profile;
 use super::standing::ALPHA;
 use crate::control::{Control, Stopped};
 use crate::numerics::special::chi_squared_survival;
 
 /// Shapes that differ by more than chance, for the correction of a probability.
-const SHAPES: f64 = 10.0;
+const SHAPES: f64 = 16.0;
 
 /// States how a channel follows a column.
 #[derive(Debug, Clone)]
@@ -47,30 +47,26 @@ pub(super) fn find(
     correction: f64,
     control: &Control,
 ) -> Result<Following, Stopped> {
-    let straight = |values: Vec<f64>| coarse.with(column.powers(&values, STRAIGHT));
-    control.go_on()?;
-    let (lag, _) = profile(column.lags().map(f64::ln), 8, |l: f64| straight(lagged(&column.means, l.exp())));
-    control.go_on()?;
-    let (play, _) = profile(column.plays().map(f64::ln), 7, |p: f64| straight(played(&column.means, p.exp())));
-    control.go_on()?;
-    let mut best: Option<(Told, Delay, &'static [i32])> = None;
-    for delay in [Delay::None, Delay::Lag(lag.map(f64::exp)), Delay::Play(play.map(f64::exp))] {
-        let delayed = delay.of(&column.means);
-        for of in POWERS {
-            let numbers = of.len() as f64 + if delay == Delay::None { 0.0 } else { 1.0 };
-            let told = Told::of(coarse, column.powers(&delayed, of), numbers);
+    let mut best: Option<(Told, Delay, Search<'_>)> = None;
+    for powers in POWERS {
+        for kind in Kind::ALL {
+            control.go_on()?;
+            let search = Search { coarse, column, powers };
+            let delay = search.best(kind);
+            let numbers = powers.len() as f64 + delay.numbers();
+            let told = Told::of(coarse, column.powers(&delay.of(&column.means), powers), numbers);
             if best.as_ref().is_none_or(|b| told.minus_bic() > b.0.minus_bic()) {
-                best = Some((told, delay, of));
+                best = Some((told, delay, search));
             }
         }
     }
-    let Some((told, delay, of)) = best else { return Ok(Following::Not) };
+    let Some((told, delay, search)) = best else { return Ok(Following::Not) };
     if is_chance(coarse.gain(told.log_likelihood), told.numbers, correction) {
         return Ok(Following::Not);
     }
     control.go_on()?;
     Ok(match beats_time(coarse, &told) {
-        true => Following::By(column.term(delay, of)),
+        true => Following::By(column.term(search.with_intervals(delay), search.powers)),
         false => Following::NoBetterThanTime,
     })
 }
@@ -79,6 +75,7 @@ pub(super) fn find(
 mod tests {
     use super::*;
     use crate::rest::channel::{Addition, Channel, Curve};
+    use crate::rest::followed::{lagged, played};
     use crate::rng::{Philox, Stream};
 
     const COUNT: usize = 12_000;

@@ -93,7 +93,7 @@ pub(super) fn of(members: &[Member<'_>]) -> Option<Departure> {
         of: Of::Spectrum,
         exponent: Some(shared),
         better_by: over_memory.min(2.0 * (together - flicker.max(walk)) - 2.0),
-        takes: Takes { courses: false, noise: true },
+        takes: Takes { courses: false, noise: true, slow_lines: false },
     })
 }
 

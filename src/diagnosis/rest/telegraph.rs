@@ -15,8 +15,7 @@ use super::block_means;
 use super::cause::Cause;
 use super::chain::{Chain, climb};
 use super::channel::{Addition, Channel, Fitted, Term};
-use super::common::slow_part;
-use super::slow::is_slow;
+use super::slow::{is_slow, slow_part};
 use super::spectrum::Law;
 use crate::numerics::order;
 use crate::rng::{Philox, Stream};
@@ -40,6 +39,8 @@ pub(super) struct Telegraph {
     pub(super) hops: usize,
     /// That a Gaussian drift as fitted looks so much like hops, at most.
     pub(super) p_value: f64,
+    /// States whether it hops about the slow course that a column or time gives it, which stands.
+    pub(super) about_course: bool,
 }
 
 /// Samples averaged into one value: a quarter of the time over which white noise must be averaged
@@ -54,6 +55,12 @@ fn together(fitted: &Fitted, count: usize) -> usize {
 /// Fits a drift to blocks of a recording, and chains to the same values; the best chain, its dwells
 /// in blocks. `None` where the values have no two sides.
 fn contest(own: &Channel, terms: Vec<Term>) -> Option<Telegraph> {
+    contest_about(own, terms, 0)
+}
+
+/// The same of values from which as many curves were taken before, at the strengths that suit the
+/// Gaussian model best: the chain pays for each as for a number of its own.
+fn contest_about(own: &Channel, terms: Vec<Term>, curves: usize) -> Option<Telegraph> {
     let gaussian = own.fit(terms);
     // The mean, which the cosine coefficients leave out, has the variance of the slowest of them.
     let known = gaussian.log_likelihood() - 0.5 * gaussian.variances.first()?.ln();
@@ -66,6 +73,7 @@ fn contest(own: &Channel, terms: Vec<Term>) -> Option<Telegraph> {
         hopping::<4>(&own.values, &course, white),
     ];
     let (gain, best) = rivals.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let gain = gain - 0.5 * curves as f64 * (own.values.len() as f64).ln();
     Some(Telegraph { p_value: (TRIED * (known - gain).exp()).min(1.0), ..best })
 }
 
@@ -92,6 +100,7 @@ fn hopping<const LEVELS: usize>(values: &[f64], course: &[f64], white: f64) -> O
         dwell: upward.iter().map(|k| 1.0 / chain.leave[*k]).collect(),
         hops: expected.changes(),
         p_value: 1.0,
+        about_course: false,
     };
     Some((expected.log_likelihood - 0.5 * numbers * (values.len() as f64).ln(), found))
 }
@@ -113,26 +122,52 @@ pub(super) fn hops(channel: &Channel, fitted: &Fitted) -> Option<Telegraph> {
     if coarse(channel, fitted) || count < FEWEST || !fitted.terms.iter().any(drifts) {
         return None;
     }
+    let asked = Asked { channel, fitted, block: together(fitted, count) };
+    let is_course = |t: &Term| is_slow(t, channel) && matches!(t.addition, Addition::Curves(_));
+    let is_step = |t: &Term| t.cause == Cause::Jump;
     // What stays under either model, such as a pickup, is taken off; a step is a hop.
-    let moves = |t: &Term| drifts(t) || t.cause == Cause::Jump;
-    let mut rest = channel.values.clone();
-    for (index, term) in fitted.terms.iter().enumerate().filter(|(_, t)| !moves(t)) {
-        if let Addition::Curves(curves) = &term.addition {
-            for (curve, (amplitude, _)) in curves.iter().zip(fitted.amplitudes_of(index)) {
-                rest.iter_mut().zip(curve.values.iter()).for_each(|(r, v)| *r -= amplitude * v);
+    let whole = asked.hops(|t| drifts(t) || is_step(t));
+    // Hops about a temperature or a warm-up are no levels until that is taken off, too.
+    let law_drifts = |t: &Term| drifts(t) && !is_course(t);
+    let has_both = fitted.terms.iter().any(law_drifts) && fitted.terms.iter().any(is_course);
+    let about = has_both.then(|| asked.hops(|t| law_drifts(t) || is_step(t))).flatten();
+    let about = about.map(|t| Telegraph { about_course: true, ..t });
+    let tried = if has_both { 2.0 } else { 1.0 };
+    let best = whole.into_iter().chain(about).min_by(|a, b| a.p_value.total_cmp(&b.p_value))?;
+    Some(Telegraph { p_value: (tried * best.p_value).min(1.0), ..best })
+}
+
+/// A channel that is asked for hops, on means of blocks.
+struct Asked<'a> {
+    channel: &'a Channel,
+    fitted: &'a Fitted,
+    block: usize,
+}
+
+impl Asked<'_> {
+    /// The hops in place of the terms that `moves` holds for; other curves are taken off before.
+    fn hops(&self, moves: impl Fn(&Term) -> bool) -> Option<Telegraph> {
+        let Self { channel, fitted, block } = *self;
+        let mut rest = channel.values.clone();
+        let mut slow = 0;
+        for (index, term) in fitted.terms.iter().enumerate().filter(|(_, t)| !moves(t)) {
+            if let Addition::Curves(curves) = &term.addition {
+                for (curve, (amplitude, _)) in curves.iter().zip(fitted.amplitudes_of(index)) {
+                    rest.iter_mut().zip(curve.values.iter()).for_each(|(r, v)| *r -= amplitude * v);
+                }
+                slow += if is_slow(term, channel) { curves.len() } else { 0 };
             }
         }
+        let own = block_means::channel(channel, &rest, block);
+        let kept = fitted.terms.iter().filter(|t| moves(t) || matches!(t.addition, Addition::Law(_)));
+        let terms = kept.filter_map(|t| block_means::term(t, block));
+        let found = contest_about(&own, terms.collect(), slow)?;
+        Some(Telegraph {
+            levels: found.levels.iter().map(|l| l * own.scale).collect(),
+            dwell: found.dwell.iter().map(|d| d * block as f64).collect(),
+            ..found
+        })
     }
-    let block = together(fitted, count);
-    let own = block_means::channel(channel, &rest, block);
-    let kept = fitted.terms.iter().filter(|t| moves(t) || matches!(t.addition, Addition::Law(_)));
-    let terms = kept.filter_map(|t| block_means::term(t, block));
-    let found = contest(&own, terms.collect())?;
-    Some(Telegraph {
-        levels: found.levels.iter().map(|l| l * own.scale).collect(),
-        dwell: found.dwell.iter().map(|d| d * block as f64).collect(),
-        ..found
-    })
 }
 
 /// In how many of [`REPLICAS`] recordings hops of the strength and memory of a fitted Gauss–Markov

@@ -61,13 +61,20 @@ pub(super) const ROW: Row = Row {
             straight(name, format!("{} per {of_column} of {column}", of.channel.unit), factor, *amplitude)
         };
         let step_s = 1.0 / of.channel.rate_hz;
-        let delay = match delay {
-            Delay::None => None,
-            Delay::Lag(lag) => Some(("lag", lag.map(|v| v * step_s), "s".to_owned())),
-            Delay::Play(play) => Some(("play", play, format!("unit of {column}"))),
+        let late = |Profiled { value, ci95 }| Estimate {
+            name: "lag".into(),
+            value: value * step_s,
+            unit: "s".into(),
+            ci95: ci95.map(|v| v * step_s),
         };
-        let delay =
-            delay.map(|(name, Profiled { value, ci95 }, unit)| Estimate { name: name.into(), value, unit, ci95 });
+        let loose =
+            |Profiled { value, ci95 }| Estimate { name: "play".into(), value, unit: format!("unit of {column}"), ci95 };
+        let delay = match delay {
+            Delay::None => Vec::new(),
+            Delay::Lag(lag) => vec![late(lag)],
+            Delay::Play(play) => vec![loose(play)],
+            Delay::LagAndPlay(lag, play) => vec![late(lag), loose(play)],
+        };
         powers.iter().zip(of.fitted.amplitudes_of(of.index)).map(power).chain(delay).collect()
     },
 };

@@ -66,8 +66,14 @@ fn open(detail: &Detail) -> String {
 
 /// States what the fitted exponent of a channel's drift means for its laws.
 fn departure(of: &Departure) -> String {
-    let Departure { channel, ids, near, refuted, in_time, exponent, ci95 } = of;
+    let Departure { channel, ids, near, refuted, in_time, column, exponent, ci95 } = of;
     let ids = ids.join(" and ");
+    if let Some(column) = column {
+        return match *refuted {
+            true => format!("{channel}: it depends on `{column}` in a way that no law here states, not as {ids}."),
+            false => format!("{channel}: a function of `{column}` that no law here states fits as well as {ids}."),
+        };
+    }
     let law = |value: f64| {
         let value = short(value);
         if *in_time { format!("with time as t^{value}") } else { format!("with a spectrum as f^−{value}") }
@@ -108,6 +114,10 @@ pub(crate) fn next_experiment(outcome: Outcome, detail: &Detail) -> &'static str
         }
         Outcome::Explained => "Record again on another day: the same coefficients should come out.",
         Outcome::Undecidable => "Record four times as long: the candidates separate at longer averaging times.",
+        Outcome::Unexplained if detail.has_environment => {
+            "Record again on a quiet foundation and at another sampling rate: that separates vibration and aliasing from \
+             what the sensor does by itself."
+        }
         Outcome::Unexplained => {
             "Record again on a quiet foundation, at another sampling rate and with temperature logged: that \
              separates vibration, aliasing and environment."
@@ -150,12 +160,11 @@ fn disturbed(location: &Location) -> Vec<String> {
         let (own, others) = knocks.split_at(knocks.iter().take_while(|k| k.channel == first.channel).count());
         let largest = own.iter().max_by(|a, b| a.deviations.total_cmp(&b.deviations)).unwrap_or(first);
         out.push(format!(
-            "{}: {} up to {} standard deviations, from {} to {}{}; left out of the fit.",
+            "{}: {} up to {} standard deviations, {}{}; left out of the fit.",
             first.channel,
             if own.len() == 1 { "a knock of".to_owned() } else { format!("{} knocks of", own.len()) },
             short(largest.deviations),
-            duration(largest.from_s),
-            duration(largest.to_s),
+            during(largest.from_s, largest.to_s),
             if own.len() == 1 { "" } else { " the largest" }
         ));
         knocks = others;
@@ -164,6 +173,15 @@ fn disturbed(location: &Location) -> Vec<String> {
         format!("{channel}: {count} single readings are outliers, beyond the tail of any noise model considered.")
     }));
     out
+}
+
+/// An interval of time in words, also where both ends are the same to as many digits.
+fn during(from_s: f64, to_s: f64) -> String {
+    let [from, to] = [from_s, to_s].map(duration);
+    match from == to {
+        true => format!("at {from}, for {}", duration(to_s - from_s)),
+        false => format!("from {from} to {to}"),
+    }
 }
 
 /// A channel that hops between levels.
@@ -222,10 +240,9 @@ fn mismatch(residual: &Mismatch, described: bool) -> String {
         ),
         [] => format!("{name}: its noise is not steady, its power goes from {low} to {high} times that modelled."),
         [first, more @ ..] => format!(
-            "{name}: its noise is not steady. From {} to {}{} it has up to {high} times the power modelled, at its quietest \
-             {low} times{}.",
-            duration(first.from),
-            duration(first.to),
+            "{name}: its noise is not steady: {}{} it has up to {high} times the power modelled, at its quietest {low} \
+             times{}.",
+            during(first.from, first.to),
             match more.len() {
                 0 => String::new(),
                 1 => " and in one more interval".into(),

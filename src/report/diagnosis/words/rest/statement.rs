@@ -79,13 +79,17 @@ fn statement(statement: &Statement, unit: &str) -> String {
 
 /// Place or course at which the bias is stated.
 fn taken(follows: &[Follows]) -> String {
-    let each: Vec<String> = follows
-        .iter()
-        .map(|of| match of {
-            Follows::Column { name, mean } => format!("`{name}` (mean {})", short(*mean)),
-            Follows::Time => "time".to_owned(),
-        })
-        .collect();
+    let of = |of: &Follows| match of {
+        Follows::Column { name, mean } => format!("`{name}` (mean {})", short(*mean)),
+        Follows::Time => "time".to_owned(),
+    };
+    let mut each: Vec<String> = Vec::new();
+    // A ramp and a warm-up are both a course of time.
+    for one in follows.iter().map(of) {
+        if !each.contains(&one) {
+            each.push(one);
+        }
+    }
     match each.is_empty() {
         true => "at the first sample it is".to_owned(),
         false => format!("its mean over the course of {} is", each.join(" and of ")),
@@ -190,6 +194,7 @@ fn reference(of: &Statement, unit: &str) -> String {
 fn shape(filter: Filter, rate_hz: f64) -> String {
     match filter {
         Filter::Smoothing(1) => "a two-sample averaging filter".into(),
+        Filter::Smoothing(2) => "a two-sample averaging filter, applied twice".into(),
         Filter::Smoothing(times) => format!("a two-sample averaging filter, applied {times} times"),
         Filter::MovingAverage { readings, times: 1 } => {
             format!("a moving-average filter of {readings} readings")
