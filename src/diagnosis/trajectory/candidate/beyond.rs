@@ -30,7 +30,8 @@ const LENGTH: Candidate = Candidate {
     reference: "Geneva & Huang, vicon2gt: derivations and analysis, RPNG-2020-VICON2GT",
 };
 
-/// Sizes below which they cost nothing are those of a scale factor: at a rate of 1 rad/s the square is one.
+/// Sizes below which they are nothing: of the square those of a scale factor, which it is at a rate of 1 rad/s; of the
+/// positions the scale that an accelerometer has as it is delivered, which is not fitted in motion.
 pub(super) const TERMS: &[Term] = &[
     Term {
         candidate: &SQUARE,
@@ -50,7 +51,7 @@ pub(super) const TERMS: &[Term] = &[
         names: &["too_large"],
         unit: Unit { name: "%", per_si: 1e2 },
         measure: Measure::Plain,
-        smallest: 5e-4,
+        smallest: 1e-2,
         per_tilt: 0.0,
         needs: Some(Half::Position),
     },
