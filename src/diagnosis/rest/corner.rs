@@ -5,7 +5,7 @@
 //! corner; above it less and less is left. Shapes that are stated (`candidate::band_limit`) are
 //! fitted as they are. Of others, and where noise passes the filter only in part, the laws follow
 //! the filter's skirt instead of the noise: a memory for the corner, flicker as a walk and a memory.
-//! What lies below the corner is the sensor's own, whatever the filter: the coefficients of the
+//! Below the corner the noise is the sensor's own, whatever the filter: the coefficients of the
 //! cosine transform up to it, turned back, are the recording as a slower logger behind an ideal
 //! filter would have it. Not where anything above the corner is stronger than below: that is no
 //! filter.
@@ -104,12 +104,12 @@ pub(super) fn is_described(channel: &Channel, chosen: &Fitted, channels: usize) 
     residual(channel, chosen, TOLERANCE).p_value * channels as f64 >= REAL
 }
 
-/// Returns whether a model holds a sine that so many times fewer samples would lose.
+/// Returns whether a model holds a sine above half the reduced sampling rate.
 pub(super) fn has_line_above(chosen: &Fitted, slower: usize) -> bool {
     chosen.terms.iter().any(|t| t.cause == Cause::Sinusoid && t.searched > 0.5 / slower as f64)
 }
 
-/// Values as a logger so many times slower would have them behind an ideal filter.
+/// Reduces the sampling rate by this factor, behind an ideal low-pass filter.
 fn slowed(values: &[f64], slower: usize) -> Vec<f64> {
     let count = values.len() / slower;
     let mut coefficients = cosine::transform(&values[..count * slower]);

@@ -26,7 +26,7 @@ pub(super) struct Searched<'a> {
 }
 
 impl<'a> Measured<'a> {
-    /// The same with so many times fewer samples, of what lies below their band.
+    /// The same channels and columns at a sampling rate reduced by this factor.
     fn slowed(&self, slower: usize) -> Self {
         let channel = |of: &Channel| {
             let mut channel = corner::slowed_channel(of, slower);

@@ -1,4 +1,4 @@
-//! Laws that the library has no name for: what is left is held against them. Where one of them fits, nothing
+//! Tests the residual against laws that the library has no name for. Where one of them fits, nothing
 //! that was named explains the difference, least of all noise of the reference.
 
 use super::blocks::Linear;

@@ -1,5 +1,5 @@
 //! Tells a further mode from lines that the first mode makes: harmonics of a nonlinear motion, the two side lines of a
-//! modulated one, or part of the first line itself. A pump of the spring is told from such harmonics, too.
+//! modulated one, or part of the first line itself. It keeps a pumped spring apart from such harmonics, too.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! Laws that are no candidates, and that what is left is held against.
+//! Laws that are no candidates; the residual is tested against them.
 
 use super::term::{Measure, Term, Unit};
 use crate::candidate::{Candidate, Kind, Parameter};
