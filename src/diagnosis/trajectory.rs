@@ -88,6 +88,10 @@ const SEEN: f64 = 10.0;
 const LEVER_ARM_UNDETERMINED: &str = "the lever arm cannot be estimated from positions alone, because one axis hardly \
                                       rotates; rotate about all three";
 
+/// Searches of the library at most, each about what the one before named: the second sees no noise that was an
+/// effect, and further ones follow where it named something else.
+const SELECTIONS: usize = 5;
+
 /// Diagnoses a recording of an IMU in motion.
 ///
 /// # Errors
@@ -192,7 +196,8 @@ fn examined<T>(
         ..as_given
     };
     // What the gyro's white noise makes of an attitude that is right in the middle.
-    let wander_rad = (0.25 * scatter::random_walks(&log, model.noise)[0] * log.duration_s()).sqrt();
+    let own = scatter::random_walks(&log, model.noise);
+    let wander_rad = (0.25 * own[0] * log.duration_s()).sqrt();
     let mut library = candidate::terms(motion.halves);
     if least_turn_rad < SEEN * wander_rad {
         // Its slope would be made of the noise that it is judged by.
@@ -214,6 +219,12 @@ fn examined<T>(
     point[OFFSET] = start.offset_s;
     point[GYRO_BIAS].copy_from_slice(start.gyro_bias.as_slice());
     point[FORCE_BIAS].copy_from_slice(start.force_bias.as_slice());
+    let about_start = Fit::at(&case, &point, &everything, control).map_err(stopped)?;
+    let open = if motion.halves.attitude { undetermined::open(&about_start, own) } else { Vec::new() };
+    let base: Vec<usize> = base.into_iter().filter(|p| !open.contains(p)).collect();
+    let everything: Vec<usize> = everything.into_iter().filter(|p| !open.contains(p)).collect();
+    // What the motion does not determine next to all the rest is judged by itself, about zero.
+    let everything = undetermined::told(&about_start.linear, &everything, &library);
     // A body moves smoothly: straight lines cut its curves, which would pass for a scale factor. They
     // stand only where the reference follows them clearly more closely: where it vibrates about as fast as it is
     // sampled.
@@ -236,7 +247,7 @@ fn examined<T>(
         // Attitude that is reckoned from the gyro gives the residual a colour that changes with the
         // motion: what falls by less than such colour may is not named.
         let least_part = if motion.halves.attitude { 0.0 } else { COLOUR };
-        let allowed = Allowed { base: &base, least_part, tilt_rad, interval_s: log.interval_s };
+        let allowed = Allowed { base: &base, open: &open, least_part, tilt_rad, interval_s: log.interval_s };
         selection::select(&fit.linear, &library, &allowed, control).map_err(stopped)
     };
     let about = |fit: &Fit, selection: &Selection| {
@@ -244,9 +255,16 @@ fn examined<T>(
         let solved = fit.linear.solve(&active, |_| true).point;
         Fit::new(&case, &solved, &active, control).map_err(stopped)
     };
-    let fit = about(&fit, &select(&fit)?)?;
-    let selection = select(&fit)?;
-    let fit = about(&fit, &selection)?;
+    let mut selection = select(&fit)?;
+    let mut fit = about(&fit, &selection)?;
+    for _ in 1..SELECTIONS {
+        let before = selection.active();
+        selection = select(&fit)?;
+        if selection.active() == before {
+            break;
+        }
+        fit = about(&fit, &selection)?;
+    }
     drop(work);
     let place = model.latitude_deg.map(|latitude_deg| (latitude_deg, model.height_m.unwrap_or_default()));
     let found = Found { log: &log, case: &case, start: &start, fit: &fit, selection: &selection, reference, place };

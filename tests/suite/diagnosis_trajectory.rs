@@ -10,6 +10,7 @@ mod flight;
 mod known;
 mod lowpass;
 mod one_half;
+mod open;
 mod reference_motion;
 mod repaired;
 mod spoiled;
@@ -47,6 +48,7 @@ pub fn tests() -> Vec<Trial> {
     .chain(bad_input::tests())
     .chain(lowpass::tests())
     .chain(one_half::tests())
+    .chain(open::tests())
     .chain(reference_motion::tests())
     .chain(repaired::tests())
     .chain(spoiled::tests())

@@ -83,6 +83,8 @@ pub struct NamedEffect {
 pub struct Hidden {
     /// The candidate that the motion does not show.
     pub term: &'static Term,
+    /// Names of those of its numbers that are not determined, where the others are.
+    pub elements: Vec<&'static str>,
     /// Its widest interval, half, in its unit.
     pub half_width: f64,
     /// Manoeuvre that would determine it.

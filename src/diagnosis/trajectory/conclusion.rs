@@ -126,8 +126,8 @@ impl Examined<'_> {
         // What goes with a law that has no name goes into no other number, nor into noise of the reference.
         let lawful = with(&active, laws.iter().copied());
         let told = fitted(&lawful);
-        let wide = fitted(&published::usual(&lawful, selection));
-        let seated = fitted(&published::seated(&lawful, halves));
+        let wide = fitted(&selection.shown(&published::usual(&lawful, selection)));
+        let seated = fitted(&selection.shown(&published::seated(&lawful, halves)));
         let before = fit.linear.solve(&small, |_| true).point;
         let held = HeldOut::of(&fit.linear, &small, &active);
         let first = halves.lacks().map_or(Half::Attitude, other);

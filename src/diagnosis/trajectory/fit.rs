@@ -96,6 +96,25 @@ impl Fit {
     /// # Errors
     /// When stopped.
     pub(super) fn new(case: &Case<'_>, start: &Point, active: &[usize], control: &Control) -> Result<Self, Stopped> {
+        Self::within(ROUNDS, case, start, active, control)
+    }
+
+    /// About a start alone.
+    ///
+    /// # Errors
+    /// When stopped.
+    pub(super) fn at(case: &Case<'_>, start: &Point, active: &[usize], control: &Control) -> Result<Self, Stopped> {
+        Self::within(0, case, start, active, control)
+    }
+
+    /// In so many rounds at most.
+    fn within(
+        rounds: usize,
+        case: &Case<'_>,
+        start: &Point,
+        active: &[usize],
+        control: &Control,
+    ) -> Result<Self, Stopped> {
         let mut point = *start;
         let motion = case.motion;
         let ends_s = [motion.time_s[0], motion.time_s[motion.time_s.len() - 1]];
@@ -123,7 +142,7 @@ impl Fit {
             let all = there.map(plain).collect();
             let (linear, mut residuals) = coloured(&point, all, active, &cut);
             round += 1;
-            if round > ROUNDS {
+            if round > rounds {
                 // A reference that jumps says nothing of the sensor.
                 let solved = linear.solve(active, |_| true).point;
                 residuals.iter_mut().zip(&linear.sensors).for_each(|(r, sums)| leave_out(r, sums, &point, &solved));
@@ -138,7 +157,7 @@ impl Fit {
                 (solved.point[*p] - point[*p]).abs() > SETTLED * solved.covariance[(i, i)].max(0.0).sqrt()
             };
             if !active.iter().enumerate().any(moved) {
-                round = round.max(ROUNDS);
+                round = round.max(rounds);
             }
             point = solved.point;
         }

@@ -9,6 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use super::blocks::{BLOCKS, Linear};
 use super::candidate::Term;
 use super::parameters::Point;
+use super::slow;
 use crate::numerics::special::{chi_squared_survival, f_survival, t_quantile};
 use crate::remainder::REAL;
 
@@ -99,24 +100,54 @@ pub(super) struct Question<'a> {
     pub interval_s: f64,
 }
 
+/// Parameters of a candidate as a fit of everything in a model has them.
+struct Own {
+    value: DVector<f64>,
+    /// Their covariance under white noise.
+    white: DMatrix<f64>,
+    replicates: Vec<Point>,
+    /// Half-widths of their 95 % intervals, SI.
+    half_widths: Vec<f64>,
+}
+
+impl Own {
+    fn of(linear: &Linear, model: &[usize], own: &[usize]) -> Self {
+        let solved = linear.solve(model, |_| true);
+        let replicates = linear.replicates(model);
+        let place = |p: &usize| model.iter().position(|q| q == p).unwrap_or_default();
+        let places: Vec<usize> = own.iter().map(place).collect();
+        let white = DMatrix::from_fn(own.len(), own.len(), |i, j| solved.covariance[(places[i], places[j])]);
+        let apart = slow::apart(linear, model, &solved);
+        let half = |(i, p): (usize, &usize)| {
+            let of = |point: &Point| point[*p];
+            let by_block = half_width(&of, &replicates, white[(i, i)].max(0.0).sqrt());
+            by_block.max(slow::half_width(&of, &solved.point, &apart))
+        };
+        let half_widths = own.iter().enumerate().map(half).collect();
+        Self { value: DVector::from_fn(own.len(), |i, _| solved.point[own[i]]), white, replicates, half_widths }
+    }
+
+    fn chance(&self, own: &[usize]) -> f64 {
+        let by_block = chance(&self.value, &jackknife(&self.replicates, own), self.replicates.len());
+        by_block.max(chance(&self.value, &self.white, usize::MAX))
+    }
+}
+
 /// Judges one candidate of `tried`, by which its p-value is corrected.
+///
+/// What the motion does not determine of it stays zero: it says nothing for or against the rest.
 pub(super) fn judge(question: &Question<'_>, tried: usize) -> Standing {
     let Question { linear, smaller, larger, term, tilt_rad, least_part, interval_s } = *question;
-    let solved = linear.solve(larger, |_| true);
-    let replicates = linear.replicates(larger);
-    let own: Vec<usize> = term.parameters.clone().collect();
-    let place = |p: &usize| larger.iter().position(|q| q == p).unwrap_or_default();
-    let places: Vec<usize> = own.iter().map(place).collect();
-    let white = DMatrix::from_fn(own.len(), own.len(), |i, j| solved.covariance[(places[i], places[j])]);
-    let value = DVector::from_fn(own.len(), |i, _| solved.point[own[i]]);
-    let p_value =
-        chance(&value, &jackknife(&replicates, &own), replicates.len()).max(chance(&value, &white, usize::MAX));
-    let half_widths: Vec<f64> = own
-        .iter()
-        .enumerate()
-        .map(|(i, p)| half_width(&|point| point[*p], &replicates, white[(i, i)].max(0.0).sqrt()))
-        .collect();
-    let held = HeldOut::of(linear, smaller, larger);
+    let all: Vec<usize> = term.parameters.clone().filter(|p| larger.contains(p)).collect();
+    let whole = Own::of(linear, larger, &all);
+    let half = |p: usize| all.iter().position(|q| *q == p).map_or(f64::INFINITY, |i| whole.half_widths[i]);
+    let half_widths: Vec<f64> = term.parameters.clone().map(half).collect();
+    let told: Vec<usize> = all.iter().copied().filter(|p| term.knows(half(*p))).collect();
+    let partly = !told.is_empty() && told.len() < all.len();
+    let larger: Vec<usize> =
+        larger.iter().copied().filter(|p| !partly || !all.contains(p) || told.contains(p)).collect();
+    let (own, fit) = if partly { (&told, Own::of(linear, &larger, &told)) } else { (&all, whole) };
+    let held = HeldOut::of(linear, smaller, &larger);
     let (fall, [least_fall, most_fall]) = held.interval(|(before, after, _)| before - after);
     // Of what lies above the noise before.
     let above = held.above().max(fall).max(f64::MIN_POSITIVE);
@@ -124,19 +155,12 @@ pub(super) fn judge(question: &Question<'_>, tried: usize) -> Standing {
         term,
         gain: fall / above,
         ci95: [least_fall / above, most_fall / above],
-        p_value: (p_value * tried as f64).min(1.0),
+        p_value: (fit.chance(own) * tried as f64).min(1.0),
         fall,
         least_fall,
-        // An element that the motion hardly shows says nothing for or against the others.
-        plausible: value.iter().zip(&half_widths).all(|(v, half)| term.allows(*v, *half))
-            && half_widths.iter().any(|half| term.knows(*half)),
-        largest: value
-            .iter()
-            .zip(&half_widths)
-            .filter(|(_, half)| term.knows(**half))
-            .map(|(v, _)| term.size(v.abs()))
-            .fold(0.0, f64::max),
-        matters: value.iter().any(|v| term.matters(*v, tilt_rad, interval_s))
+        plausible: !told.is_empty() && fit.value.iter().zip(&fit.half_widths).all(|(v, half)| term.allows(*v, *half)),
+        largest: fit.value.iter().map(|v| term.size(v.abs())).fold(0.0, f64::max),
+        matters: fit.value.iter().any(|v| term.matters(*v, tilt_rad, interval_s))
             && fall >= least_part * held.sums(usize::MAX).0,
         half_widths,
     }

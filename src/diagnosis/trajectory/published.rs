@@ -9,15 +9,16 @@ use super::fitted::Fitted;
 use super::log::Halves;
 use super::mounted;
 use super::parameters::{
-    DRIFT, FORCE_BIAS, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_SCALE, LEVER_ARM, MOUNTING, OFFSET, Point, TILT, widths,
+    DRIFT, FORCE_BIAS, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL, GYRO_SCALE, LEVER_ARM, MOUNTING, OFFSET, Point,
+    TILT, widths,
 };
 use super::permutation::Permutation;
 use super::selection::Selection;
 use crate::units::DEGREE;
 use crate::verdict::{Estimate, SensorCalibration, Triads};
 
-/// States how well the accelerometer's scale and axes are known, which are held or nearly so: what
-/// a sensor may have at most.
+/// States how well scale and axes are known where nothing shows them, the accelerometer's among them, which are held
+/// or nearly so: what a sensor may have at most.
 const HELD: f64 = 0.2;
 
 /// Returns what nearly every unit has, next to a model.
@@ -73,6 +74,12 @@ pub(super) fn base(chosen: &Fitted, wide: &Fitted, turned: UnitQuaternion<f64>) 
     all
 }
 
+/// The parameter of an element of the gyro's matrix.
+fn element(row: usize, column: usize) -> usize {
+    let at = |place: &(usize, usize)| *place == (row, column);
+    GYRO_OFF_DIAGONAL.iter().position(at).map_or(GYRO_SCALE.start + row, |n| GYRO_MISALIGNMENT.start + n)
+}
+
 /// calibrated = matrix · (reading − bias), in the axes that the columns ought to read.
 pub(super) fn calibration(wide: &Fitted, swapped: [Permutation; 2]) -> Option<Triads> {
     let sensor = |entries: [[(f64, [f64; 2]); 3]; 3], bias_at: usize, swap: Permutation, unit: &str| {
@@ -88,7 +95,18 @@ pub(super) fn calibration(wide: &Fitted, swapped: [Permutation; 2]) -> Option<Tr
     };
     let gyro =
         |p: &Point| gyro_matrix(p).try_inverse().unwrap_or_else(Matrix3::identity) * swapped[0].matrix().transpose();
-    let fitted = std::array::from_fn(|i| std::array::from_fn(|j| wide.number(&|p: &Point| gyro(p)[(i, j)])));
+    let straight = swapped[0].matrix().transpose();
+    let fitted = std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            let (value, ci95) = wide.number(&|p: &Point| gyro(p)[(i, j)]);
+            let is_shown = wide.has(element(i, straight.column(j).iamax())) && ci95[1] - ci95[0] < 2.0 * HELD;
+            if is_shown {
+                (value, ci95)
+            } else {
+                (straight[(i, j)], [straight[(i, j)] - HELD, straight[(i, j)] + HELD])
+            }
+        })
+    });
     let taken = swapped[1].matrix().transpose();
     let taken = accelerometer_matrix(&wide.point).try_inverse().unwrap_or_else(Matrix3::identity) * taken;
     let held = |i, j| (taken[(i, j)], [taken[(i, j)] - HELD, taken[(i, j)] + HELD]);

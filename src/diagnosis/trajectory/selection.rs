@@ -23,6 +23,8 @@ const PER_PARAMETER: f64 = 2.0;
 pub(super) struct Selection {
     /// Parameters of the base model.
     pub base: Vec<usize>,
+    /// Parameters of which the motion shows noise alone.
+    pub open: Vec<usize>,
     /// Named, strongest first, each judged against the model without it.
     pub named: Vec<Named>,
     /// The rest, judged as additions.
@@ -48,6 +50,11 @@ impl Selection {
     /// Returns what was named by this id.
     pub(super) fn term(&self, id: &str) -> Option<&Named> {
         self.named.iter().find(|n| n.standing.term.id() == id)
+    }
+
+    /// Those parameters of a model of which the motion shows more than noise.
+    pub(super) fn shown(&self, model: &[usize]) -> Vec<usize> {
+        model.iter().copied().filter(|p| !self.open.contains(p)).collect()
     }
 
     /// The chosen model's parameters.
@@ -77,6 +84,8 @@ pub(super) fn with(active: &[usize], terms: impl IntoIterator<Item = &'static Te
 pub(super) struct Allowed<'a> {
     /// Parameters of the base model.
     pub base: &'a [usize],
+    /// Parameters of which the motion shows noise alone.
+    pub open: &'a [usize],
     /// Fraction of the held-out sum of squares that a name must account for.
     pub least_part: f64,
     /// By how much attitudes may err, root mean square: what is smaller in the accelerometer may be
@@ -128,7 +137,7 @@ pub(super) fn select(
     order::sort_by_key(&mut others, |s| s.p_value);
     let named =
         standings.into_iter().map(|standing| Named { rivals: search.rivals(&named, &standing), standing }).collect();
-    Ok(Selection { base: base.to_vec(), named, others })
+    Ok(Selection { base: base.to_vec(), open: allowed.open.to_vec(), named, others })
 }
 
 struct Search<'a> {
@@ -161,7 +170,9 @@ impl Search<'_> {
 
     /// Each of the library was tried as often as something was added.
     fn judged(&self, smaller: &[usize], larger: &[usize], term: &'static Term, looks: usize) -> Standing {
-        let Allowed { tilt_rad, least_part, interval_s, .. } = *self.allowed;
+        let Allowed { open, tilt_rad, least_part, interval_s, .. } = *self.allowed;
+        let shown = |active: &[usize]| active.iter().copied().filter(|p| !open.contains(p)).collect::<Vec<_>>();
+        let (smaller, larger) = (&shown(smaller)[..], &shown(larger)[..]);
         let question = Question { linear: self.linear, smaller, larger, term, tilt_rad, least_part, interval_s };
         judge(&question, self.library.len() * looks)
     }

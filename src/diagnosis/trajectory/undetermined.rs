@@ -1,13 +1,53 @@
 //! States what a motion does not determine: candidates that it tells nothing of, and elements of a named one.
 
 use super::account::{Hidden, Manoeuvre};
+use super::blocks::Linear;
+use super::candidate::Term;
+use super::fit::Fit;
 use super::judgement::Standing;
+use super::parameters::{GYRO_MISALIGNMENT, GYRO_SCALE, MOUNTING};
 use super::selection::Named;
+use crate::model::Half;
+use crate::numerics::special::normal_quantile;
 use crate::sensor::Sense;
 
 /// Half an interval over the smallest size that matters, beyond which the motion tells nothing of
 /// it.
 const WIDE: f64 = 10.0;
+
+/// Signal in units of the sensor's noise from which a slope is the motion's: at less, more than a tenth of its square
+/// is noise (Fuller, *Measurement error models*, 1987, §1.1).
+const SHOWN: f64 = 3.0;
+
+/// Parameters of axes about which nothing turns, of mounting, scale and misalignment: the readings that they
+/// multiply are noise, which has no information of them, however much of it there is. `own` are N² of gyro and
+/// accelerometer, SI.
+pub(super) fn open(fit: &Fit, own: [f64; 2]) -> Vec<usize> {
+    let silent = |p: &usize| {
+        fit.residuals.iter().all(|residuals| {
+            let noise = match residuals.half {
+                Half::Attitude => own[0] / residuals.width_s,
+                // Specific force over two bins, weighted by a triangle.
+                Half::Position => own[1] * 2.0 / (3.0 * residuals.width_s),
+            };
+            let slopes = residuals.rows.iter().filter(|row| row.holds).map(|row| row.slope[*p].norm_squared());
+            let (sum, count) = slopes.fold((0.0, 0.0), |(sum, count), square| (sum + square, count + 1.0));
+            sum < SHOWN * SHOWN * noise * count
+        })
+    };
+    MOUNTING.chain(GYRO_SCALE).chain(GYRO_MISALIGNMENT).filter(silent).collect()
+}
+
+/// Those of the parameters of a model that it determines next to all others: a fit of the rest would go astray, and
+/// what is linear about that point is not about the true one.
+pub(super) fn told(linear: &Linear, active: &[usize], library: &[&'static Term]) -> Vec<usize> {
+    let covariance = linear.solve(active, |_| true).covariance;
+    let is_told = |(i, p): &(usize, &usize)| {
+        let half = normal_quantile(0.975) * covariance[(*i, *i)].max(0.0).sqrt();
+        library.iter().find(|t| t.parameters.contains(p)).is_none_or(|term| term.knows(half))
+    };
+    active.iter().enumerate().filter(is_told).map(|(_, p)| *p).collect()
+}
 
 /// Says which numbers of a named term the motion does not determine, and that none is given for them.
 pub(super) fn elements(named: &Named) -> Option<String> {
@@ -22,8 +62,10 @@ pub(super) fn elements(named: &Named) -> Option<String> {
 pub(super) fn hidden(standing: &Standing) -> Option<Hidden> {
     let term = standing.term;
     let widest = term.size(standing.half_widths.iter().copied().fold(0.0, f64::max));
+    let elements = standing.undetermined();
     (widest > WIDE * term.smallest).then(|| Hidden {
         term,
+        elements: if elements.len() < term.names.len() { elements } else { Vec::new() },
         half_width: widest * term.unit.per_si,
         manoeuvre: match (term.id(), term.sensor) {
             ("earth-rate", _) => Manoeuvre::Longer,

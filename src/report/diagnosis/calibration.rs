@@ -8,8 +8,8 @@ pub(super) fn meaning(kind: Kind) -> &'static str {
     match kind {
         Kind::Trajectory => {
             "calibrated = matrix · (reading − bias), with offsets and with scale and misalignment of the gyro fitted whether \
-             they were named or not; scale and misalignment of the accelerometer are not determined, their ± is what a \
-             sensor may have. Otherwise ± is half the width of the 95 % interval"
+             they were named or not; those of the accelerometer, and others that this motion does not determine, are left \
+             as they are, and their ± is what a sensor may have. Otherwise ± is half the width of the 95 % interval"
         }
         _ => {
             "calibrated = matrix · (reading − bias), with offset, scale and misalignment of every axis fitted whether they \

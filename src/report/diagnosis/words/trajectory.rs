@@ -130,7 +130,9 @@ pub(super) fn findings(account: &Account) -> Vec<String> {
         };
         // No number that is wider than all there is.
         if h.half_width >= h.term.largest() * h.term.unit.per_si {
-            return format!("this motion says nothing of {}; {} would", subject(h.term), manoeuvre(h.manoeuvre));
+            let some = h.elements.join(", ");
+            let subject = if some.is_empty() { subject(h.term) } else { format!("{some} of {}", subject(h.term)) };
+            return format!("this motion says nothing of {subject}; {} would", manoeuvre(h.manoeuvre));
         }
         format!(
             "this motion does not determine {}: it {known}{} {}; {} would determine it",
