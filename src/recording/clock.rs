@@ -148,8 +148,8 @@ pub fn judge(question: &Question<'_>, survey: &Survey) -> Result<Clock> {
     let kind = kind(survey);
     let (tick, count) = match kind {
         Kind::Rounded { quantum, .. } => (survey.line.slope(), Count::Rows { quantum }),
-        Kind::Even => (whole.span / whole.ticks, Count::Ticks),
-        Kind::Uneven { .. } => (whole.span / whole.steps, Count::Steps),
+        Kind::Even => (usual(whole.span / whole.ticks, survey.by_tick.slope()), Count::Ticks),
+        Kind::Uneven { .. } => (usual(whole.span / whole.steps, survey.line.slope()), Count::Steps),
     };
     // Stamps say so many digits, and no more.
     let rate_hz = rounded(1.0 / (tick * seconds), 12);
@@ -203,6 +203,15 @@ pub fn judge(question: &Question<'_>, survey: &Survey) -> Result<Clock> {
         findings.push(Finding::CoarseStamps { step_s: quantum * seconds, rate_hz });
     }
     Ok(Clock { rate_hz, unit, tick, kind, breaks: survey.breaks.clone(), stamped, findings })
+}
+
+/// Stamps of the same step to this share are exact: a straight line through them would only round them.
+const EXACT: f64 = 1e-9;
+
+/// The step of stamps, from their ends and of a straight line through all of them. Stamps that err each by itself
+/// err in two of all at the ends, and in the mean on a line.
+fn usual(by_ends: f64, by_line: f64) -> f64 {
+    if (by_line / by_ends - 1.0).abs() > EXACT { by_line } else { by_ends }
 }
 
 /// Returns whether rows share stamps, and why.

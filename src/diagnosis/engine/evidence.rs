@@ -2,7 +2,7 @@
 
 use super::fit::Fitted;
 use super::kind::Layout;
-use super::levels::{AT_NOISE, FEWEST_BLOCKS, LEAST_SHARE, NAME, TIE};
+use super::levels::{AT_NOISE, BENT, FEWEST_BLOCKS, LEAST_SHARE, NAME, TIE};
 
 /// Held-out error that one model removes from another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,6 +35,22 @@ impl Gain {
     /// Standard errors that tell for the larger model.
     pub(crate) fn deviations(&self) -> f64 {
         if self.is_white { self.errors.max(self.apart) } else { self.errors }
+    }
+
+    /// Returns whether a number that the smaller model holds fast is another one: of two models of which one holds
+    /// the other, the sums of squares differ by χ² where the smaller one is true (Wilks, Ann. Math. Statist. 9, 1938),
+    /// so that twice the standard errors count that tell unlike models apart.
+    pub(crate) fn frees(&self) -> bool {
+        self.nested() >= NAME
+    }
+
+    /// Returns whether it may be another one.
+    pub(crate) fn may_free(&self) -> bool {
+        self.nested() >= BENT
+    }
+
+    fn nested(&self) -> f64 {
+        if self.is_white { 2.0 * self.apart } else { 0.0 }
     }
 
     /// Returns whether the search may go on from the larger model: what it adds holds, or shows in few blocks, as a mode

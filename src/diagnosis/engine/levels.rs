@@ -14,6 +14,9 @@ pub(crate) const CLEAR: f64 = 1.96;
 pub(crate) const TOGETHER: f64 = 0.9;
 /// Standard errors below which two sets of laws are equally good: 5 % by chance.
 pub(crate) const TIE: f64 = 2.0;
+/// Standard errors from which on a law with its exponent free is named next to the stated one: chance reaches it
+/// once in 370 times.
+pub(crate) const BENT: f64 = 3.0;
 /// Part of the excess error that the best set itself leaves by which an equally good set may leave
 /// more: what is known to lack something cannot be told from what lacks half as much again. At the
 /// noise only [`TIE`] decides.

@@ -9,6 +9,9 @@ use super::kind::{Argument, Form, Kind, Point};
 use super::levels::{AT_NOISE, CLEAR, EXACT, FAINT, TOGETHER};
 use super::search::{Search, sorted};
 
+/// Sets that are fitted again, next to the best one, where the rows are others.
+const CONTENDERS: usize = 8;
+
 /// A law that holds.
 #[derive(Debug, Clone)]
 pub(crate) struct Named {
@@ -46,6 +49,8 @@ pub(crate) struct Found {
     pub imitations: Vec<usize>,
     /// The best set, named or not.
     pub best: Arc<Fitted>,
+    /// Sets of laws over which the best one does not hold, lowest error first: other rows may tell them apart.
+    pub contenders: Vec<Arc<Fitted>>,
     /// Holds what the rest depends on, the largest share first.
     pub rest: Vec<Dependence>,
     /// Each law alone over the base model, best first.
@@ -80,7 +85,9 @@ pub(crate) fn again<K: Kind>(
     for (_, rival) in found.named.iter().flat_map(|n| &n.rivals) {
         search.at(&rival.set, &begin(rival));
     }
-    let best = if grows { search.grown(&base, best) } else { best };
+    let named = std::iter::once(&found.model).filter(|f| !f.set.is_empty());
+    let contenders = || named.chain(&found.contenders).filter_map(|f| search.at(&f.set, &begin(f)));
+    let best = if grows { search.grown(&base, best, contenders().collect()) } else { best };
     let judged = judged(search, base, best, Some(found));
     Some(Found { alone: found.alone.clone(), ..judged })
 }
@@ -89,6 +96,7 @@ pub(crate) fn again<K: Kind>(
 fn judged<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, found: Arc<Fitted>, earlier: Option<&Found>) -> Found {
     // A law is another one of its kind where that leaves the noise alone, or, at the noise, does better by more
     // than laws are inexact by.
+    let found = search.straightened(&base, found);
     let bent = search.or_expanded(search.with_exponents(found.clone()));
     let (best, named) = held(search, &base, &found, earlier);
     let reaches = excess(search, &bent) < AT_NOISE && excess(search, &best) >= FAINT;
@@ -108,7 +116,15 @@ fn judged<K: Kind>(search: &Search<'_, K>, base: Arc<Fitted>, found: Arc<Fitted>
         name.departs = departs(search, &model, name.place);
     }
     let together = (!named.is_empty()).then_some(together);
-    Found { base, model, named, together, imitations, best: found, rest, alone: Vec::new() }
+    let contenders = contenders(search, &found);
+    Found { base, model, named, together, imitations, best: found, contenders, rest, alone: Vec::new() }
+}
+
+/// Sets that the best one at most betters by chance, as far as a name is concerned.
+fn contenders<K: Kind>(search: &Search<'_, K>, best: &Fitted) -> Vec<Arc<Fitted>> {
+    let is_named = |law: &usize| matches!(search.kind.form(*law), Form::Stated | Form::Exponent);
+    let all = search.all().into_iter().filter(|f| !f.set.is_empty() && f.set.iter().all(is_named));
+    all.filter(|f| sorted(&f.set) != sorted(&best.set) && !search.holds(f, best)).take(CONTENDERS).collect()
 }
 
 /// The laws of a set that hold, and the set without those that do not: each is weighed without
@@ -189,7 +205,12 @@ fn named<K: Kind>(search: &Search<'_, K>, base: &Fitted, best: &Arc<Fitted>, pla
             Form::Exponent => search.kind.argument(other) == search.kind.argument(law) && !f.at_bound.contains(&true),
             Form::Beside | Form::Free => false,
         };
-        let is_other = !search.kind.excludes(other, law) && !search.kind.are_alike(other, law);
+        // The same law with its exponent free does better where the stated one is not quite the law.
+        let is_bent = || {
+            let is_exact = best.error - f.error <= EXACT * (without.error - best.error);
+            search.kind.form(other) == Form::Exponent && !is_exact && search.gain(best, f).may_free()
+        };
+        let is_other = !search.kind.are_alike(other, law) && (!search.kind.excludes(other, law) || is_bent());
         (same && kept && may_stand && is_other && search.as_good(f, best)).then(|| (other, f.clone()))
     };
     let mut rivals: Vec<(usize, Arc<Fitted>)> = search.all().iter().filter_map(instead).collect();

@@ -9,7 +9,7 @@ use crate::numerics::order;
 use super::evidence::{Gain, gain};
 use super::fit::{Fitted, MOST_STEPS, fit, squares};
 use super::kind::{Form, Kind, Point, Set};
-use super::levels::{AT_NOISE, CLEAR, EXACT, INEXACT};
+use super::levels::{AT_NOISE, CLEAR, EXACT, FAINT, INEXACT};
 use super::prospect::Prospects;
 
 /// Sets that are followed in parallel.
@@ -95,14 +95,51 @@ impl<'a, K: Kind> Search<'a, K> {
         }
     }
 
-    /// The best set that growing one leads to on finer rows, where it leaves more than the noise there.
-    pub(crate) fn grown(&self, base: &Arc<Fitted>, found: Arc<Fitted>) -> Arc<Fitted> {
-        if self.is_at_noise(&found) {
-            return found;
+    /// The best set that growing one leads to on other rows, where it and its contenders leave more than the noise
+    /// there.
+    pub(crate) fn grown(&self, base: &Arc<Fitted>, found: Arc<Fitted>, contenders: Vec<Arc<Fitted>>) -> Arc<Fitted> {
+        let all: Vec<Arc<Fitted>> = std::iter::once(found.clone()).chain(contenders).collect();
+        let stands: Vec<&Arc<Fitted>> =
+            all.iter().filter(|f| !all.iter().any(|g| self.need_not_bend(base, f, g))).collect();
+        let lowest = stands.iter().min_by(|a, b| a.error.total_cmp(&b.error)).map_or(&found, |f| *f);
+        let is_near = |f: &Fitted| self.is_at_noise(f) && f.error - lowest.error <= EXACT * (base.error - lowest.error);
+        let good = stands.iter().filter(|f| self.is_no_worse(f, lowest) || is_near(f));
+        let size = |f: &Fitted| (f.point.shared.len(), f.set.len());
+        let best = good.min_by(|a, b| size(a).cmp(&size(b)).then(a.error.total_cmp(&b.error)));
+        let best = Arc::clone(best.map_or(&found, |f| *f));
+        let mut held: Vec<Arc<Fitted>> = std::iter::once(base.clone()).chain(all.iter().cloned()).collect();
+        if self.is_at_noise(&best) {
+            return best;
         }
-        let mut held = vec![base.clone(), found.clone()];
-        self.grow(vec![found], &mut held, MOST_LAWS);
+        self.grow(vec![best], &mut held, MOST_LAWS);
         self.simplest(base, &held)
+    }
+
+    /// Returns whether a set has a law with its exponent free where the other one has that law as it is stated, and
+    /// does no better than laws are inexact by.
+    fn need_not_bend(&self, base: &Fitted, bent: &Fitted, stated: &Fitted) -> bool {
+        let only = |of: &Fitted, other: &Fitted| -> Set {
+            of.set.iter().copied().filter(|law| !other.set.contains(law)).collect()
+        };
+        let ([one], [other]) = (&only(bent, stated)[..], &only(stated, bent)[..]) else { return false };
+        let is_pair = self.kind.form(*one) == Form::Exponent
+            && self.kind.form(*other) == Form::Stated
+            && self.kind.argument(*one) == self.kind.argument(*other);
+        let is_small = stated.error - bent.error <= EXACT * (base.error - bent.error);
+        let reaches = self.is_at_noise(bent) && stated.variance >= (1.0 + FAINT) * self.noise;
+        is_pair && !reaches && (is_small || !(self.holds(stated, bent) || self.gain(stated, bent).frees()))
+    }
+
+    /// With each law as it is stated where its exponent need not be free.
+    pub(crate) fn straightened(&self, base: &Fitted, mut best: Arc<Fitted>) -> Arc<Fitted> {
+        for law in best.set.clone().into_iter().filter(|law| self.kind.form(*law) == Form::Exponent) {
+            let place = best.set.iter().position(|l| *l == law);
+            let Some(without) = place.and_then(|place| self.without(&best, place)) else { continue };
+            let stated = self.instead(&without, law, Form::Stated).into_iter();
+            let lowest = stated.min_by(|a, b| a.error.total_cmp(&b.error));
+            best = lowest.filter(|stated| self.need_not_bend(base, &best, stated)).unwrap_or(best);
+        }
+        best
     }
 
     /// The best set of few laws, before the search goes on to more.
@@ -206,9 +243,15 @@ impl<'a, K: Kind> Search<'a, K> {
             let lowest = fits.iter().min_by(|a, b| a.error.total_cmp(&b.error)).cloned();
             let good = fits.into_iter().filter(|f| lowest.as_ref().is_some_and(|best| self.is_no_worse(f, best)));
             let bent = good.min_by_key(|f| f.point.shared.len());
-            best = bent.filter(|bent| self.is_inside(bent) && self.holds(&best, bent)).unwrap_or(best);
+            let is_better = |bent: &Fitted| self.holds(&best, bent) || self.bends(&without, &best, bent);
+            best = bent.filter(|bent| self.is_inside(bent) && is_better(bent)).unwrap_or(best);
         }
         best
+    }
+
+    /// Returns whether a law has another exponent than it states, by more than laws are inexact by.
+    fn bends(&self, without: &Fitted, stated: &Fitted, bent: &Fitted) -> bool {
+        stated.error - bent.error > EXACT * (without.error - bent.error) && self.gain(stated, bent).frees()
     }
 
     /// Sets with a law of this form, and of the same argument, in the place of a law.

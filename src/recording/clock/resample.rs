@@ -2,14 +2,15 @@
 //! only the stamps were.
 
 use crate::numerics::lagrange;
+use crate::rng::{Philox, Stream};
 
 /// Rows from which a value between them is made.
 const REACH: usize = 6;
 /// A step of more ticks than this has a straight line across it.
 const GAP: f64 = 3.0;
-/// Interpolation smooths noise by itself, to about a third of its roughness; what it smooths no
-/// further was even.
-const SMOOTHED: f64 = 0.25;
+/// Roughness that interpolation leaves of a signal, over what it leaves of white noise, below which the samples were
+/// uneven: a quarter is four deviations of such a ratio over a thousand rows.
+const SMOOTHED: f64 = 0.75;
 
 /// Returns whether the stamps stay within a tick of an even clock, from the first on.
 pub fn near_even(times_s: &[f64], tick_s: f64) -> bool {
@@ -20,8 +21,11 @@ pub fn near_even(times_s: &[f64], tick_s: f64) -> bool {
 /// that was sampled evenly is smooth row by row, one that was not is smooth only after
 /// interpolation.
 pub fn samples_are_even(times_s: &[f64], tick_s: f64, columns: &[Vec<f64>]) -> bool {
-    let ratio = |column: &Vec<f64>| roughness(&even(times_s, tick_s, column)) / roughness(column).max(1e-300);
-    columns.iter().map(ratio).fold(f64::INFINITY, f64::min) > SMOOTHED
+    let ratio = |column: &[f64]| roughness(&even(times_s, tick_s, column)) / roughness(column).max(1e-300);
+    let mut random = Philox::new(0, 0, Stream::Host);
+    let noise: Vec<f64> = times_s.iter().map(|_| random.normal()).collect();
+    // Interpolation smooths noise by itself.
+    columns.iter().map(|c| ratio(c)).fold(f64::INFINITY, f64::min) > SMOOTHED * ratio(&noise)
 }
 
 fn roughness(values: &[f64]) -> f64 {

@@ -126,6 +126,10 @@ pub struct Survey {
     /// Stamps and row numbers as a straight line, apart between breaks: sums of squares and
     /// products.
     pub line: Line,
+    /// The same of stamps and ticks.
+    pub by_tick: Line,
+    /// Ticks so far, breaks apart.
+    ticks: f64,
     /// Runs by size, in powers of two: how many, and their rows.
     runs: [(usize, usize); 32],
     run: (usize, usize, f64),
@@ -194,6 +198,7 @@ impl Survey {
         let Some(step) = self.timeline.advance(row, stamp)? else {
             self.run = (1, row, 0.0);
             self.line.push(0.0, 0.0);
+            self.by_tick.push(0.0, 0.0);
             return Ok(());
         };
         self.steps += 1;
@@ -227,6 +232,7 @@ impl Survey {
         }
         // A usual step of a stretch without any comes from the next one that has some.
         self.line.cut();
+        self.by_tick.cut();
     }
 
     fn close_run(&mut self) {
@@ -295,12 +301,15 @@ impl Survey {
         for (k, (row, step, elapsed)) in open.iter().enumerate() {
             if long(*step) {
                 self.line.cut();
+                self.by_tick.cut();
                 if self.breaks.len() < MOST_BREAKS {
                     let stamped = before + k;
                     self.breaks.push(Break { row: *row, after: elapsed - step, step: *step, stamped });
                 }
             }
             self.line.push((before + k) as f64, *elapsed);
+            self.ticks += if *step > 0.0 { advance(*step, tick) } else { 0.0 };
+            self.by_tick.push(self.ticks, *elapsed);
         }
         self.part = if self.parts == 0 { stretch } else { self.part.joined(stretch) };
         self.parts += 1;

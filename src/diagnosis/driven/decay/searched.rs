@@ -15,7 +15,7 @@ use crate::driven::simulated::system::System;
 use crate::driven::simulation::filter::{Nothing, States};
 use crate::engine::fit::{Fitted, MOST_STEPS, fit};
 use crate::engine::kind::Point;
-use crate::engine::levels::{AT_NOISE, FOLLOWED, TOGETHER};
+use crate::engine::levels::{AT_NOISE, FAINT, FOLLOWED, TOGETHER};
 use crate::engine::names::{self, Found};
 use crate::engine::search::Search;
 use crate::physics::scales::Scales;
@@ -25,8 +25,11 @@ use super::input;
 use super::rows::{self, CYCLES, LONGER};
 use super::swings::{self, Motion};
 
-/// Fewest segments into which a decay may be divided once they are lengthened.
-const FEWEST_SEGMENTS: usize = 4;
+/// Segments of a decay at least in which laws are searched before the whole of it is one: next to each other they
+/// show a law that a fit of the whole does not begin near.
+const FEWEST_SEGMENTS: f64 = 4.0;
+/// Part of a length from which on a segment is as long.
+const WHOLE: f64 = 0.9;
 
 /// A decay that was searched.
 #[derive(Clone)]
@@ -67,16 +70,11 @@ pub(crate) fn decay(data: &Data, filled: &[Range<usize>]) -> Option<Decay> {
     if !decay.motion.knocks.is_empty() && decay.is_at_noise() {
         decay = decay.unbroken(filled).unwrap_or(decay);
     }
-    let mut cycles = CYCLES;
-    let longest = decay.motion.stretches.iter().map(Range::len).max().unwrap_or(0) as f64 / decay.motion.cycle;
-    while decay.is_at_noise() && LONGER * cycles < longest {
-        cycles *= LONGER;
-        let Some(longer) = decay.longer(cycles, filled) else { break };
-        decay = longer;
-    }
+    decay = decay.lengthened(false, filled);
     if let Some(rows) = rows::finer(&decay.data, &decay.system.rows, &decay.motion, filled) {
         decay = decay.at(rows, decay.system.scales.fineness).unwrap_or(decay);
     }
+    decay = decay.lengthened(true, filled);
     Some(decay.in_steps_that_suffice())
 }
 
@@ -171,12 +169,53 @@ impl Decay {
         self.found.model.variance < (1.0 + AT_NOISE) * self.variance
     }
 
+    /// The same in longer and longer segments, where shorter ones show only noise, or nothing that has a name and
+    /// little that is no noise: as long as [`FEWEST_SEGMENTS`] are left, or up to the `whole`.
+    fn lengthened(self, whole: bool, filled: &[Range<usize>]) -> Self {
+        let mut decay = self;
+        let longest = decay.motion.stretches.iter().map(Range::len).max().unwrap_or(0) as f64 / decay.motion.cycle;
+        let most = if whole { longest } else { longest / FEWEST_SEGMENTS };
+        let mut cycles = decay.segment_cycles();
+        while decay.may_show_more() && (LONGER * cycles <= most || (whole && cycles < WHOLE * most)) {
+            cycles = (LONGER * cycles).min(most);
+            let Some(longer) = decay.longer(cycles, filled).filter(|longer| !decay.is_lost_in(longer)) else { break };
+            if decay.is_at_noise() || !longer.found.named.is_empty() {
+                decay = longer;
+            }
+        }
+        decay
+    }
+
+    /// Returns whether on other rows, too, these laws leave no more than the noise, and some of them are not named
+    /// only because no fit without them came to rest.
+    fn is_lost_in(&self, other: &Self) -> bool {
+        let [own, others] = [self, other].map(|decay| &decay.found.model.set);
+        let are_fewer = others.len() < own.len() && others.iter().all(|law| own.contains(law));
+        are_fewer && !other.is_at_noise() && other.found.best.variance < (1.0 + AT_NOISE) * other.variance
+    }
+
+    /// Cycles of its longest segment.
+    fn segment_cycles(&self) -> f64 {
+        let rows = &self.system.rows;
+        let longest = rows.layout.segments.iter().map(Range::len).max().unwrap_or(0);
+        longest as f64 * rows.step as f64 / self.motion.cycle
+    }
+
+    /// Returns whether longer segments may show what these do not.
+    fn may_show_more(&self) -> bool {
+        let excess = self.found.model.variance / self.variance - 1.0;
+        self.is_at_noise() || (self.found.named.is_empty() && excess < FAINT)
+    }
+
     /// Searches the same decay in segments of about `cycles` cycles each. A small shift in frequency, hidden in
     /// a short segment, builds up a phase error in a long one, which also tells similar laws apart. `None` if
     /// too few segments are left, or if no oscillator follows them.
     fn longer(&self, cycles: f64, filled: &[Range<usize>]) -> Option<Self> {
-        let rows = rows::rows(&self.data, &self.motion, filled, cycles);
-        if rows.layout.segments.len() < FEWEST_SEGMENTS {
+        let coarse = rows::rows(&self.data, &self.motion, filled, cycles);
+        let is_finer = coarse.step > self.system.rows.step;
+        let finer = is_finer.then(|| rows::finer(&self.data, &coarse, &self.motion, filled)).flatten();
+        let rows = finer.unwrap_or(coarse);
+        if rows.layout.segments.is_empty() {
             return None;
         }
         if self.found.named.is_empty() {
