@@ -98,6 +98,8 @@ impl<'a, K: Kind> Search<'a, K> {
     /// The best set that growing one leads to on other rows, where it and its contenders leave more than the noise
     /// there.
     pub(crate) fn grown(&self, base: &Arc<Fitted>, found: Arc<Fitted>, contenders: Vec<Arc<Fitted>>) -> Arc<Fitted> {
+        // Of sets that leave more than the noise none is known to be better than another one.
+        let contenders = contenders.into_iter().filter(|f| self.is_at_noise(f));
         let all: Vec<Arc<Fitted>> = std::iter::once(found.clone()).chain(contenders).collect();
         let stands: Vec<&Arc<Fitted>> =
             all.iter().filter(|f| !all.iter().any(|g| self.need_not_bend(base, f, g))).collect();
