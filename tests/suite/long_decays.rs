@@ -15,6 +15,7 @@ use super::world::{check, test};
 pub fn tests() -> Vec<Trial> {
     vec![
         test("long decay: a stop that no few cycles show is named with its numbers", stop),
+        test("long decay: a drag that no piece of it shows is named by the whole, and none where there is none", drag),
         test("long decay: one that is knocked again and again is searched to its end", knocked),
         test("long decay: a spring that changes with time is not taken for a law of amplitude", course),
     ]
@@ -47,6 +48,23 @@ fn stop() -> Result<(), Failed> {
     }
     let verdict = thinned(&of(&|_, _, _| 0.0), 5)?;
     check(verdict.verdict == Outcome::Adequate, format!("control: {}", verdict.sentence))
+}
+
+// The drag adds 0.6 of the damping at first: 4/3π of its c2, at an amplitude and a frequency of one. Within a few
+// cycles of one amplitude that is more damping, no drag.
+fn drag() -> Result<(), Failed> {
+    let zeta = 0.009;
+    let size = 0.6 * zeta * 3.0 * std::f64::consts::PI / 4.0;
+    let drag = |_: f64, _: f64, v: f64| -size * v * v.abs();
+    for seed in 1..4 {
+        let of = |force| Made { zeta, cycles: 44, noise: 0.0135, seed, force };
+        let verdict = thinned(&of(&drag), 1)?;
+        let said = format!("{seed}: {:?} {:?} {}", verdict.verdict, ids(&verdict), verdict.sentence);
+        check(ids(&verdict).contains(&"quadratic-damping"), said)?;
+        let verdict = thinned(&of(&|_, _, _| 0.0), 1)?;
+        check(verdict.verdict == Outcome::Adequate, format!("{seed}, control: {}", verdict.sentence))?;
+    }
+    Ok(())
 }
 
 // While the amplitude dies away the spring softens and stiffens by 0.8 %: a stop that is touched less and less

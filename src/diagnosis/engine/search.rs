@@ -95,10 +95,10 @@ impl<'a, K: Kind> Search<'a, K> {
         }
     }
 
-    /// The best set that growing one leads to on other rows, where it and its contenders leave more than the noise
-    /// there.
+    /// The best of a set and its contenders on other rows; where that leaves more than the noise there, the best set
+    /// that growing it leads to.
     pub(crate) fn grown(&self, base: &Arc<Fitted>, found: Arc<Fitted>, contenders: Vec<Arc<Fitted>>) -> Arc<Fitted> {
-        // Of sets that leave more than the noise none is known to be better than another one.
+        // A contender that leaves more than the noise is no law of the recording either.
         let contenders = contenders.into_iter().filter(|f| self.is_at_noise(f));
         let all: Vec<Arc<Fitted>> = std::iter::once(found.clone()).chain(contenders).collect();
         let stands: Vec<&Arc<Fitted>> =

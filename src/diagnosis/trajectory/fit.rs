@@ -99,7 +99,7 @@ impl Fit {
         Self::within(ROUNDS, case, start, active, control)
     }
 
-    /// About a start alone.
+    /// Makes the rows, and what is linear, at a start, and takes no step from there.
     ///
     /// # Errors
     /// When stopped.
@@ -107,7 +107,7 @@ impl Fit {
         Self::within(0, case, start, active, control)
     }
 
-    /// In so many rounds at most.
+    /// Fits in so many rounds at most.
     fn within(
         rounds: usize,
         case: &Case<'_>,

@@ -135,7 +135,7 @@ impl Own {
 
 /// Judges one candidate of `tried`, by which its p-value is corrected.
 ///
-/// What the motion does not determine of it stays zero: it says nothing for or against the rest.
+/// Leaves at zero those of its numbers that the motion does not determine: they say nothing for or against the rest.
 pub(super) fn judge(question: &Question<'_>, tried: usize) -> Standing {
     let Question { linear, smaller, larger, term, tilt_rad, least_part, interval_s } = *question;
     let all: Vec<usize> = term.parameters.clone().filter(|p| larger.contains(p)).collect();

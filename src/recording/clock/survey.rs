@@ -330,3 +330,28 @@ impl Survey {
         self.stretches.iter().copied().reduce(Stretch::joined).unwrap_or_default()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::{Philox, Stream};
+
+    // Stamps that err by 0.1 of a step: σ √12 / n^1.5 of the slope (least squares), held to five; their ends err by
+    // σ √2 / n, 26 times as much.
+    #[test]
+    fn a_line_through_noisy_stamps_errs_less_than_their_ends() {
+        let (count, sigma) = (4000, 0.1);
+        let most = 5.0 * sigma * 12f64.sqrt() / f64::from(count).powf(1.5);
+        let mut by_ends = 0.0;
+        for seed in 0..20 {
+            let mut random = Philox::new(seed, 0, Stream::Host);
+            let stamps: Vec<f64> = (0..count).map(|k| f64::from(k) + sigma * random.normal()).collect();
+            let mut line = Line::default();
+            stamps.iter().enumerate().for_each(|(k, stamp)| line.push(k as f64, *stamp));
+            assert!((line.slope() - 1.0).abs() < most, "{seed}: {}", line.slope());
+            let ends = (stamps[stamps.len() - 1] - stamps[0]) / f64::from(count - 1);
+            by_ends = f64::max(by_ends, (ends - 1.0).abs());
+        }
+        assert!(by_ends > 3.0 * most, "the ends would pass: {by_ends}");
+    }
+}

@@ -181,6 +181,11 @@ impl Flight {
         Self { poses: moved.collect(), ..self.clone() }
     }
 
+    /// Next to a reference that errs by 1 mrad and 0.5 mm a pose, as motion capture does.
+    pub fn captured(&self) -> Self {
+        self.with_erring_reference(1e-3, 5e-4)
+    }
+
     /// Every pose errs by itself: attitude, rad, and position, m, about and along each axis.
     pub fn with_erring_reference(&self, attitude_rad: f64, position_m: f64) -> Self {
         let mut random = Philox::new(3, 9, Stream::Host);

@@ -9,7 +9,7 @@ use proofmass::diagnosis::verdict::Outcome;
 use proofmass::report::diagnosis::worded;
 
 use super::super::world::{check, near, test};
-use super::flight::{Flight, by_hand, effect, ids, made_up, matrix};
+use super::flight::{by_hand, effect, ids, made_up, matrix};
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
@@ -20,16 +20,12 @@ pub fn tests() -> Vec<Trial> {
     ]
 }
 
-fn captured(flight: &Flight) -> Flight {
-    flight.with_erring_reference(1e-3, 5e-4)
-}
-
 /// Turns about the vertical alone, of 2 rad/s, which show one scale of three, and two columns of misalignment in
 /// none. Where nothing turns, a fit of noise to noise has a slope of any size.
 fn one_axis() -> Result<(), Failed> {
     let turning = |t: f64| [0.0, 0.0, 1.4 * (1.3 * t).sin() + 1.4 * (2.1 * t + 0.5).sin()];
     for seed in [1, 2, 3] {
-        let flight = captured(&by_hand(turning, seed));
+        let flight = by_hand(turning, seed).captured();
         let attitude = ["timestamp", "q_RS"];
         for (what, files) in [("whole", flight.files()), ("attitude", flight.files().with_columns(&attitude))] {
             let names = ids(&files.diagnosed()?);
@@ -57,7 +53,7 @@ fn one_axis() -> Result<(), Failed> {
 fn slanted() -> Result<(), Failed> {
     let turn = Vector3::new(10.0f64, 20.0, -90.0).map(f64::to_radians);
     let skew = Matrix3::new(0.0, 10.0, -20.0, 10.0, 0.0, 15.0, -20.0, 10.0, 0.0) * 1e-3;
-    let flight = captured(&made_up(1)?).mounted(UnitQuaternion::from_scaled_axis(turn));
+    let flight = made_up(1)?.captured().mounted(UnitQuaternion::from_scaled_axis(turn));
     let straight = flight.diagnosed()?;
     check(!ids(&straight).contains("misalignment"), format!("none planted: {:?}", ids(&straight)))?;
     let askew = flight.with_rate(|w| (Vector3::from(w) + skew * Vector3::from(w)).into()).diagnosed()?;
@@ -96,8 +92,8 @@ fn beyond() -> Result<(), Failed> {
         check(answer.outcome == Outcome::Unexplained, format!("{:?}", answer.outcome))
     };
     for seed in [1, 2] {
-        let hand = captured(&by_hand(waving, seed));
-        let drone = captured(&made_up(seed)?);
+        let hand = by_hand(waving, seed).captured();
+        let drone = made_up(seed)?.captured();
         for flight in [&hand, &drone] {
             let plain = flight.diagnosed()?;
             check(plain.outcome == Outcome::Explained, format!("seed {seed}: {:?}", plain.outcome))?;

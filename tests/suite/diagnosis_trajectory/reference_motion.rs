@@ -19,14 +19,10 @@ pub fn tests() -> Vec<Trial> {
     ]
 }
 
-fn captured(flight: &Flight) -> Flight {
-    flight.with_erring_reference(1e-3, 5e-4)
-}
-
 /// Fourteen gaps of 0.05 s to 0.25 s, which cut bins of 0.1 s short. The accelerometer's bias is held to three of
 /// its own intervals, as without a gap.
 fn gaps() -> Result<(), Failed> {
-    let whole = captured(&made_up(6)?);
+    let whole = made_up(6)?.captured();
     let first = [310, 977, 1404, 1999, 2655, 3123, 3777, 4321, 4998, 5555, 6102, 6789, 7303, 8011];
     let torn = whole.with_poses(|k| first.iter().enumerate().all(|(n, at)| !(*at..at + 5 + 2 * (n % 11)).contains(&k)));
     for (what, flight) in [("whole", &whole), ("torn", &torn)] {
@@ -49,7 +45,7 @@ fn finding<'a>(answer: &'a Answer, start: &str) -> Result<&'a String, Failed> {
 }
 
 fn mistaken() -> Result<(), Failed> {
-    let flight = captured(&made_up(1)?);
+    let flight = made_up(1)?.captured();
     let refused = |flight: &Flight, model: &str, words: [&str; 2]| {
         let mut files = flight.files();
         files.model = files.model.replace("file = \"reference.csv\"", &format!("file = \"reference.csv\"{model}"));
@@ -70,7 +66,7 @@ fn mistaken() -> Result<(), Failed> {
 /// attitudes, of which 9000 err by 1 mrad.
 fn tilted() -> Result<(), Failed> {
     const TILTED: &str = "the reference's vertical and gravity disagree by ";
-    let flight = captured(&made_up(1)?);
+    let flight = made_up(1)?.captured();
     check(finding(&flight.diagnosed()?, TILTED).is_err(), "a tilt is said where there is none")?;
     let lean = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 3f64.to_radians());
     let leaning = flight.with_pose_at(|_, p, [w, x, y, z]| {
