@@ -99,6 +99,7 @@ mod suite {
     pub mod single_sine;
     pub mod slow_columns;
     pub mod slow_in_motion;
+    pub mod spoiled_decays;
     pub mod start_search;
     pub mod still_start;
     pub mod strapdown;
@@ -315,6 +316,7 @@ fn main() {
         suite::modes::tests(),
         suite::driven_modes::tests(),
         suite::long_decays::tests(),
+        suite::spoiled_decays::tests(),
         // held_chaos: chaotic motion under an input that is held between its samples.
         suite::held_chaos::tests(),
         // shares: under an input, each name with the part of the error that it removes.

@@ -9,7 +9,7 @@ use super::study::Given;
 use crate::units::key::Key;
 
 /// Most coefficients that there may be.
-pub const MOST: usize = 35;
+pub const MOST: usize = 38;
 
 /// A law that a study can run: one that gives a key for each of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -26,6 +26,7 @@
 
 #![warn(unreachable_pub)]
 
+pub mod asymmetric_stiffness;
 pub mod bias_drift;
 pub mod bias_random_walk;
 pub mod candidate;

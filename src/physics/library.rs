@@ -115,6 +115,7 @@ macro_rules! library {
 library! {
     CubicStiffness in cubic_stiffness,
     QuadraticStiffness in quadratic_stiffness,
+    AsymmetricStiffness in asymmetric_stiffness,
     PowerLawStiffness in power_law_stiffness,
     QuadraticDamping in quadratic_damping,
     PowerLawDamping in power_law_damping,

@@ -16,7 +16,7 @@ use super::state::{Constants, Instant, Lanes, MOST_STAGED, MOST_VALUES, Stride};
 pub struct ReadoutHighpass;
 
 /// States the candidate for the library.
-pub(crate) const CANDIDATE: Candidate = Candidate {
+pub const CANDIDATE: Candidate = Candidate {
     id: "readout-highpass",
     kind: Kind::Driven,
     statement: "The readout is AC-coupled: a first-order high-pass stands behind the proof mass.",
@@ -24,7 +24,7 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     parameters: &[Parameter { name: "tau", unit: "s", range: (0.0, 1e4) }],
     acts: "readout",
     signature: "amplitude falls and phase leads below a corner frequency; a steady displacement fades away",
-    confusable_with: &["input-lag", "feedthrough", "parasitic-mode"],
+    confusable_with: &["input-lag", "feedthrough", "parasitic-mode", "warm-up"],
     reference: "IEEE 1293, frequency response; ISO 16063-21",
 };
 

@@ -22,7 +22,7 @@ pub(crate) const CANDIDATE: Candidate = Candidate {
     ],
     acts: "readout",
     signature: "a residual that is large at the beginning and dies away",
-    confusable_with: &["bias-drift", "bias-random-walk"],
+    confusable_with: &["bias-drift", "bias-random-walk", "readout-highpass"],
     reference: "IEEE 1293, turn-on transient",
 };
 
@@ -34,7 +34,8 @@ impl Law for WarmUp {
         Role::Readout(Place::Bias)
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
-        vec![Coordinate::Linear(0.1 * s.output), Coordinate::Log(0.01 * s.duration_s, 2.0 * s.duration_s)]
+        let shortest = (0.01 * s.duration_s).min(1.0 / s.omega_rad_s);
+        vec![Coordinate::Linear(0.1 * s.output), Coordinate::Log(shortest, 2.0 * s.duration_s)]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
         [0.02, 0.05, 0.12, 0.3, 0.8].map(|t| vec![0.0, t * s.duration_s]).to_vec()

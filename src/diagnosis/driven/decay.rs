@@ -12,6 +12,7 @@ pub mod driven;
 mod effects;
 mod findings;
 mod form;
+mod hits;
 mod input;
 mod known;
 mod read;

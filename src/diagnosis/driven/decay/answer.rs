@@ -21,6 +21,7 @@ use crate::driven::verdict::sensor::repair;
 use crate::driven::verdict::surface::{FreeRun, Surface, surface};
 use crate::engine::fit::Fitted;
 use crate::engine::levels::{AT_NOISE, FAINT};
+use crate::engine::names::Named;
 use crate::model::Output;
 use crate::numerics::least_squares::Linear;
 use crate::numerics::moments::rms;
@@ -63,12 +64,16 @@ pub(crate) fn answer(asked: &Asked<'_>, decay: &Decay, mut notes: Notes) -> Answ
     let [before, after] = [&found.base, &found.model].map(|m| decay.errors(m));
     let remainder = decay.remainder();
     let named = effects::effects(decay, &read);
+    let is_tied = |law: &Named| {
+        let id = decay.system.members[found.model.set[law.place]].term.id();
+        named.iter().any(|effect| effect.id == id && !effect.confusable_with.is_empty())
+    };
     let cycles = decay.cycles();
     let few_cycles = (cycles < FEWEST_CYCLES).then_some(cycles);
     let outcome = rule(&ruling::Evidence {
         named: found.named.len(),
         departs: found.named.iter().any(|n| n.departs.is_some()),
-        tied: found.named.iter().filter(|n| !n.rivals.is_empty()).count(),
+        tied: found.named.iter().filter(|n| is_tied(n)).count(),
         stand_ins: !found.imitations.is_empty(),
         remainder: remainder.size,
         base_determined: few_cycles.is_none() || found.named.is_empty(),

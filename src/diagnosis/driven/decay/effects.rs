@@ -10,6 +10,7 @@ use crate::engine::names::Named;
 use crate::numerics::special;
 use crate::physics::law::Role;
 use crate::physics::library::Term;
+use crate::physics::readout_highpass;
 use crate::standing::{self, Note, Ranked};
 use crate::verdict::{Effect, Estimate, Evidence, Form, Share};
 
@@ -43,6 +44,13 @@ pub(super) fn effects(decay: &Decay, read: &Read) -> Vec<Effect> {
         let mut others: Vec<String> = others.collect();
         others.dedup();
         all.push(Effect { confusable_with: others, ..effect(decay, named, model, named.place, read) });
+        if may_be_coupled(decay, model, named.place) {
+            let coupled = all.last_mut().map(|own| {
+                own.confusable_with.push(readout_highpass::CANDIDATE.id.to_owned());
+                coupled(own)
+            });
+            all.extend(coupled);
+        }
         for (law, rival) in rivals {
             let place = rival.set.iter().position(|l| l == law);
             let other = place.map(|place| effect(decay, named, rival, place, read));
@@ -52,6 +60,32 @@ pub(super) fn effects(decay: &Decay, read: &Read) -> Vec<Effect> {
         }
     }
     all
+}
+
+/// Returns whether an offset that settles is what an AC-coupled readout shows: of a mass that is let go at x₀, the
+/// charge that its capacitor holds, −x₀·exp(−t/τ), which is no larger than the motion.
+fn may_be_coupled(decay: &Decay, model: &Fitted, place: usize) -> bool {
+    let (system, law) = (&decay.numbers.system, model.set[place]);
+    let is_transient = matches!(decay.system.members[law].term, Term::WarmUp(_)) && decay.data.input.is_none();
+    let values = system.shared_values(&model.set, &model.point);
+    let offset = system.own(OFFSET, &values);
+    let largest = system.rows.readings().iter().fold(0.0f64, |most, y| most.max((y - offset).abs()));
+    is_transient && values[system.coordinates(&model.set, place)][0].abs() <= largest
+}
+
+/// An AC-coupled readout with the time constant and the standing of an offset that settles.
+fn coupled(settles: &Effect) -> Effect {
+    let words = &readout_highpass::CANDIDATE;
+    let is_its = |e: &&Estimate| words.parameters.iter().any(|p| p.name == e.name);
+    Effect {
+        id: words.id.to_owned(),
+        statement: words.statement.to_owned(),
+        equation: words.equation.to_owned(),
+        parameters: settles.parameters.iter().filter(is_its).cloned().collect(),
+        confusable_with: vec![settles.id.clone()],
+        form: None,
+        ..settles.clone()
+    }
 }
 
 fn effect(decay: &Decay, named: &Named, model: &Fitted, place: usize, read: &Read) -> Effect {

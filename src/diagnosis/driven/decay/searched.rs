@@ -21,6 +21,7 @@ use crate::engine::search::Search;
 use crate::physics::scales::Scales;
 
 use super::base_model::{self, base};
+use super::hits::Ringing;
 use super::input;
 use super::rows::{self, CYCLES, LONGER};
 use super::swings::{self, Motion};
@@ -70,11 +71,12 @@ pub(crate) fn decay(data: &Data, filled: &[Range<usize>]) -> Option<Decay> {
     if !decay.motion.knocks.is_empty() && decay.is_at_noise() {
         decay = decay.unbroken(filled).unwrap_or(decay);
     }
-    decay = decay.lengthened(false, filled);
-    if let Some(rows) = rows::finer(&decay.data, &decay.system.rows, &decay.motion, filled) {
-        decay = decay.at(rows, decay.system.scales.fineness).unwrap_or(decay);
-    }
-    decay = decay.lengthened(true, filled);
+    let broken = decay.broken(filled).map(|broken| broken.carried_on(filled));
+    let decay = match broken {
+        Some(broken) if broken.is_simplest() => broken,
+        Some(broken) => broken.better(decay.carried_on(filled)),
+        None => decay.carried_on(filled),
+    };
     Some(decay.in_steps_that_suffice())
 }
 
@@ -167,6 +169,51 @@ impl Decay {
     /// Returns whether the model leaves the noise alone.
     fn is_at_noise(&self) -> bool {
         self.found.model.variance < (1.0 + AT_NOISE) * self.variance
+    }
+
+    /// Returns whether it needs no law: nothing is simpler.
+    fn is_simplest(&self) -> bool {
+        self.is_at_noise() && self.found.named.is_empty()
+    }
+
+    /// The same where the mass is hit in the middle of its motion; `None` where it is not, or no oscillator follows
+    /// what lies between.
+    fn broken(&self, filled: &[Range<usize>]) -> Option<Self> {
+        let values = self.system.shared_values(&[], &self.found.base.point);
+        let begins = [1.0, self.system.own(OMEGA, &values), self.system.own(ZETA, &values)];
+        let [_, omega_rad_s, zeta] = begins;
+        let ringing = Ringing {
+            reading: &self.data.reading,
+            filled,
+            cycle: TAU * self.data.rate_hz / omega_rad_s,
+            decay: zeta * omega_rad_s / self.data.rate_hz,
+            noise: self.noise.deviation,
+        };
+        let hits: Vec<usize> = self.motion.stretches.iter().flat_map(|s| ringing.hits(s)).collect();
+        let motion = self.motion.broken(&hits);
+        if motion == self.motion {
+            return None;
+        }
+        let rows = rows::rows(&self.data, &motion, filled, CYCLES);
+        searched(self.data.clone(), rows, motion, &[begins])
+    }
+
+    /// Searched to the end: in longer segments, at every sample, as a whole.
+    fn carried_on(self, filled: &[Range<usize>]) -> Self {
+        let mut decay = self.lengthened(false, filled);
+        if let Some(rows) = rows::finer(&decay.data, &decay.system.rows, &decay.motion, filled) {
+            decay = decay.at(rows, decay.system.scales.fineness).unwrap_or(decay);
+        }
+        decay.lengthened(true, filled)
+    }
+
+    /// Of a decay with hits and the same without the better one: where without them it is followed as a whole, they
+    /// must spare a law.
+    fn better(self, whole: Self) -> Self {
+        let longest = whole.motion.stretches.iter().map(Range::len).max().unwrap_or(0) as f64 / whole.motion.cycle;
+        let is_followed = whole.is_at_noise() && whole.segment_cycles() >= WHOLE * longest;
+        let is_spared = self.found.named.len() < whole.found.named.len();
+        if self.is_at_noise() && (!is_followed || is_spared) { self } else { whole }
     }
 
     /// The same in longer and longer segments, where shorter ones show only noise, or nothing that has a name and

@@ -51,6 +51,22 @@ impl Motion {
         let (first, last) = (self.stretches[0].start, self.stretches[self.stretches.len() - 1].end);
         Self { stretches: std::iter::once(first..last).collect(), knocks: Vec::new(), ..self.clone() }
     }
+
+    /// The same, knocked again at these rows, too; those that leave fewer than a few swings to a side are left out.
+    pub(super) fn broken(&self, hits: &[usize]) -> Self {
+        let least = (0.5 * FEWEST as f64 * self.cycle) as usize;
+        let mut broken = self.clone();
+        for hit in hits {
+            let is_apart = |s: &Range<usize>| s.start + least <= *hit && hit + least <= s.end;
+            let Some(place) = broken.stretches.iter().position(is_apart) else { continue };
+            let end = std::mem::replace(&mut broken.stretches[place].end, *hit);
+            // The row between keeps the stretches apart: no segment goes on across a hit.
+            broken.stretches.insert(place + 1, *hit + 1..end);
+            broken.knocks.push(*hit);
+        }
+        broken.knocks.sort_unstable();
+        broken
+    }
 }
 
 /// Finds the free motion within some rows, with noise of this deviation; `None` where nothing swings.

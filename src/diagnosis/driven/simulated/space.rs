@@ -2,6 +2,7 @@
 //! free forms of their arguments.
 
 use crate::engine::kind::{Argument, Form};
+use crate::physics::asymmetric_stiffness::AsymmetricStiffness;
 use crate::physics::bias_drift::{BiasDrift, Course};
 use crate::physics::coupled_mode::CoupledMode;
 use crate::physics::end_stop::{EndStop, Side};
@@ -59,6 +60,7 @@ pub(in crate::driven) fn members(environments: usize, is_driven: bool, scales: &
     let stated = terms.into_iter().map(|term| Member { term, form: Form::Stated });
     let powers = [
         Term::PowerLawStiffness(PowerLawStiffness(Exponent::Free)),
+        Term::AsymmetricStiffness(AsymmetricStiffness),
         Term::PowerLawDamping(PowerLawDamping(Exponent::Free)),
         Term::BiasDrift(BiasDrift(Course::Power)),
         Term::Hysteresis(Hysteresis(Sharpness::Own)),
@@ -155,7 +157,7 @@ pub(in crate::driven) fn excludes(one: &Term, other: &Term) -> bool {
         Term::SqueezeFilmDamping(_) => 3,
         Term::CoulombFriction(_) | Term::ShapedFriction(_) => 4,
         Term::StiffnessDrift(_) => 5,
-        Term::QuadraticStiffness(_) => 6,
+        Term::QuadraticStiffness(_) | Term::AsymmetricStiffness(_) => 6,
         Term::EndStop(_) => 7,
         Term::DriveNonlinearity(_) => 8,
         Term::ReadoutNonlinearity(_) => 9,

@@ -66,11 +66,13 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
             listed(&holding(effects, &named))
         ),
         Outcome::Undecidable => {
-            let also: Vec<String> =
+            let mut also: Vec<String> =
                 effects.iter().filter(|e| !e.confusable_with.is_empty()).map(|e| e.id.clone()).collect();
+            also.dedup();
             format!(
-                "Something is missing, and this recording cannot distinguish {}; with either, {fall}.",
-                listed(&also)
+                "Something is missing, and this recording cannot distinguish {}; with {}, {fall}.",
+                listed(&also),
+                if also.len() > 2 { "any of them" } else { "either" }
             )
         }
         // Without a base model that could be repaired, few laws were asked for, and about one place

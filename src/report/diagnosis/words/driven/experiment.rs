@@ -25,9 +25,10 @@ pub(crate) fn next_experiment(answer: &Answer, account: &Account) -> String {
     }
     match answer.outcome {
         Outcome::Undecidable if effects.is_empty() => {
-            "Record longer, or drive harder: the residual must rise well above the noise before its cause can be \
-             identified."
-                .to_owned()
+            format!(
+                "Record longer, or {source} harder: the residual must rise well above the noise before its cause can be \
+                 identified."
+            )
         }
         Outcome::Undecidable if account.few_cycles.is_some() => {
             format!("Record for at least {} s, ten cycles of the resonance.", short(10.0 / account.resonance_hz))
@@ -40,24 +41,42 @@ pub(crate) fn next_experiment(answer: &Answer, account: &Account) -> String {
             short(3.0 * account.resonance_hz)
         ),
         Outcome::Undecidable => {
-            let tied: Vec<&str> =
-                effects.iter().filter(|e| !e.confusable_with.is_empty()).map(|e| e.id.as_str()).collect();
-            format!(
-                "Record again at other amplitudes and a wider band ({source} at a third and at three times this \
-                 level, with power well above the resonance): {} then separate, because they scale differently with \
-                 amplitude and frequency.",
-                listed(&tied.iter().map(|t| (*t).to_owned()).collect::<Vec<_>>())
-            )
+            let mut tied: Vec<String> =
+                effects.iter().filter(|e| !e.confusable_with.is_empty()).map(|e| e.id.clone()).collect();
+            tied.dedup();
+            let is_tied = |id: &str| tied.iter().any(|t| t == id);
+            if !input && is_tied("warm-up") && is_tied("readout-highpass") {
+                return "Hold the mass aside for ten time constants before it is let go, and record that, too: while \
+                        the mass is held, an AC-coupled reading fades to its offset, and any other stays."
+                    .to_owned();
+            }
+            let names = listed(&tied);
+            match input {
+                true => format!(
+                    "Record again at other amplitudes and a wider band (drive at a third and at three times this \
+                     level, with power well above the resonance): {names} then separate, because they scale \
+                     differently with amplitude and frequency."
+                ),
+                false => format!(
+                    "Release again at a third of this amplitude and at three times it: {names} then separate, because \
+                     they scale differently with amplitude."
+                ),
+            }
         }
         Outcome::Explained => format!(
             "Confirm on a recording at a different level ({source} at twice the amplitude): the parameters stated must stay \
              within their intervals."
         ),
-        Outcome::Unexplained => format!(
-            "{} at one frequency with the amplitude stepped up and down: an effect with memory differs between the \
-             two directions, an amplitude-dependent one bends the response, and noise does neither.",
-            if input { "Drive" } else { "Release" }
-        ),
+        Outcome::Unexplained if input => {
+            "Drive at one frequency with the amplitude stepped up and down: an effect with \
+                                          memory differs between the two directions, an amplitude-dependent one bends \
+                                          the response, and noise does neither."
+                .to_owned()
+        }
+        Outcome::Unexplained => "Release several times, from several amplitudes: what depends on the amplitude bends \
+                                 frequency and decay at the same amplitude each time, what depends on time at the same \
+                                 second, and noise at neither."
+            .to_owned(),
         Outcome::Adequate => format!(
             "{} harder or longer: smaller effects then rise above the noise. `proofmass trial --like RECORDING \
              --model MODEL.toml` plants each candidate in copies of this recording and reports from which size it \
