@@ -49,8 +49,9 @@ const EXAMPLES: &str = "Examples:
 
 A calibration is fitted to still poses, and its halves are made of whole poses, so that each determines
 what the whole does; intervals are scaled by what the fit leaves, and by how long its errors last. Of a
-log at rest, means and the noise coefficients of `proofmass allan` are compared; sizes as ratios. A flight
-is halved in time, or into every other twentieth of it where its halves are not moved alike.";
+log at rest, means and the noise coefficients of `proofmass allan` are compared; sizes as ratios; a channel
+in which a diagnosis finds something besides noise is marked. A flight is halved in time, or into every
+other twentieth of it where its halves are not moved alike.";
 
 const REPORT: &str = "report.html";
 const CHECK: &str = "check.json";
@@ -69,6 +70,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let recordings: Vec<Recording> = arguments.recordings.iter().map(read).collect::<Result<_>>()?;
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs(arguments))).transpose()?;
     let checked = check::check(&recordings, &model, &control)?;
+    let checked = check::with_besides(checked, &recordings, &model, &control)?;
     let files: Vec<String> = arguments.recordings.iter().map(|path| path.display().to_string()).collect();
     let document = report::document(&files, &checked);
     let sensor = recordings.first().and_then(|first| checked.sensor_toml(first.rate_hz));

@@ -67,6 +67,24 @@ pub fn check(recordings: &[Recording], model: &Model, control: &Control) -> Resu
     Ok(compared(runs?))
 }
 
+/// Adds to each log at rest what a diagnosis finds in it besides noise, of which its coefficients are none.
+///
+/// # Errors
+/// As [`rest::diagnose`].
+pub fn with_besides(
+    mut checked: Checked,
+    recordings: &[Recording],
+    model: &Model,
+    control: &Control,
+) -> Result<Checked> {
+    if let Model::Static(model) = model {
+        for (run, recording) in checked.runs.iter_mut().zip(recordings) {
+            run.besides = rest::besides(recording, model, control)?;
+        }
+    }
+    Ok(checked)
+}
+
 /// A file next to the recording that the model names: poses, or a reference.
 fn of_one_recording(model: &Model) -> Option<&Path> {
     match model {

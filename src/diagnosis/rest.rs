@@ -8,6 +8,7 @@
 //! with the classical curve, from `recording::noise`.
 
 mod agreement;
+mod besides;
 mod block_means;
 mod by_column;
 mod candidate;
@@ -67,7 +68,7 @@ mod temperature_profile;
 pub use candidate::CANDIDATES;
 pub use detail::{ChannelDetail, Detail};
 
-use super::answer::Answer;
+use super::answer::{self, Answer};
 use super::model::{self, MOST_AT_REST};
 use crate::control::{Control, Stopped};
 use crate::error::Result;
@@ -75,6 +76,7 @@ use crate::number::short;
 use crate::recording::Recording;
 use crate::recording::disturbance;
 use crate::recording::health::Watch;
+use crate::repeatability::besides::Besides;
 use crate::repeatability::run::Run;
 use crate::stated_units;
 use channel::{Channel, Curve};
@@ -149,6 +151,15 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
         environment: &measured.environment,
         findings,
     }))
+}
+
+/// Tells what a log holds besides noise that has a coefficient of its own, channel by channel.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn besides(recording: &Recording, model: &model::Static, control: &Control) -> Result<Vec<Besides>> {
+    let answer = diagnose(recording, model, control)?;
+    Ok(if let answer::Detail::Static(detail) = &answer.detail { besides::of(detail) } else { Vec::new() })
 }
 
 /// Returns what each log at rest can know of each channel, what it finds, and the same of its halves.

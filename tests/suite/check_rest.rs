@@ -3,8 +3,10 @@
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::control::Control;
-use proofmass::diagnosis::model::Static;
+use proofmass::diagnosis::check;
+use proofmass::diagnosis::model::{Model, Static};
 use proofmass::diagnosis::repeatability::agreement::{Agreement, Odd};
+use proofmass::diagnosis::repeatability::besides::What;
 use proofmass::diagnosis::repeatability::parameter::{Estimate, Parameter};
 use proofmass::diagnosis::repeatability::run::Run;
 use proofmass::diagnosis::rest::known;
@@ -17,7 +19,7 @@ use rayon::prelude::*;
 use super::bench::{Bench, run};
 use super::diagnosis_rest::plant::{flicker, walk, white};
 use super::diagnosis_rest::{RATE_HZ, asked};
-use super::world::{check, program, test};
+use super::world::{check as expect, program, test};
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
@@ -25,6 +27,7 @@ pub fn tests() -> Vec<Trial> {
         test("check: halves of logs at rest agree as often as their 95 % intervals claim, and hold the truth", halves),
         test("check: of three logs at rest the one with other noise or another bias is found, and no other", odd),
         test("check: a channel that is constant in one log is not compared, and the others with themselves", constant),
+        test("check: what a log holds besides noise is said of its channel, and nothing where there is none", mixed),
         test("check: logs at rest give a sensor whose bias and noise differ from log to log", command),
     ]
 }
@@ -86,24 +89,24 @@ fn halves() -> Result<(), Failed> {
     let runs = each(LOGS, |seed| checked(&CHANNELS, seed))?;
     let agreements: Vec<Agreement> =
         runs.iter().filter_map(|r| r.halves.as_ref()).map(|h| Agreement::of(&h.each.each_ref())).collect();
-    check(agreements.len() == LOGS as usize, "a log was not divided")?;
+    expect(agreements.len() == LOGS as usize, "a log was not divided")?;
     let lines = || agreements.iter().flat_map(|a| &a.lines);
     let share = |width: f64| {
         lines().filter(|l| l.difference.abs() < width * l.half_width).count() as f64 / lines().count() as f64
     };
-    check(lines().count() as u64 > 6 * LOGS, format!("only {} parameters were compared", lines().count()))?;
+    expect(lines().count() as u64 > 6 * LOGS, format!("only {} parameters were compared", lines().count()))?;
     let slack = normal_quantile(0.975) * (0.05 * 0.95 / lines().count() as f64).sqrt();
     let within = |share: f64| share > 0.93 - slack && share < 0.97 + slack;
-    check(within(share(1.0)), format!("{} of parameters agree", share(1.0)))?;
+    expect(within(share(1.0)), format!("{} of parameters agree", share(1.0)))?;
     // The control: intervals half as wide hold far less.
-    check(!within(share(0.5)), format!("with half the width {} agree", share(0.5)))?;
+    expect(!within(share(0.5)), format!("with half the width {} agree", share(0.5)))?;
     let alarms = agreements.iter().filter(|a| a.joint.is_none_or(|j| !j.agrees())).count();
     // At one in a hundred, more than 2 of 24 happen in 0.2 % of such trials (binomial).
-    check(alarms <= 2, format!("{alarms} of {LOGS} logs disagree in all parameters together"))?;
+    expect(alarms <= 2, format!("{alarms} of {LOGS} logs disagree in all parameters together"))?;
     let held: Vec<bool> = runs.iter().flat_map(|run| held(&run.estimate)).collect();
     let share = held.iter().filter(|h| **h).count() as f64 / held.len() as f64;
     // Of 95 %, less four standard errors; a flicker is named where chance made it large.
-    check(share > 0.95 - 4.0 * slack / 1.96, format!("{share} of {} intervals hold what was planted", held.len()))
+    expect(share > 0.95 - 4.0 * slack / 1.96, format!("{share} of {} intervals hold what was planted", held.len()))
 }
 
 /// Whether the interval of each coefficient that is stated holds what was planted.
@@ -147,8 +150,32 @@ fn odd() -> Result<(), Failed> {
     })?;
     let [alarms, right] = [found.iter().filter(|f| f.0).count() as u64, found.iter().filter(|f| f.1).count() as u64];
     // At 1 %, two of 12 have a chance of 0.6 %; at 95 %, three missed of 12 one of 2 %.
-    check(alarms <= 1, format!("{alarms} of {SETS} sets without a change are said to have one"))?;
-    check(right + 2 >= SETS, format!("the changed log is found in {right} of {SETS} sets"))
+    expect(alarms <= 1, format!("{alarms} of {SETS} sets without a change are said to have one"))?;
+    expect(right + 2 >= SETS, format!("the changed log is found in {right} of {SETS} sets"))
+}
+
+// A sine far below the band, a jump of one deviation, and neither: all that an Allan curve shows of the first two is
+// more noise.
+fn mixed() -> Result<(), Failed> {
+    let plain = Planted { flicker: 0.0, walk: 0.0, ..CHANNELS[0] };
+    let noise = |place| channel(&plain, 5, place);
+    let deviation = plain.white * RATE_HZ.sqrt();
+    let sine = noise(0).into_iter().enumerate().map(|(n, v)| v + deviation * (0.03 * n as f64).sin()).collect();
+    let jump = noise(1).into_iter().enumerate().map(|(n, v)| if n < 6000 { v } else { v + deviation }).collect();
+    let (recording, model) = asked(vec![sine, jump, noise(2)], None);
+    let (recordings, model) = (vec![recording], Model::Static(model));
+    let checked = check::check(&recordings, &model, &Control::silent())?;
+    let checked = check::with_besides(checked, &recordings, &model, &Control::silent())?;
+    let found = &checked.runs[0].besides;
+    let is_right = match &found[..] {
+        [first, second] => {
+            let named = matches!(&first.what, What::Named(ids) if ids[..] == ["sinusoid"]);
+            let near = |s: &f64| (s - 6000.0 / RATE_HZ).abs() < 30.0 / RATE_HZ;
+            named && matches!(&second.what, What::Jumps(at) if at.iter().all(near))
+        }
+        _ => false,
+    };
+    expect(is_right, format!("{found:?}"))
 }
 
 fn constant() -> Result<(), Failed> {
@@ -157,7 +184,7 @@ fn constant() -> Result<(), Failed> {
     second.columns[0].values.fill(CHANNELS[0].mean);
     let runs = known(&[first, second], &model, &Control::silent())?;
     let of = |run: usize| &runs[run].estimate.parameters;
-    check(of(0) == of(1), format!("{:?} and {:?}", of(0), of(1)))?;
+    expect(of(0) == of(1), format!("{:?} and {:?}", of(0), of(1)))?;
     let agreement = Agreement::of(&[&runs[0].estimate, &runs[1].estimate]);
     let compared: Vec<&str> = agreement
         .lines
@@ -167,9 +194,9 @@ fn constant() -> Result<(), Failed> {
             Parameter::Element(_) | Parameter::Named(_) => None,
         })
         .collect();
-    check(!compared.contains(&"c0") && compared.contains(&"c1") && compared.contains(&"c2"), format!("{compared:?}"))?;
+    expect(!compared.contains(&"c0") && compared.contains(&"c1") && compared.contains(&"c2"), format!("{compared:?}"))?;
     // Their means lie 2 apart: one compared with the other would not agree.
-    check(agreement.joint.is_some_and(|joint| joint.agrees()), format!("{agreement:?}"))
+    expect(agreement.joint.is_some_and(|joint| joint.agrees()), format!("{agreement:?}"))
 }
 
 fn command() -> Result<(), Failed> {
@@ -192,19 +219,19 @@ fn command() -> Result<(), Failed> {
     let said = run(&mut command)?.json()?;
     let lines = said["agreement"]["parameters"].as_array().cloned().unwrap_or_default();
     let of = |name: &str| lines.iter().find(|l| l["name"] == name).cloned().unwrap_or_default();
-    check(of("gx_deg_s mean")["agrees"] == false, of("gx_deg_s mean").to_string())?;
-    check(of("gx_deg_s white noise N")["agrees"] == true, of("gx_deg_s white noise N").to_string())?;
+    expect(of("gx_deg_s mean")["agrees"] == false, of("gx_deg_s mean").to_string())?;
+    expect(of("gx_deg_s white noise N")["agrees"] == true, of("gx_deg_s white noise N").to_string())?;
     let ratio = of("gx_deg_s white noise N")["ratio"].as_f64().unwrap_or(0.0);
-    check((0.95..1.05).contains(&ratio), format!("ratio {ratio}"))?;
+    expect((0.95..1.05).contains(&ratio), format!("ratio {ratio}"))?;
     let sensor = std::fs::read_to_string(out.join("sensor.toml"))?;
     for words in ["[gyro]", "bias_deg_h", "angle_random_walk_deg_rth", "velocity_random_walk_m_s_rth", "sd = "] {
-        check(sensor.contains(words), format!("no {words} in {sensor}"))?;
+        expect(sensor.contains(words), format!("no {words} in {sensor}"))?;
     }
-    check(!sensor.contains("bias_mg"), &sensor)?;
+    expect(!sensor.contains("bias_mg"), &sensor)?;
     run(program().arg("export").arg(out.join("sensor.toml")).args(["--to", "kalibr", "--json"]))?.json()?;
     let one = run(program().arg("check").arg(&files[0]).args(["--rate-hz", "50"]))?;
     for words in ["The two halves of", "agree in the", "white noise N", "next: "] {
-        check(one.stdout.contains(words), format!("no \"{words}\" in {}", one.stdout))?;
+        expect(one.stdout.contains(words), format!("no \"{words}\" in {}", one.stdout))?;
     }
     Ok(())
 }

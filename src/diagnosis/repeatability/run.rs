@@ -1,5 +1,6 @@
 //! Answers of one recording: what it can know, what it found, and the same of its halves.
 
+use super::besides::Besides;
 use super::information::Information;
 use super::parameter::Estimate;
 use crate::numerics::allan::law::Term;
@@ -20,6 +21,8 @@ pub struct Run {
     pub remedies: Vec<Remedy>,
     /// Findings on the recording itself.
     pub findings: Vec<String>,
+    /// Channels that hold something besides noise, where that was asked for.
+    pub besides: Vec<Besides>,
 }
 
 /// A recording in two halves.

@@ -120,12 +120,16 @@ impl<'a> Draft<'a> {
     /// States what the final models leave, and what leaps rather than drifts.
     fn test_residuals(&mut self) {
         let count = self.channels.len() as f64;
+        let mut jumps = vec![None; self.channels.len()];
         self.residuals = self.channels.iter().zip(&self.finals).map(|(c, f)| residual(c, f, TOLERANCE)).collect();
         for (i, (channel, selection)) in self.channels.iter().zip(self.selected).enumerate() {
-            if let Some(jump) = jump::alone(channel, &selection.chosen) {
+            let Some(jump::Alone { jump, is_sure }) = jump::alone(channel, &selection.chosen) else { continue };
+            if is_sure {
                 self.residuals[i].jump = Some(jump.at as f64 / channel.rate_hz);
                 self.residuals[i].p_value = self.residuals[i].p_value.min(jump.p_value);
                 self.leaps[i] = true;
+            } else {
+                jumps[i] = Some(jump.at);
             }
         }
         for (i, fitted) in self.finals.iter().enumerate() {
@@ -152,6 +156,9 @@ impl<'a> Draft<'a> {
             self.departures[i] = found;
         }
         self.share_exponent(&steady);
+        for i in steady {
+            self.departures[i] = self.departures[i].or(jumps[i].map(Departure::jump));
+        }
     }
 
     /// States what one exponent for all channels that drift by noise says of each.
@@ -331,7 +338,11 @@ impl<'a> Draft<'a> {
                 in_time: departure.of == Of::Time,
                 column: match departure.of {
                     Of::Column(place) => self.environment.get(place).map(|(name, _)| name.clone()),
-                    Of::Spectrum | Of::Time => None,
+                    Of::Spectrum | Of::Time | Of::Jump(_) => None,
+                },
+                jump_s: match departure.of {
+                    Of::Jump(at) => Some(at as f64 / self.channels[i].rate_hz),
+                    Of::Spectrum | Of::Time | Of::Column(_) => None,
                 },
                 exponent: departure.exponent.map(|e| e.value),
                 ci95: departure.exponent.map(|e| e.ci95),

@@ -15,7 +15,7 @@ use super::course::{EXPONENTS, course, is_course, smooth};
 use super::laws::{SLOW, slow_laws};
 use super::profile::{Profiled, profile};
 use super::spectrum::{self, Bin, Law, Part};
-use super::standing::{ALPHA, CLOSE, probability};
+use super::standing::{ALPHA, CLOSE, CLOSE_TO_NOISE, probability};
 
 /// An exponent nearer to a law's than this part of it makes no difference that matters: over the
 /// three decades of one log f^−0.1 changes the power by a factor of two in all, so that a law
@@ -73,9 +73,17 @@ pub(super) enum Of {
     Time,
     /// Of no course in time but of the environment column at this place.
     Column(usize),
+    /// Of nothing: the bias may have jumped once, at this sample.
+    Jump(usize),
 }
 
 impl Departure {
+    /// One jump that describes a channel as well as its drift does.
+    pub(super) fn jump(at: usize) -> Self {
+        let takes = Takes { courses: true, noise: true, slow_lines: true };
+        Self { ruling: Ruling::Open, of: Of::Jump(at), exponent: None, better_by: 0.0, takes }
+    }
+
     /// Returns whether it speaks of this cause.
     pub(super) fn concerns(&self, cause: Cause) -> bool {
         self.takes.noise && SLOW.contains(&cause)
@@ -114,7 +122,12 @@ pub(super) fn whole(law: f64, free: Profiled, gain: f64) -> Option<Ruling> {
 
 /// Returns what is said of another description, by how much better it is.
 pub(super) fn rival(better_by: f64) -> Option<Ruling> {
-    if better_by > CLOSE {
+    rival_of(better_by, CLOSE)
+}
+
+/// The same where it must be better by this much to refute what was chosen.
+fn rival_of(better_by: f64, refuting: f64) -> Option<Ruling> {
+    if better_by > refuting {
         Some(Ruling::Refuted)
     } else if better_by > -CLOSE {
         Some(Ruling::Open)
@@ -235,7 +248,8 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
         |ruling, exponent, better_by, takes| Some(Departure { ruling, of: Of::Time, exponent, better_by, takes });
     let has_noise = drift.iter().any(|cause| SLOW.contains(cause));
     let better_by = power.max(smooth) - held;
-    match rival(better_by) {
+    let is_noise = drift.iter().all(|cause| SLOW.contains(cause));
+    match rival_of(better_by, if is_noise { CLOSE_TO_NOISE } else { CLOSE }) {
         Some(ruling) if ruling == Ruling::Refuted || has_noise || drift[..] == [Cause::WarmUp] => {
             let exponent = (power >= smooth).then_some(free);
             return departs(ruling, exponent, better_by, Takes { courses: true, noise: true, slow_lines: false });

@@ -56,6 +56,8 @@ pub struct Departure {
     pub in_time: bool,
     /// The environment column that a function of no stated form describes it by, where one does.
     pub column: Option<String>,
+    /// Time of a single jump that describes it as well, s from the first sample.
+    pub jump_s: Option<f64>,
     /// The exponent; absent where a smooth course without one does best.
     pub exponent: Option<f64>,
     /// 95 % interval of the exponent.

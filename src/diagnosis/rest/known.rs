@@ -73,6 +73,7 @@ pub(super) fn check(channels: &[Readings], rate_hz: f64, findings: Vec<String>) 
         halves: is_told.then_some(Halves { split: Split::FirstAndSecond, each }),
         motion: None,
         findings,
+        besides: Vec::new(),
     }
 }
 

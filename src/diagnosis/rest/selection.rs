@@ -5,10 +5,11 @@ use super::candidate::row;
 use super::candidates_round::{Tried, try_all};
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Curve, Environment, Fitted, Term};
+use super::course::is_course;
 use super::jump;
 use super::laws::{self, Rivals};
 use super::shape::Following;
-use super::standing::{self, CLOSE, SUPERFLUOUS, Standing, contains, others, prune, removal_p_value};
+use super::standing::{self, CLOSE, CLOSE_TO_NOISE, SUPERFLUOUS, Standing, contains, others, prune, removal_p_value};
 use super::telegraph;
 use crate::control::{Control, Stopped};
 use crate::numerics::order;
@@ -174,7 +175,7 @@ fn beside(
         let mut close: Vec<Standing> = standings
             .into_iter()
             .filter(|t| t.cause != best.cause && row(t.cause).entry.is_some() && !contains(t.cause, best.cause))
-            .filter(|t| best.minus_aic() - t.minus_aic() < CLOSE)
+            .filter(|t| best.minus_aic() - t.minus_aic() < closeness(best.cause, t.cause))
             .collect();
         order::sort_by_key(&mut close, |t| -t.minus_aic());
         rivals.push((best.cause, close.iter().map(|t| t.cause).collect()));
@@ -191,6 +192,11 @@ fn beside(
     }
     let named = named(channel, &base, &chosen, correction, &rivals);
     Ok(Selection { base, chosen, alone, named, set_aside })
+}
+
+/// By how much one candidate must be better than another to be told from it.
+fn closeness(better: Cause, other: Cause) -> f64 {
+    if is_course(better) && laws::SLOW.contains(&other) { CLOSE_TO_NOISE } else { CLOSE }
 }
 
 /// Returns what every term of a model rests on.

@@ -62,7 +62,7 @@ pub(super) fn check(found: &Found<'_>, findings: Vec<String>) -> Run {
     let halves = Halves::least_lost(&estimate, divisions.into_iter());
     let motion = moved(found);
     let remedies = remedies(&motion, &estimate);
-    Run { information, estimate, halves, motion: Some(motion), remedies, findings }
+    Run { information, estimate, halves, motion: Some(motion), remedies, findings, besides: Vec::new() }
 }
 
 impl Question {

@@ -103,7 +103,7 @@ pub(super) fn check(poses: Poses<'_>) -> Run {
     let halves = Halves::least_lost(&estimate, halves);
     let moved = motion::of(&observed, &fit, &left_out);
     let remedies = motion::remedies(&observed, &fit, &errors.left, &estimate);
-    Run { information, estimate, halves, motion: Some(moved), remedies, findings }
+    Run { information, estimate, halves, motion: Some(moved), remedies, findings, besides: Vec::new() }
 }
 
 /// The means by which fits are read.

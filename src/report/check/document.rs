@@ -7,6 +7,7 @@ use super::values::{difference, estimated, spread};
 use super::words::{name, unit};
 use proofmass_diagnosis::check::{Checked, Compared};
 use proofmass_diagnosis::repeatability::agreement::{self, Odd};
+use proofmass_diagnosis::repeatability::besides::{self, What};
 use proofmass_diagnosis::repeatability::information::Known;
 use proofmass_diagnosis::repeatability::parameter::Estimate;
 use proofmass_diagnosis::repeatability::run;
@@ -42,7 +43,21 @@ struct Run {
     halves: Option<Halves>,
     /// Directions among the parameters that the recording does not determine.
     undetermined: Vec<Direction>,
+    /// Channels that hold something besides noise that has a coefficient: `noise` parameters of theirs are not of
+    /// noise alone.
+    besides: Vec<Besides>,
     statements: Vec<String>,
+}
+
+/// What a channel holds besides noise.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct Besides {
+    channel: String,
+    /// Effects by id; empty where nothing that is known here describes it.
+    effects: Vec<String>,
+    /// Jumps of its bias, s from the first sample.
+    jumps_s: Vec<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -178,8 +193,18 @@ fn of_run(file: &str, run: &run::Run) -> Run {
                 error_over_tolerance: finite(direction.over_tolerance),
             })
             .collect(),
+        besides: run.besides.iter().map(of_besides).collect(),
         statements: sentences::of_run(run),
     }
+}
+
+fn of_besides(besides: &besides::Besides) -> Besides {
+    let (effects, jumps_s) = match &besides.what {
+        What::Named(ids) => (ids.clone(), Vec::new()),
+        What::Jumps(at_s) => (Vec::new(), at_s.clone()),
+        What::Unnamed => (Vec::new(), Vec::new()),
+    };
+    Besides { channel: besides.channel.clone(), effects, jumps_s }
 }
 
 fn of_estimate(estimate: &Estimate) -> Vec<Parameter> {

@@ -5,6 +5,7 @@ use super::words::{axis, kind, list, name, noise, place};
 use proofmass_base::number::{duration, short};
 use proofmass_diagnosis::check::{Checked, Compared};
 use proofmass_diagnosis::repeatability::agreement::{Agreement, Joint, Odd};
+use proofmass_diagnosis::repeatability::besides::{Besides, What};
 use proofmass_diagnosis::repeatability::information::Known;
 use proofmass_diagnosis::repeatability::parameter::{Estimate, Parameter};
 use proofmass_diagnosis::repeatability::run::{Motion, Remedy, Run, Split};
@@ -45,13 +46,46 @@ pub(super) fn answer(files: &[String], checked: &Checked) -> String {
         }
         Some(_) => format!("{} do not agree{}.", what(compared), differing(checked, agreement)),
     };
-    match agreement.odd {
+    let told = match agreement.odd {
         Some(Odd::Run(run)) => format!(
             "{told} {} is the odd one: without it the others agree, and without no other.",
             files.get(run).map_or("one", String::as_str)
         ),
         Some(Odd::Undecided) => format!("{told} No one of them alone accounts for it."),
         None => told,
+    };
+    match besides(checked) {
+        Some(besides) => format!("{told} But {besides}: what is marked * is not noise alone."),
+        None => told,
+    }
+}
+
+/// "ay holds sinusoid in a.csv and b.csv": what a diagnosis finds besides noise.
+fn besides(checked: &Checked) -> Option<String> {
+    let mut all: Vec<String> = Vec::new();
+    for besides in checked.runs.iter().flat_map(|run| &run.besides) {
+        let said = holds(besides);
+        if !all.contains(&said) {
+            all.push(said);
+        }
+    }
+    let more = all.len().saturating_sub(LISTED);
+    all.truncate(LISTED);
+    if more > 0 {
+        all.push(format!("{more} more channels hold something else than noise"));
+    }
+    (!all.is_empty()).then(|| list(&all))
+}
+
+fn holds(besides: &Besides) -> String {
+    let channel = &besides.channel;
+    match &besides.what {
+        What::Named(ids) => format!("{channel} holds {}", list(ids)),
+        What::Jumps(at_s) => {
+            let at: Vec<String> = at_s.iter().take(LISTED).map(|s| duration(*s)).collect();
+            format!("the bias of {channel} jumps at {}", list(&at))
+        }
+        What::Unnamed => format!("no noise law that is known here describes {channel}"),
     }
 }
 
@@ -78,6 +112,7 @@ fn differing(checked: &Checked, agreement: &Agreement) -> String {
 /// Tells what a run can know.
 pub(super) fn of_run(run: &Run) -> Vec<String> {
     let mut out: Vec<String> = run.findings.iter().map(|f| format!("found: {f}")).collect();
+    out.extend(run.besides.iter().map(|b| format!("found: {}: proofmass diagnose says more", holds(b))));
     out.extend(run.motion.iter().flat_map(motion));
     let undetermined = of_known(&run.estimate, Known::Not);
     if undetermined.is_empty() {

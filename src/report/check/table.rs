@@ -5,7 +5,8 @@ use super::words::{name, unit};
 use crate::table::Table;
 use proofmass_diagnosis::check::{Checked, Compared};
 use proofmass_diagnosis::repeatability::agreement::Line;
-use proofmass_diagnosis::repeatability::parameter::{Estimate, Parameter};
+use proofmass_diagnosis::repeatability::parameter::{AtRest, Estimate, Parameter};
+use proofmass_diagnosis::repeatability::run::Run;
 
 /// Runs that a terminal has room for; of more the means and spreads are shown.
 const SHOWN: usize = 4;
@@ -31,7 +32,8 @@ pub(super) fn of(files: &[String], checked: &Checked) -> Table {
             true => estimated(e, p).words(),
             false => "not determined".to_owned(),
         };
-        let mut row = vec![name(parameter), unit(parameter).0.to_owned()];
+        let mark = if checked.runs.iter().any(|run| is_mixed(run, parameter)) { " *" } else { "" };
+        let mut row = vec![format!("{}{mark}", name(parameter)), unit(parameter).0.to_owned()];
         row.extend(shown.iter().map(cell));
         let line = checked.agreement.as_ref().and_then(|(_, a)| a.lines.iter().find(|l| l.parameter == p));
         row.extend(match line {
@@ -48,6 +50,12 @@ pub(super) fn of(files: &[String], checked: &Checked) -> Table {
         table.row(row);
     }
     table
+}
+
+/// Returns whether a coefficient of noise is one of a channel that holds something else.
+fn is_mixed(run: &Run, parameter: &Parameter) -> bool {
+    let Parameter::AtRest(AtRest { channel, term: Some(_), .. }) = parameter else { return false };
+    run.besides.iter().any(|besides| besides.channel == *channel)
 }
 
 /// The difference without its unit, which has a column.

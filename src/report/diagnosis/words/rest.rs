@@ -19,9 +19,8 @@ pub(crate) fn sentence(outcome: Outcome, effects: &[Effect], place: &str, detail
         Outcome::Explained => format!("The model leaves out {}. With it, the residual is noise.", named(effects)),
         Outcome::Undecidable => {
             let (ties, sure) = parted(effects);
-            let open = open(detail);
-            if ties.is_empty() {
-                format!("The model leaves out {}, but the recording cannot confirm its form. {open}", named(&sure))
+            let told = if ties.is_empty() {
+                format!("The model leaves out {}, but the recording cannot confirm its form.", named(&sure))
             } else if sure.is_empty() {
                 format!("The model leaves something out, but the recording cannot tell what: {ties}.")
             } else {
@@ -29,7 +28,9 @@ pub(crate) fn sentence(outcome: Outcome, effects: &[Effect], place: &str, detail
                     "The model leaves out {}, and something else that the recording cannot identify: {ties}.",
                     named(&sure)
                 )
-            }
+            };
+            let open = open(detail);
+            if open.is_empty() { told } else { format!("{told} {open}") }
         }
         Outcome::Unexplained => {
             let of = |is: bool| -> String {
@@ -66,8 +67,11 @@ fn open(detail: &Detail) -> String {
 
 /// States what the fitted exponent of a channel's drift means for its laws.
 fn departure(of: &Departure) -> String {
-    let Departure { channel, ids, near, refuted, in_time, column, exponent, ci95 } = of;
+    let Departure { channel, ids, near, refuted, in_time, column, jump_s, exponent, ci95 } = of;
     let ids = ids.join(" and ");
+    if let Some(at_s) = jump_s {
+        return format!("{channel}: one jump of the bias, at {}, fits as well as {ids}.", duration(*at_s));
+    }
     if let Some(column) = column {
         return match *refuted {
             true => format!("{channel}: it depends on `{column}` in a way that no law here states, not as {ids}."),
