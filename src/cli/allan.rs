@@ -6,6 +6,7 @@ use super::numbers;
 use super::output::{remark, say, sayln, screen};
 use proofmass_base::document::to_json;
 use proofmass_base::error::{Error, Result};
+use proofmass_base::escape;
 use proofmass_base::output::{self, Folder};
 use proofmass_base::progress;
 use proofmass_export::filter::Filter;
@@ -322,13 +323,25 @@ fn configuration(target: &Target, filter: Filter, file: &str, noise: &Noise) -> 
                 "name the columns and their scales with --accelerometer and --gyro; see `proofmass allan --help`";
             Error::new(format!("could not export the noise of {file}"), error.cause, hint)
         })?;
-    let imu = match &axes[..] {
+    let mut imu = match &axes[..] {
         [x, y, z] => x.clone().with_axes([x, y, z].map(|axis| [axis.accelerometer, axis.gyro])),
         [x, ..] => x.clone(),
         [] => {
             return Err(Error::new(format!("could not export the noise of {file}"), "it has no channel", "give a log"));
         }
     };
+    let is_bad = |channel: &&Channel| channel.fit.as_ref().is_some_and(|fit| !fit.good());
+    imu.doubts = noise.channels.iter().filter(is_bad).map(|channel| doubt(channel, file)).collect();
     let imu = imu.ahead_of(filter).sent(target, None, filter)?;
     Ok((target.file.to_owned(), target.export(&imu)))
+}
+
+/// Says that the coefficients of a channel are not of noise alone.
+fn doubt(channel: &Channel, file: &str) -> String {
+    format!(
+        "IN DOUBT: no sum of the noise laws fits {}, and its N, B and K hold whatever else it shows: proofmass diagnose {} \
+         says what that is",
+        escape::line(&channel.name),
+        escape::line(file)
+    )
 }

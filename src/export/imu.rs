@@ -72,6 +72,8 @@ pub struct Imu {
     pub axes: Option<[[Errors; 2]; 3]>,
     /// Holds what a configuration states and has no place here, for people.
     pub unread: Vec<String>,
+    /// Says which of its numbers are in doubt, and why, for people.
+    pub doubts: Vec<String>,
 }
 
 impl Errors {
@@ -86,8 +88,18 @@ impl Imu {
     /// An IMU without errors.
     pub fn new(source: &str, rate_hz: f64) -> Self {
         let [accelerometer, gyro] = [Sense::Accelerometer, Sense::Gyro].map(Errors::ideal);
-        let (source, filter, others, unread) = (source.into(), Filter::Mean, Vec::new(), Vec::new());
-        Self { source, rate_hz, rate_is_stated: true, filter, accelerometer, gyro, others, axes: None, unread }
+        Self {
+            source: source.into(),
+            rate_hz,
+            rate_is_stated: true,
+            filter: Filter::Mean,
+            accelerometer,
+            gyro,
+            others: Vec::new(),
+            axes: None,
+            unread: Vec::new(),
+            doubts: Vec::new(),
+        }
     }
 
     /// The errors of an axis: accelerometer and gyro.

@@ -107,6 +107,7 @@ impl Sheet {
             env!("CARGO_PKG_VERSION"),
             imu.rate_hz
         )];
+        head.extend(imu.doubts.iter().cloned());
         for (name, errors) in [("accelerometer", &imu.accelerometer), ("gyro", &imu.gyro)] {
             let drawn =
                 [("white noise", errors.white), ("bias instability", errors.flicker), ("random walk", errors.walk)];

@@ -22,6 +22,12 @@ const NODES: usize = 48;
 const HARMONICS: usize = 7;
 /// Rounds in which the harmonics settle.
 const ROUNDS: usize = 4;
+/// Part of a push by whose square a parabola through three nodes may miss that of the push where two motions may lie
+/// between them.
+const NEARLY: f64 = 0.25;
+/// Golden section, and how often a stretch of two nodes is cut by it.
+const GOLDEN: f64 = 0.618_033_988_749_895;
+const SECTIONS: usize = 24;
 /// Part of the largest force by which harmonics must change it to be followed.
 const HEARD: f64 = 1e-3;
 
@@ -289,21 +295,57 @@ impl Impedance<'_> {
         if self.table.nodes.is_empty() {
             return vec![push / self.bare.norm().max(1e-300)];
         }
+        let amplitude = |node: usize| amplitude(self.table.most, node);
+        let miss: [f64; NODES] = std::array::from_fn(|node| self.push_squared(node) - push * push);
         let mut found = Vec::new();
-        let mut before = self.push_squared(0) - push * push;
         for i in 1..NODES {
-            let after = self.push_squared(i) - push * push;
-            if before < 0.0 && after >= 0.0 {
-                found.push(self.between([amplitude(self.table.most, i - 1), amplitude(self.table.most, i)], push));
+            if miss[i - 1] < 0.0 && miss[i] >= 0.0 {
+                found.push(self.between([amplitude(i - 1), amplitude(i)], push));
+            } else if i + 1 < NODES {
+                found.extend(self.close(std::array::from_fn(|j| (amplitude(i + j - 1), miss[i + j - 1])), push));
             }
-            before = after;
         }
-        if before < 0.0 {
+        if miss[NODES - 1] < 0.0 {
             // Beyond the table the laws are held as they are at its end.
             let (end, _) = self.at(self.table.most);
             found.push(push / end.norm().max(1e-300));
         }
         found
+    }
+
+    /// The stable one of two motions that are so close, near the end of a branch, that both lie between nodes: at
+    /// three of them |Z|a misses the push to the same side, and comes nearest at the middle one.
+    fn close(&self, [left, middle, right]: [(f64, f64); 3], push: f64) -> Option<f64> {
+        let side = middle.1.signum();
+        let is_nearest = |end: f64| end.signum() == side && end.abs() > middle.1.abs();
+        let (rise, bend) = (right.1 - left.1, right.1 - 2.0 * middle.1 + left.1);
+        // A parabola through them comes near enough.
+        let reach = side * (middle.1 - rise * rise / (8.0 * bend));
+        if !is_nearest(left.1) || !is_nearest(right.1) || !(reach < NEARLY * push * push) {
+            return None;
+        }
+        let miss = |a: f64| side * (self.at(a).0.norm() * a - push);
+        let (mut low, mut high) = (left.0, right.0);
+        let at = |low: f64, high: f64, part: f64| low + part * (high - low);
+        let [mut a, mut b] = [1.0 - GOLDEN, GOLDEN].map(|part| at(low, high, part));
+        let (mut at_a, mut at_b) = (miss(a), miss(b));
+        for _ in 0..SECTIONS {
+            if at_a < at_b {
+                (high, b, at_b) = (b, a, at_a);
+                a = at(low, high, 1.0 - GOLDEN);
+                at_a = miss(a);
+            } else {
+                (low, a, at_a) = (a, b, at_b);
+                b = at(low, high, GOLDEN);
+                at_b = miss(b);
+            }
+            let (best, lowest) = if at_a < at_b { (a, at_a) } else { (b, at_b) };
+            if lowest < 0.0 {
+                let ends = if side > 0.0 { [best, right.0] } else { [left.0, best] };
+                return Some(self.between(ends, push));
+            }
+        }
+        None
     }
 
     /// The root between two amplitudes, by bisection and secant in turn.
@@ -324,5 +366,37 @@ impl Impedance<'_> {
             }
         }
         0.5 * (low + high)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::cubic_stiffness::CubicStiffness;
+
+    // Of a spring βx³ under a sine, (ω₀² + κa² − ω²)² + Γ²ω² = (push/a)² with κ = 3β/4 (Nayfeh & Mook, Nonlinear
+    // Oscillations, 1979, ch. 4): for each amplitude below the peak the branch that is jumped from is at the smaller
+    // of two ω². The peak lies ten and thirty widths of the line above ω₀.
+    #[test]
+    fn the_upper_branch_is_followed_to_its_end() {
+        let (mass, push) = (Oscillator { omega_rad_s: 1.0, damping_per_s: 0.01 }, 0.01);
+        for widths in [10.0, 30.0] {
+            let kappa = 2.0 * widths * mass.damping_per_s;
+            let law = Law { term: Term::CubicStiffness(CubicStiffness), values: vec![kappa / 0.75] };
+            let highest: f64 = 1.0 + kappa;
+            let most = 1.2 / highest.sqrt();
+            let table = Table::rough(&mass, &[law], most, [0.8, 1.2 * highest.sqrt()]);
+            // Γωa = push at the peak.
+            let peak = 1.0 / (1.0 + kappa).sqrt();
+            for part in [0.5, 0.8, 0.9, 0.95, 0.97, 0.98, 0.985, 0.99] {
+                let a = part * peak;
+                let spring = 1.0 + kappa * a * a;
+                let (half, whole) = (spring - 0.5 * mass.damping_per_s.powi(2), spring * spring - (push / a).powi(2));
+                let squared = half - (half * half - whole).max(0.0).sqrt();
+                let found = table.along(&mass, squared.sqrt(), Phasor::new(0.0, 0.0)).stable(push);
+                let last = found.last().copied().unwrap_or(f64::NAN);
+                assert!((last / a - 1.0).abs() < 2e-3, "{widths} {part}: {found:?} for {a}");
+            }
+        }
     }
 }

@@ -8,7 +8,7 @@ use super::detail::{ChannelDetail, Detail};
 /// Ids of the noise laws whose coefficients are compared.
 const COMPARED: [&str; 4] = ["white-noise", "flicker-noise", "random-walk", "rate-ramp"];
 
-/// What a diagnosis found, channel by channel.
+/// Lists what a diagnosis found, channel by channel.
 pub(super) fn of(detail: &Detail) -> Vec<Besides> {
     let of_channel = |channel: &ChannelDetail| {
         let named: Vec<String> = channel.named.iter().filter(|id| !COMPARED.contains(&id.as_str())).cloned().collect();

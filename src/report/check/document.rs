@@ -49,7 +49,7 @@ struct Run {
     statements: Vec<String>,
 }
 
-/// What a channel holds besides noise.
+/// A channel that holds something besides noise.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Besides {
