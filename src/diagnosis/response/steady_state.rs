@@ -321,7 +321,8 @@ impl Impedance<'_> {
         let (rise, bend) = (right.1 - left.1, right.1 - 2.0 * middle.1 + left.1);
         // A parabola through them comes near enough.
         let reach = side * (middle.1 - rise * rise / (8.0 * bend));
-        if !is_nearest(left.1) || !is_nearest(right.1) || !(reach < NEARLY * push * push) {
+        let is_near = is_nearest(left.1) && is_nearest(right.1) && reach < NEARLY * push * push;
+        if !is_near {
             return None;
         }
         let miss = |a: f64| side * (self.at(a).0.norm() * a - push);
