@@ -137,6 +137,8 @@ pub enum Remedy {
     Longer {
         /// The noise whose coefficient it tells.
         term: Term,
+        /// States whether the log shows it; else it is taken to be as large as the log leaves open.
+        shows: bool,
         /// Length of the log, s.
         duration_s: f64,
         /// Half of its 95 % interval then, as a share of the coefficient.

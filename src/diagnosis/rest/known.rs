@@ -160,18 +160,28 @@ fn repeats(fit: &Fit, duration_s: f64) -> f64 {
     variance * (t_quantile(0.975, freedom) / TO_THE_END).powi(2)
 }
 
-/// Lengths of a log that would know well each law that this one shows and does not.
+/// Lengths of a log that would know well each law that this one shows and does not know; of a law that none of its
+/// channels shows, one as large as it leaves open.
 fn remedies(whole: &Told, rate_hz: f64) -> Vec<Remedy> {
+    let length = |fit: &Fit, term: Term, shows: bool| {
+        let mut squares = fit.squares();
+        if !shows {
+            squares[term as usize] = fit.coefficients[term as usize].ci95[1].powi(2);
+        }
+        let lengths = (1..=DOUBLED).map(|power| whole.samples << power);
+        let mut known = lengths.map(|samples| (samples, expected_errors(&squares, rate_hz, samples)));
+        known.find(|(_, errors)| errors[term as usize] <= WEAKLY * LN_2).map(|(samples, _)| samples)
+    };
     let needed = |term: &Term| {
         let term = *term;
-        let unknown = |fit: &&Fit| error(fit, term) > WEAKLY * LN_2 && fit.coefficients[term as usize].value > 0.0;
-        let lengths = whole.fits.iter().flatten().filter(unknown).filter_map(|fit| {
-            let lengths = (1..=DOUBLED).map(|power| whole.samples << power);
-            let mut known = lengths.map(|samples| (samples, expected_errors(&fit.squares(), rate_hz, samples)));
-            known.find(|(_, errors)| errors[term as usize] <= WEAKLY * LN_2).map(|(samples, _)| samples)
-        });
-        let samples = lengths.max()?;
-        Some(Remedy::Longer { term, duration_s: samples as f64 / rate_hz, to: TO_THE_END * WEAKLY * LN_2 })
+        let is_unknown = |fit: &&Fit| error(fit, term) > WEAKLY * LN_2;
+        let of = |shows: bool| {
+            let unknown = whole.fits.iter().flatten().filter(is_unknown);
+            let alike = unknown.filter(|fit| fit.coefficients[term as usize].supported() == shows);
+            Some((alike.filter_map(|fit| length(fit, term, shows)).max()?, shows))
+        };
+        let (samples, shows) = of(true).or_else(|| of(false))?;
+        Some(Remedy::Longer { term, shows, duration_s: samples as f64 / rate_hz, to: TO_THE_END * WEAKLY * LN_2 })
     };
     [Term::White, Term::Flicker, Term::Walk].iter().filter_map(needed).collect()
 }

@@ -229,10 +229,11 @@ fn remedies(remedies: &[Remedy]) -> Vec<String> {
             turned_rad.to_degrees(),
             percent(*to)
         ),
-        Remedy::Longer { term, duration_s, to } => format!(
-            "to know the {} to ±{:.0} %, wherever it shows: {} at rest",
-            noise(*term),
+        Remedy::Longer { term, shows, duration_s, to } => format!(
+            "to know {} to ±{:.0} %{}: {} at rest",
+            if *shows { format!("the {}", noise(*term)) } else { format!("a {}", noise(*term)) },
             100.0 * to,
+            if *shows { ", wherever it shows" } else { ", were it as large as this log leaves open" },
             duration(*duration_s)
         ),
         Remedy::Between { axes: [a, b] } => format!(
