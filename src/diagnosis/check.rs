@@ -67,7 +67,7 @@ pub fn check(recordings: &[Recording], model: &Model, control: &Control) -> Resu
     Ok(compared(runs?))
 }
 
-/// Adds to each log at rest what a diagnosis finds in it besides noise, of which its coefficients are none.
+/// Adds to each log at rest what a diagnosis finds in it besides noise. Other kinds stay as they are.
 ///
 /// # Errors
 /// As [`rest::diagnose`].

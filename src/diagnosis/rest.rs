@@ -153,7 +153,7 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
     }))
 }
 
-/// Tells what a log holds besides noise that has a coefficient of its own, channel by channel.
+/// Lists the channels of a log that hold more than noise with an Allan coefficient, and what that is.
 ///
 /// # Errors
 /// As [`diagnose`].

@@ -80,7 +80,8 @@ fn corner() -> Result<(), Failed> {
         let [k, n] = [of("k")?, of("n")?];
         near("n", n.value, 1.0, n.ci95[1] - n.ci95[0])?;
         check(n.ci95[1] - n.ci95[0] < 0.3, format!("{:?} says little", n.ci95))?;
-        near("k", k.value, 0.5 * stiffer, 0.05 * stiffer.abs())?;
+        near("k", k.value, 0.5 * stiffer, k.ci95[1] - k.ci95[0])?;
+        check(k.ci95[1] - k.ci95[0] < 0.2 * stiffer.abs(), format!("{:?} says little", k.ci95))?;
     }
     // Control: with a square it is the quadratic spring.
     let force = |_: f64, x: f64, _: f64| -0.1 * x * x;
@@ -110,7 +111,8 @@ fn coupled() -> Result<(), Failed> {
         check(verdict.verdict == Outcome::Undecidable && both, format!("{tau}: {}", said(&verdict)))?;
         let is_tau = |e: &&proofmass::diagnosis::verdict::Estimate| e.name == "tau";
         let p = verdict.effects[1].parameters.iter().find(is_tau).ok_or("no time constant")?;
-        near("tau", p.value, tau, 0.05 * tau)?;
+        near("tau", p.value, tau, p.ci95[1] - p.ci95[0])?;
+        check(p.ci95[1] - p.ci95[0] < 0.2 * tau, format!("{:?} says little", p.ci95))?;
     }
     // Control: three times the motion is no charge of a capacitor.
     let made = Made { zeta: 0.006, cycles: 80, noise: 0.004, seed: 4, force: &|_, _, _| 0.0 }.reading();

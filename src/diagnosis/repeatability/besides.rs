@@ -1,15 +1,15 @@
-//! Tells what a recording holds besides what it is compared by.
+//! Names the channels of a log that hold more than the noise whose coefficients are compared.
 
-/// A channel that holds something besides that noise.
+/// One of those channels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Besides {
     /// Heading of the column.
     pub channel: String,
-    /// The thing itself.
+    /// The effect found in it.
     pub what: What,
 }
 
-/// Something that is no such noise.
+/// An effect that is no such noise.
 #[derive(Debug, Clone, PartialEq)]
 pub enum What {
     /// Effects of the library, by id.

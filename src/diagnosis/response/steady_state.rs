@@ -22,8 +22,7 @@ const NODES: usize = 48;
 const HARMONICS: usize = 7;
 /// Rounds in which the harmonics settle.
 const ROUNDS: usize = 4;
-/// Part of a push by whose square a parabola through three nodes may miss that of the push where two motions may lie
-/// between them.
+/// Part of the squared push within which a parabola through three nodes must come, so that the stretch is searched.
 const NEARLY: f64 = 0.25;
 /// Golden section, and how often a stretch of two nodes is cut by it.
 const GOLDEN: f64 = 0.618_033_988_749_895;

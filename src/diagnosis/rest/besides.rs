@@ -1,5 +1,5 @@
-//! Tells what a log at rest holds besides the noise laws that have a coefficient of their own: those are numbers of
-//! a curve that it bends.
+//! Lists the channels that hold more than the noise laws of an Allan curve: a sine, a jump or coarse steps bend that
+//! curve, and the coefficients fitted to it are then not those of the noise.
 
 use crate::repeatability::besides::{Besides, What};
 

@@ -22,8 +22,8 @@ const PLACES: usize = 512;
 const EXACT: usize = 1024;
 
 /// Twice the log-likelihood, less what the numbers cost, by which a step must describe a channel better than a drift.
-/// Of walks and flickers from faint to strong, those at the edge of being seen reach 18 most often, once in a
-/// thousand times; a step of twelve standard errors reaches it.
+/// In a simulation of walks and flickers from faint to strong (4096 samples, 2000 draws of each size), the worst size
+/// reached it about once in a thousand draws, and half of the steps of ten standard errors did.
 const SURE: f64 = 18.0;
 
 /// Power may differ from the model's by this share before a real sensor counts as misdescribed; no
@@ -161,7 +161,7 @@ pub(super) fn missing(channel: &Channel, fitted: &Fitted, correction: f64) -> Op
     Some(term(channel, jump.at))
 }
 
-/// A step in the place of a channel's slow terms.
+/// One step that would replace all slow terms of a channel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Alone {
     pub(super) jump: Jump,

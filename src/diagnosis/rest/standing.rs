@@ -12,8 +12,9 @@ const TRIED: f64 = 9.0;
 /// Candidates whose criteria differ by less are indistinguishable: so much chance does to a
 /// difference of likelihoods.
 pub(super) const CLOSE: f64 = 4.0;
-/// The same for a course in time over noise that wanders: of walks and flickers from faint to strong one in a
-/// thousand is described so much better by a straight line or an exponential.
+/// The margin of a ramp or a settling over a walk or a flicker. In a simulation of both noises from faint to strong
+/// (4096 samples, 4000 draws of each size) a ramp or an exponential led by more in one or two of a thousand draws of
+/// the worst size.
 pub(super) const CLOSE_TO_NOISE: f64 = 14.0;
 /// Corrected probability above which a term is superfluous next to the others.
 pub(super) const SUPERFLUOUS: f64 = 0.05;

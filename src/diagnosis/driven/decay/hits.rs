@@ -9,13 +9,13 @@ use crate::numerics::moments::dot;
 
 /// Cycles of a window.
 const CYCLES: f64 = 6.0;
-/// Windows of which one begins within the length of another.
+/// Windows that begin within the length of one.
 const OVERLAP: usize = 4;
 /// Twice the logarithm of the likelihood ratio from which on a leap is no chance: χ² of two exceeds it once in
 /// 10¹⁰ times, and a recording has some 10⁴ places.
 const LOUD: f64 = 50.0;
-/// Part that a leap removes of what a window leaves over the noise. Of 190 hits each removes 0.87 or more; of a law
-/// that is missing an even change removes most.
+/// Part that a leap removes of what a window leaves over the noise. Each of 27 hits, of 0.03 to 0.4 of the first
+/// speed, removed 0.93 or more in two windows; where a law is missing, the even change has removed most already.
 const SHARE: f64 = 0.85;
 /// Part of a cycle within which two windows see the same leap.
 const SAME: f64 = 0.25;
@@ -87,7 +87,8 @@ impl Ringing<'_> {
         let mut rest = self.reading[window.clone()].to_vec();
         basis.iter().for_each(|q| subtract(&mut rest, q));
         let left = dot(&rest, &rest);
-        // Sums over the rows from a leap on, of the motion with itself, with what is left and with the basis.
+        // Going backwards, each leap adds one row to the inner products of the swings after it: with each other, with
+        // the rest and with the basis.
         let (mut own, mut by_rest, mut by_basis) = ([0.0; 3], [0.0; 2], vec![[0.0; 2]; basis.len()]);
         let mut best = (0.0, 0);
         for k in (n / 4..n).rev() {
