@@ -55,6 +55,7 @@ mod suite {
     pub mod laws;
     pub mod limits;
     pub mod long_decays;
+    pub mod lost_rows;
     pub mod mistakes;
     pub mod modes;
     pub mod motion;
@@ -269,6 +270,8 @@ fn main() {
         suite::kills::tests(),
         // limits: small disks, files and memories end in words.
         suite::limits::tests(),
+        // lost_rows: noise at rest with rows missing.
+        suite::lost_rows::tests(),
         // study_cli: refusals leave nothing behind, Ctrl-C leaves what --resume continues from.
         suite::study_cli::tests(),
         // tutorials: every command of a page prints what stands there.

@@ -171,6 +171,11 @@ impl Folder {
         self.manifest.write(&self.path)
     }
 
+    /// Returns whether an earlier run has left states there.
+    pub fn holds(&self, pattern: &str) -> bool {
+        !self.matching(pattern).is_empty()
+    }
+
     /// Files whose names match a pattern, in the folder or in the one below it that the pattern
     /// names.
     fn matching(&self, pattern: &str) -> Vec<String> {

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use super::device::backends;
 use super::launcher;
 use super::numbers;
-use super::output::remark;
+use super::output::{keep, remark};
 use super::overrides::Changed;
 use super::samples;
 use super::sweep;
@@ -191,7 +191,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         false => Keeper::new(&path, &study.identity),
     };
     let mut folder = Folder::open(&path, outputs(arguments, &study))?;
-    folder.state(Keeper::FILES, arguments.resume)?;
+    keep(&mut folder, arguments.resume)?;
     let (options, mut backends) =
         (Options { backend: arguments.backend, control, ..Options::default() }, Backends::default());
     let drift = drift::answer(&study, &options.control, |job, _| backends.run(job, &options, &mut keeper))?;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::output::{say, sayln};
+use super::output::{keep, say, sayln};
 use proofmass_base::document::to_json;
 use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};
@@ -83,7 +83,7 @@ pub(super) fn run(asked: &Asked<'_>, source: &StudyText, study: &Study, plan: &P
         false => Keeper::new(&path, &identity),
     };
     let mut folder = Folder::open(&path, outputs(asked, study, plan))?;
-    folder.state(Keeper::FILES, asked.resume)?;
+    keep(&mut folder, asked.resume)?;
     let options = Options { backend: asked.backend, control: progress::terminal(), ..Options::default() };
     for axis in &plan.axes {
         if source.is_drawn(&axis.key)? {

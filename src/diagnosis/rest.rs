@@ -91,7 +91,7 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
     earth::check(model)?;
     let columns = Columns::of(recording, model)?;
     let (names, live): (Vec<&String>, Vec<&[f64]>) = columns.live(model)?.into_iter().unzip();
-    let mut findings = recording.sentences();
+    let mut findings = columns.sentences();
     // The reader may have averaged already.
     let averaged = recording.averaged.as_ref();
     let more = if averaged.is_some() { 1 } else { columns.rows.len().div_ceil(MOST_AT_REST) };
@@ -113,12 +113,12 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
         .iter()
         .map(|n| Ok((n.clone(), Curve::new(reduce(columns.values(n)?)))))
         .collect::<Result<_>>()?;
-    let filled = columns.filled();
     let mut frozen = Vec::new();
     let channels: Vec<Channel> = names
         .iter()
         .zip(&live)
         .map(|(name, values)| {
+            let filled = columns.filled(name);
             let step = Watch::of(name, values, &filled).step();
             let mut values = values.to_vec();
             frozen.push(columns.in_file(stuck::take_out(&mut values, &filled)));
@@ -179,13 +179,13 @@ pub fn known(recordings: &[Recording], model: &model::Static, control: &Control)
     let logs = recordings.iter().zip(&columns).map(|(recording, columns)| {
         let stopped = |s: Stopped| s.during(format!("could not check {}", recording.path.display()), "start it again");
         control.go_on().map_err(stopped)?;
-        let filled = columns.filled();
         let rate_hz = recording.rate_hz / recording.averaged.as_ref().map_or(1, |a| a.together) as f64;
-        let mut findings = recording.sentences();
+        let mut findings = columns.sentences();
         let mut channels = Vec::new();
         let (mut left_out, mut frozen) = (Vec::new(), Vec::new());
         for name in &names {
             let mut values = columns.values(name)?.to_vec();
+            let filled = columns.filled(name);
             frozen.push(columns.in_file(stuck::take_out(&mut values, &filled)));
             let disturbances = disturbance::take_out(&mut values);
             match disturbances.knocks.len() + disturbances.bad.len() {

@@ -12,7 +12,7 @@ use std::ops::Range;
 use crate::numerics::order::median;
 
 /// Readings in a block whose median stands for the level.
-const BLOCK: usize = 64;
+pub(crate) const BLOCK: usize = 64;
 /// Robust standard deviations beyond which a reading is far off: one of 5 · 10⁸ of normal noise.
 const FAR: f64 = 6.0;
 /// So many far readings alone are bad ones; more are a property of the noise.
@@ -72,7 +72,7 @@ impl Disturbances {
 }
 
 /// Values less the level about them, and the level: medians of blocks, straight lines between them.
-fn off_level(values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+pub(crate) fn off_level(values: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let blocks = (values.len() / BLOCK).max(1);
     let edge = |b: usize| b * values.len() / blocks;
     let knots: Vec<(f64, f64)> = (0..blocks)
@@ -100,7 +100,7 @@ fn off_level(values: &[f64]) -> (Vec<f64>, Vec<f64>) {
 /// Robust standard deviation: the larger of what the middle and what 95 % of the values say, so
 /// that neither a few readings far off nor a heavy tail decide; where rounding leaves both at
 /// nothing, what is left of it further out.
-fn spread(off: &[f64]) -> f64 {
+pub(crate) fn spread(off: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = off.iter().map(|v| v.abs()).collect();
     let mut at = |part: f64| {
         let place = ((sizes.len() - 1) as f64 * part) as usize;
@@ -175,30 +175,6 @@ pub fn take_out(values: &mut [f64]) -> Disturbances {
     found
 }
 
-/// Adds noise like that of the neighbouring readings to gaps that were filled, of two samples or
-/// more: without it a straight line between two noisy readings looks like a shift of the bias.
-pub fn roughen(values: &mut [f64], filled: &[Range<usize>]) {
-    if filled.is_empty() || values.len() < 4 * BLOCK {
-        return;
-    }
-    let (off, level) = off_level(values);
-    let spread = spread(&off);
-    let count = values.len();
-    for gap in filled.iter().filter(|gap| gap.len() > 1 && gap.end <= count) {
-        // A level from fewer readings than half the gap's would be a drift that stands out.
-        let reach = (BLOCK / 2).max(gap.len() / 2);
-        let side =
-            |from: usize, to: usize| Some((0.5 * (from + to) as f64, median(values[from..to.max(from)].to_vec())?));
-        let before = side(gap.start.saturating_sub(reach), gap.start);
-        let after = side(gap.end, (gap.end + reach).min(count));
-        let knots = match (before.or(after), after.or(before)) {
-            (Some(before), Some(after)) => [before, after],
-            _ => [(gap.start as f64, level[gap.start]), (gap.end as f64, level[gap.end - 1])],
-        };
-        lay(values, gap.clone(), knots, &off, spread);
-    }
-}
-
 /// Puts a line through two levels at their places in a stretch's place, with the noise of the
 /// readings before it (after it, at the beginning).
 fn lay(values: &mut [f64], stretch: Range<usize>, [first, last]: [(f64, f64); 2], off: &[f64], spread: f64) {
@@ -247,27 +223,6 @@ mod tests {
     fn noise(count: usize, member: u64) -> Vec<f64> {
         let mut rng = Philox::new(17, member, Stream::Host);
         (0..count).map(|_| rng.normal()).collect()
-    }
-
-    #[test]
-    fn a_gap_that_was_filled_is_as_noisy_as_what_is_about_it() {
-        for gap in [1000..1500usize, 20..320, 5600..5900] {
-            let mut values = noise(6000, 3);
-            // From one reading to the next, which may be two standard deviations off.
-            for n in gap.clone() {
-                values[n] = 2.0;
-            }
-            roughen(&mut values, std::slice::from_ref(&gap));
-            let there = &values[gap.clone()];
-            let mean = there.iter().sum::<f64>() / there.len() as f64;
-            let variance = there.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / there.len() as f64;
-            // Levels are medians of half a block, noise that of as many readings.
-            assert!(mean.abs() < 0.5 && (0.7..1.4).contains(&variance), "{gap:?}: {mean} {variance}");
-        }
-        let mut values = noise(6000, 3);
-        let before = values.clone();
-        roughen(&mut values, std::slice::from_ref(&(7..8)));
-        assert_eq!(values, before, "control: one reading has no level");
     }
 
     #[test]

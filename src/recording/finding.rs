@@ -151,6 +151,13 @@ pub enum Finding {
         /// Number of gaps that were filled.
         gaps: usize,
     },
+    /// Samples without a row that were drawn from the noise about them.
+    GapsDrawn {
+        /// Number of samples that were drawn.
+        samples: usize,
+        /// Number of gaps that were filled.
+        gaps: usize,
+    },
     /// Gaps too long to be filled: the longest part is used.
     LongGaps {
         /// Number of gaps that are too long to be filled.
@@ -337,6 +344,15 @@ pub enum Uneven {
     SamplesEven,
     /// Rows are used as if they were even.
     TakenAsEven,
+}
+
+/// Says that gaps are filled by [`lost`](super::lost), as those of a recording at rest.
+pub fn drawn(findings: &mut [Finding]) {
+    for finding in findings {
+        if let Finding::GapsFilled { samples, gaps } = *finding {
+            *finding = Finding::GapsDrawn { samples, gaps };
+        }
+    }
 }
 
 /// Drops what a better finding explains: a column of rounded whole numbers may seem constant.

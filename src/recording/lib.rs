@@ -31,6 +31,7 @@ pub mod input;
 pub mod inspection;
 pub mod limits;
 pub mod lines;
+pub mod lost;
 pub mod memory;
 #[cfg(any(feature = "rosbag", feature = "mcap", feature = "db3"))]
 pub mod messages;

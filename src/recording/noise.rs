@@ -131,6 +131,7 @@ pub fn analyse(path: &Path, request: &Request, unit_of: impl Fn(&str) -> Unit + 
     measure(&mut meters, &mut waiting, true);
     source.findings.extend(meters.iter().flat_map(|m| m.watch.findings()));
     finding::settle(&mut source.findings);
+    finding::drawn(&mut source.findings);
     source.findings.extend(meters.iter().zip(&names).flat_map(|(m, name)| m.undisturbed.findings(name)));
     source.findings.extend(meters.iter().zip(&names).filter_map(|(m, name)| m.glitch.finding(name)));
     let channels = parallel::map_indices(meters.len(), |i| {

@@ -4,8 +4,11 @@
 //! A recording of up to two pieces is one piece, so that what the diagnosis leaves out of it is
 //! left out here. Not for what is a property of the noise, such as heavy tails: that stays.
 
+use std::ops::Range;
+
 use super::disturbance::take_out;
 use super::finding::{Finding, Stray};
+use super::lost;
 use super::stream::Block;
 
 /// Samples of a piece: half a megabyte a channel.
@@ -35,6 +38,18 @@ impl Waiting {
         };
         Some(self.rows.drain(..count).collect())
     }
+}
+
+/// Stretches of samples that are no readings.
+fn gaps(rows: &[Option<usize>]) -> Vec<Range<usize>> {
+    let mut out: Vec<Range<usize>> = Vec::new();
+    for at in (0..rows.len()).filter(|at| rows[*at].is_none()) {
+        match out.last_mut() {
+            Some(gap) if gap.end == at => gap.end += 1,
+            _ => out.push(at..at + 1),
+        }
+    }
+    out
 }
 
 /// One channel: its samples that wait, and what was left out of those before.
@@ -67,6 +82,7 @@ impl Undisturbed {
     /// Takes the samples of the piece with these rows: as they waited, but for what was left out.
     pub(super) fn piece(&mut self, rows: &[Option<usize>]) -> Vec<f64> {
         let mut values: Vec<f64> = self.values.drain(..rows.len()).collect();
+        lost::draw(&mut values, &gaps(rows));
         let found = take_out(&mut values);
         for bad in found.bad {
             // A sample that a straight line towards a bad reading stood in for is no reading.

@@ -8,6 +8,7 @@ use std::time::Duration;
 use libtest_mimic::{Failed, Trial};
 use serde_json::Value;
 
+use super::bench::{Bench, run};
 use super::strapdown::NOISE;
 use super::world::{check, program, test};
 
@@ -16,6 +17,7 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("resume: a flight that was stopped or killed ends with the same bits", same_bits),
         test("resume: a state of another flight is refused", another),
+        test("resume: a run that begins anew says that it replaces what an interrupted one had done", anew),
     ]
 }
 
@@ -118,4 +120,20 @@ fn another() -> Result<(), Failed> {
     let damaged = String::from_utf8_lossy(&bytes).replacen("\"failed\":0", "\"failed\":7", 1);
     std::fs::write(world.state(), damaged)?;
     refused(&world, &[], "damaged")
+}
+
+fn anew() -> Result<(), Failed> {
+    let bench = Bench::new()?;
+    let study = bench.file("study.toml", "members = 100\nduration_s = 1.0\n[report]\ntimes_s = [1.0]\n")?;
+    let command = |more: &[&str]| {
+        let mut command = program();
+        command.arg("study").arg(&study).arg("--out").arg(bench.path("out")).args(["--backend", "cpu"]).args(more);
+        command
+    };
+    let first = run(&mut command(&[]))?;
+    check(first.code == Some(0) && !first.stderr.contains("--resume"), format!("control: {}", first.stderr))?;
+    bench.file("out/interrupted-1.json", "{}")?;
+    // Not of this program's writing: the user says that it may go.
+    let again = run(&mut command(&["--force"]))?;
+    check(again.code == Some(0) && again.stderr.contains("--resume goes on"), format!("nothing said: {}", again.stderr))
 }

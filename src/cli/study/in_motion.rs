@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::answer::Extended;
 use super::shard;
-use crate::output::{say, sayln};
+use crate::output::{keep, say, sayln};
 use crate::sharded::tell;
 use proofmass_base::document::to_json;
 use proofmass_base::error::Result;
@@ -18,7 +18,7 @@ use proofmass_report::study::further::terminal;
 use proofmass_report::study::jcgm101::sentence;
 use proofmass_simulate::decision::digits;
 use proofmass_simulate::decision::further::{Further, Questions};
-use proofmass_simulate::ensemble::{Choice, Keeper};
+use proofmass_simulate::ensemble::Choice;
 use proofmass_simulate::strapdown::answer::{Answer, answer_kept, flight};
 use proofmass_simulate::strapdown::backends::run_share;
 use proofmass_simulate::strapdown::divided;
@@ -58,7 +58,7 @@ pub(super) fn run(asked: Asked<'_>, study: &Study, motion: &InMotion, json: bool
         false => Kept::new(path, &study.identity),
     };
     let mut folder = Folder::open(path, output::Request { writes: files(motion), ..request })?;
-    folder.state(Keeper::FILES, resume)?;
+    keep(&mut folder, resume)?;
     let control = progress::terminal();
     let answer = answer_kept(study, motion, backend, &mut kept, &control)?;
     let stated = digits.and_then(|digits| digits::stated_in_motion(&answer, digits));

@@ -7,7 +7,7 @@ use std::ops::Range;
 use crate::error::{Error, Result};
 use crate::model;
 use crate::recording::Recording;
-use crate::recording::finding::Finding;
+use crate::recording::finding::{self, Finding};
 
 /// Fewer samples cannot tell one law from another.
 const FEWEST: usize = 256;
@@ -42,11 +42,21 @@ impl<'a> Columns<'a> {
         })
     }
 
-    /// Samples of the rows used that were not recorded, from the first row used.
-    pub(super) fn filled(&self) -> Vec<Range<usize>> {
+    /// Says what was found in the file, and that gaps are drawn from the noise about them where they are.
+    pub(super) fn sentences(&self) -> Vec<String> {
+        let mut findings = self.recording.findings.clone();
+        if self.recording.averaged.is_none() {
+            finding::drawn(&mut findings);
+        }
+        finding::sentences(&findings)
+    }
+
+    /// Samples of the rows used that were not recorded of a column, from the first row used.
+    pub(super) fn filled(&self, name: &str) -> Vec<Range<usize>> {
         let Range { start, end } = self.rows;
+        let own = self.places.get(name).and_then(|place| self.recording.filled_by_column.get(*place));
         // Means of neighbours are as noisy as what is in them.
-        let filled = self.recording.filled.iter().filter(|_| self.recording.averaged.is_none());
+        let filled = own.unwrap_or(&self.recording.filled).iter().filter(|_| self.recording.averaged.is_none());
         filled.filter(|gap| start < gap.start && gap.end < end).map(|gap| gap.start - start..gap.end - start).collect()
     }
 

@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use crate::recording::disturbance;
+use crate::recording::lost;
 
 /// Rows over which the share of readings that repeat the one before is looked at: enough for one to
 /// a few per cent, and few enough to see a level that lies in the middle of a step for a while.
@@ -33,7 +33,7 @@ pub(super) fn take_out(values: &mut [f64], filled: &[Range<usize>]) -> Vec<Range
     }
     let mut all: Vec<Range<usize>> = filled.iter().chain(&stuck).cloned().collect();
     all.sort_by_key(|gap| gap.start);
-    disturbance::roughen(values, &all);
+    lost::draw(values, &all);
     stuck
 }
 

@@ -148,12 +148,10 @@ impl fmt::Display for Finding {
                 }
             }
             Self::GapsFilled { samples, gaps } => {
-                write!(
-                    f,
-                    "{} in {} filled by linear interpolation",
-                    count(*samples, "missing sample"),
-                    if *gaps == 1 { "a short gap was".into() } else { format!("{gaps} short gaps were") }
-                )
+                write!(f, "{} filled by linear interpolation", in_gaps(*samples, *gaps))
+            }
+            Self::GapsDrawn { samples, gaps } => {
+                write!(f, "{} drawn from the noise of the readings about them", in_gaps(*samples, *gaps))
             }
             Self::LongGaps { gaps, first_s, after_s, rows, of, from_s } => write!(
                 f,
@@ -172,14 +170,13 @@ impl fmt::Display for Finding {
                     "{rows} rows, the first is row {first_row}, repeat the row before them exactly in every column: "
                 )?;
                 match lost {
-                    true => write!(f, "taken for lost samples and filled by linear interpolation"),
+                    true => write!(f, "taken for lost samples and filled in"),
                     false => write!(f, "taken for samples written twice and dropped"),
                 }
             }
-            Self::MissingReadings { column, readings, longest } => write!(
-                f,
-                "`{column}`: {readings} missing values were filled by linear interpolation, at most {longest} in a row"
-            ),
+            Self::MissingReadings { column, readings, longest } => {
+                write!(f, "`{column}`: {readings} missing values were filled in, at most {longest} in a row")
+            }
             Self::WrittenInFew { column, readings: 0, .. } => write!(f, "`{column}` holds no value, and is left out"),
             Self::WrittenInFew { column, readings, rows } => {
                 write!(f, "`{column}` is written in {readings} of {rows} rows, and taken to go straight in between")
@@ -273,6 +270,11 @@ fn of_size(size: &Size) -> String {
 }
 
 /// "1 row", "2 rows".
+fn in_gaps(samples: usize, gaps: usize) -> String {
+    let gaps = if gaps == 1 { "a short gap".into() } else { format!("{gaps} short gaps") };
+    format!("{} in {gaps} {}", count(samples, "missing sample"), if samples == 1 { "was" } else { "were" })
+}
+
 fn count(number: usize, what: &str) -> String {
     format!("{number} {what}{}", if number == 1 { "" } else { "s" })
 }

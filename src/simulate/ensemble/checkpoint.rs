@@ -46,9 +46,6 @@ pub struct Keeper {
 }
 
 impl Keeper {
-    /// Names of the files; `*` is the number of a part.
-    pub const FILES: &str = proofmass_base::output::names::INTERRUPTED;
-
     /// A keeper that saves no state.
     pub fn none() -> Self {
         Self::of(None, "", false)
