@@ -108,6 +108,14 @@ fn of_kind(file: &str, seen: &Inspection, named: &Named) -> Result<String> {
     let fail = |cause: String, hint: String| Err(refused(file, cause, hint));
     // A sweep's steps need no clock.
     let is_sweep = seen.rows.as_ref().and_then(suited) == Some(Suited::Sweeps);
+    if let Some([frequency, half]) = seen.rows.as_ref().filter(|rows| rows.rate_hz.is_none()).and_then(sweeps::halved) {
+        return fail(
+            format!("`{frequency}` and `{half}` look like a sweep of a resonator, of which half of the reading is missing"),
+            "a sweep needs X and Y, or amplitude and phase, at each frequency: record both, or name the columns in a model \
+             (`proofmass template response`)"
+                .into(),
+        );
+    }
     if let Some(obstacle) = seen.obstacle.as_ref().filter(|_| !is_sweep) {
         return fail(obstacle.cause.clone(), obstacle.hint.clone());
     }

@@ -7,6 +7,7 @@ pub mod cosine;
 pub mod elementary;
 pub mod exponential;
 pub mod fourier;
+pub mod golden;
 pub mod lagrange;
 pub mod least_squares;
 pub mod legendre;

@@ -8,7 +8,7 @@ use crate::recording::time_unit::TimeUnit;
 /// Roles of a sweep's columns and the words of a heading that say each, the plainest first. A column
 /// has the first role that takes it: `Sine Out Amplitude` is a drive.
 const WORDS: [(&str, &[&str]); 7] = [
-    ("frequency", &["frequency", "freq", "f"]),
+    ("frequency", &["frequency", "freq", "f", "omega", "ω"]),
     ("phase", &["phase", "theta", "θ"]),
     ("drive", &["drive", "excitation", "osc", "oscillator", "sine"]),
     ("x", &["x", "re", "real", "inphase"]),
@@ -45,8 +45,8 @@ fn parameters(rows: &Rows) -> Option<(&'static str, Vec<String>)> {
     Some((taken, all))
 }
 
-/// The columns of a sweep by role; `None` where the headings do not say all of one pair.
-pub(super) fn columns(rows: &Rows) -> Option<Vec<(&'static str, &Column)>> {
+/// Columns by the role that their heading says, each role once.
+fn by_role(rows: &Rows) -> Vec<(&'static str, &Column)> {
     let taken = parameters(rows).map(|(taken, _)| taken);
     let mut free: Vec<&Column> =
         rows.columns.iter().filter(|c| parameter(c).is_none_or(|name| taken == Some(name.as_str()))).collect();
@@ -65,6 +65,20 @@ pub(super) fn columns(rows: &Rows) -> Option<Vec<(&'static str, &Column)>> {
         found.retain(|(role, _)| !matches!(*role, "amplitude" | "drive"));
         found.iter_mut().filter(|(role, _)| *role == GAIN).for_each(|(role, _)| *role = "amplitude");
     }
+    found
+}
+
+/// A frequency next to one half of a reading alone: the columns of both.
+pub(super) fn halved(rows: &Rows) -> Option<[&str; 2]> {
+    let found = by_role(rows);
+    let named = |wanted: &str| found.iter().find(|(role, _)| *role == wanted).map(|(_, column)| column.name.as_str());
+    let half = ["amplitude", "x", "y"].into_iter().find_map(named);
+    named("frequency").zip(half).filter(|_| columns(rows).is_none()).map(|(frequency, half)| [frequency, half])
+}
+
+/// The columns of a sweep by role; `None` where the headings do not say all of one pair.
+pub(super) fn columns(rows: &Rows) -> Option<Vec<(&'static str, &Column)>> {
+    let mut found = by_role(rows);
     let has = |role: &str| found.iter().any(|(r, _)| *r == role);
     let unused = match (has("frequency"), has("x") && has("y"), has("amplitude") && has("phase")) {
         (true, true, _) => ["amplitude", "phase"],

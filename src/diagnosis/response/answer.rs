@@ -6,7 +6,7 @@ use nalgebra::Complex;
 
 use crate::answer::{self, Answer, Places};
 use crate::candidate::Kind as Recorded;
-use crate::driven::verdict::effects::{Channels, unit_of};
+use crate::driven::verdict::effects::Channels;
 use crate::engine::fit::Fitted;
 use crate::engine::levels::{AT_NOISE, FAINT};
 use crate::engine::names::Found;
@@ -54,9 +54,9 @@ impl Case<'_> {
             output: heading.clone(),
             output_unit: stated.unwrap_or_else(|| match units::of_level(self.recording, heading) {
                 Some(unit) => unit.to_owned(),
-                None => unit_of(self.recording, heading, "output unit"),
+                None => units::words(self.recording, heading, "output unit"),
             }),
-            input_unit: c.drive.as_ref().map_or("drive".into(), |d| unit_of(self.recording, d, "drive unit")),
+            input_unit: c.drive.as_ref().map_or("drive".into(), |d| units::words(self.recording, d, "drive unit")),
             environment_units: Vec::new(),
         };
         let read = [&c.x, &c.y, &c.amplitude, &c.phase];

@@ -9,9 +9,10 @@ use std::f64::consts::TAU;
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::beginnings::in_place;
+use super::force::{Law, Oscillator};
 use super::intake::Sweeps;
 use super::predicted::{REACH, beside, readout, shapes};
-use super::steady_state::{Law, Oscillator, Table};
+use super::steady_state::Table;
 use super::values::{Sizes, Values};
 
 /// Least Γ, in that of the base model, where the balance has none.

@@ -7,6 +7,7 @@ use nalgebra::Complex;
 
 use crate::error::{Error, Result};
 use crate::model::Response;
+use crate::numerics::order::median;
 use crate::recording::Recording;
 
 use super::units;
@@ -15,6 +16,8 @@ use super::units;
 const FEWEST: usize = 16;
 /// Part of the drive by which it changes from sweep to sweep, and not by its own noise.
 pub(super) const ANOTHER_DRIVE: f64 = 0.02;
+/// Power of the drive below which the reading is divided by it already.
+const DIVIDED: f64 = 0.2;
 /// Steps of a sweep on average, fewer of which say that rows are in no order of frequency.
 const ORDERED: f64 = 4.0;
 
@@ -101,10 +104,13 @@ pub(super) fn sweeps(recording: &Recording, model: &Response, findings: &mut Vec
         }
         (None, None, Some(amplitude), Some(phase)) => {
             let (mut radius, angle) = (column(amplitude)?, column(phase)?);
-            if units::of_level(recording, amplitude).is_some() {
+            // No amplitude is below zero, and a level in decibel mostly is.
+            let is_level = recording.unit_words(amplitude).is_none() && radius.iter().any(|r| *r < 0.0);
+            if is_level || units::of_level(recording, amplitude).is_some() {
                 radius.iter_mut().for_each(|level| *level = units::amplitude(*level));
+                let why = if is_level { "states no unit and holds numbers below zero, so it is taken" } else { "is" };
                 findings.push(format!(
-                    "`{amplitude}` is in decibel: the amplitude is 10 to the power of a twentieth of it"
+                    "`{amplitude}` {why} in decibel: the amplitude is 10 to the power of a twentieth of it"
                 ));
             }
             let per_rad = units::radians(phase, recording.stated(phase)).unwrap_or_else(|| {
@@ -161,6 +167,16 @@ pub(super) fn sweeps(recording: &Recording, model: &Response, findings: &mut Vec
     if frequency_hz.iter().all(|f| (f - frequency_hz[0]).abs() < 1e-9 * f) {
         return fail(format!("every step is at {} Hz", frequency_hz[0]), "a response needs several frequencies");
     }
+    if let Some(growth) = growth(&frequency_hz, &drive, &reading)
+        && growth < DIVIDED
+    {
+        findings.push(format!(
+            "the reading grows with the drive to the power of {:.2} off the resonance, where a resonator's grows \
+             with its first: was it divided by the drive when it was logged? Then multiply it by the drive before it is \
+             diagnosed. Or is most of it a background that does not come from the drive?",
+            (100.0 * growth).round() / 100.0 + 0.0
+        ));
+    }
     let sweeps = in_sweeps(&frequency_hz, &drive);
     let is_ordered = n as f64 > ORDERED * sweeps.len() as f64;
     let sweeps = if is_ordered { sweeps } else { by_drive(&drive) };
@@ -179,6 +195,21 @@ pub(super) fn sweeps(recording: &Recording, model: &Response, findings: &mut Vec
         is_ordered,
         derivatives: model.output_is.derivatives(),
     })
+}
+
+/// The power of the drive with which the reading grows, in the middle of all steps at one frequency whose
+/// drives differ by half and more; `None` without such steps.
+fn growth(frequency_hz: &[f64], drive: &[f64], reading: &[Complex<f64>]) -> Option<f64> {
+    let mut by_frequency: Vec<usize> =
+        (0..drive.len()).filter(|k| drive[*k] > 0.0 && reading[*k].norm() > 0.0).collect();
+    by_frequency.sort_by(|a, b| frequency_hz[*a].total_cmp(&frequency_hz[*b]).then(drive[*a].total_cmp(&drive[*b])));
+    let at_one = |a: usize, b: usize| (frequency_hz[a] - frequency_hz[b]).abs() < 1e-9 * frequency_hz[a];
+    let powers = by_frequency.chunk_by(|a, b| at_one(*a, *b)).filter_map(|steps| {
+        let (weak, strong) = (*steps.first()?, *steps.last()?);
+        let ratio = (drive[strong] / drive[weak]).ln();
+        (ratio > 1.5f64.ln()).then(|| (reading[strong].norm() / reading[weak].norm()).ln() / ratio)
+    });
+    median(powers.collect())
 }
 
 /// Stretches of one direction and one drive.
@@ -214,6 +245,19 @@ mod tests {
         let drive = [1.0, 1.0, 1.01, 1.0, 1.0, 1.0, 3.0, 3.0];
         assert_eq!(in_sweeps(&frequency, &drive), [0..4, 4..6, 6..8]);
         assert_eq!(by_drive(&drive), [0..6, 6..8]);
+    }
+
+    #[test]
+    fn a_reading_that_was_divided_by_its_drive_does_not_grow_with_it() {
+        let frequency = [1.0, 2.0, 3.0, 1.0, 2.0, 3.0];
+        let drive = [1.0, 1.0, 1.0, 4.0, 4.0, 4.0];
+        let read = |divided: bool| -> Vec<Complex<f64>> {
+            let part = |k: usize| if divided { 1.0 } else { drive[k] };
+            (0..6).map(|k| Complex::new(part(k) * frequency[k], 0.1)).collect()
+        };
+        let of = |divided| growth(&frequency, &drive, &read(divided)).expect("two drives at each frequency");
+        assert!(of(true).abs() < DIVIDED && (of(false) - 1.0).abs() < 0.1, "{} {}", of(true), of(false));
+        assert_eq!(growth(&frequency, &[1.0; 6], &read(false)), None);
     }
 
     #[test]

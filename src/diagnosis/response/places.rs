@@ -10,9 +10,10 @@ use std::f64::consts::TAU;
 use nalgebra::Complex;
 
 use super::beginnings::{PLACES, WIDTHS, in_place};
+use super::force::Oscillator;
 use super::intake::Sweeps;
 use super::predicted::{REACH, beside, readout, shapes};
-use super::steady_state::{Oscillator, Table};
+use super::steady_state::Table;
 use super::values::{Sizes, Values};
 
 /// Steps that are looked at, at most.

@@ -6,8 +6,10 @@ use nalgebra::Complex;
 
 use crate::physics::library::Term;
 
+use super::force::Law;
+use super::impedance::Impedance;
 use super::intake::Sweeps;
-use super::steady_state::{Impedance, Law, Table};
+use super::steady_state::Table;
 use super::values::{Sizes, Values};
 
 /// Step in coordinates for the derivatives of laws: small next to any feature, large next to

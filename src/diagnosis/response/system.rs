@@ -13,12 +13,12 @@ use crate::physics::library::Term;
 use crate::physics::scales::Coordinate;
 
 use super::balance::balanced;
+use super::force::{Law, Oscillator};
 use super::intake::Sweeps;
 use super::laws;
 use super::places::place;
 use super::predicted::{Amplitude, Predicted, predicted};
 use super::space::{self, Member};
-use super::steady_state::{Law, Oscillator};
 use super::unsettled;
 use super::values::{Sizes, Values};
 

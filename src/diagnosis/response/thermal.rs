@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::model;
 use crate::verdict::Thermal;
 
-use super::steady_state::Oscillator;
+use super::force::Oscillator;
 
 /// Boltzmann's constant, J/K (exact in the SI of 2019).
 const BOLTZMANN_J_K: f64 = 1.380_649e-23;

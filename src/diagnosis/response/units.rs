@@ -56,6 +56,13 @@ pub(super) fn amplitude(level_db: f64) -> f64 {
     10f64.powf(level_db / 20.0)
 }
 
+/// The unit of a column for people. A lock-in reads volts: `x_v` and `drive_v` are in V, though one
+/// small letter at the end of a heading says nothing elsewhere.
+pub(super) fn words(recording: &Recording, heading: &str, otherwise: &str) -> String {
+    let volts = || heading.to_lowercase().ends_with("_v").then(|| "V".to_owned());
+    recording.unit_words(heading).or_else(volts).map_or_else(|| otherwise.to_owned(), |unit| unit.replace('²', "^2"))
+}
+
 /// Seconds in one unit of a time column.
 pub(super) fn seconds(heading: &str) -> f64 {
     TimeUnit::of_heading(heading).map_or(1.0, TimeUnit::seconds)

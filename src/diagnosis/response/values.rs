@@ -4,7 +4,7 @@ use nalgebra::Complex;
 
 use crate::physics::scales::Scales;
 
-use super::steady_state::{Law, Oscillator};
+use super::force::{Law, Oscillator};
 
 /// Sizes that coordinates are measured by.
 #[derive(Debug, Clone)]

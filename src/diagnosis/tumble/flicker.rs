@@ -12,7 +12,7 @@
 
 use std::f64::consts::PI;
 
-use crate::numerics::order;
+use crate::numerics::{golden, order};
 
 /// Shortest average that is looked at, s: below it filters in the sensor colour the noise.
 const SHORTEST_S: f64 = 0.05;
@@ -35,6 +35,9 @@ const SLIPS: usize = 8;
 const SLIPPED: f64 = 31.8;
 /// One pose in this many may be left out as slipped.
 const ONE_IN: usize = 10;
+
+/// Times that a bracket of the level is cut: to a hundredth of it.
+const SECTIONS: usize = 9;
 
 /// One pose of one axis.
 struct Cosines {
@@ -124,13 +127,8 @@ fn lowest(at: &dyn Fn(f64) -> Vec<Law>, total: &dyn Fn(&[Law]) -> f64) -> Vec<La
     let scan = (-14..=24).map(|n| f64::from(n) * STEP);
     let judged = scan.map(|x| (x, total(&at(x)))).min_by(|a, b| a.1.total_cmp(&b.1));
     let middle = judged.map_or(0.0, |j| j.0);
-    let (mut low, mut high) = (middle - STEP, middle + STEP);
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    for _ in 0..8 {
-        let (a, b) = (high - golden * (high - low), low + golden * (high - low));
-        if total(&at(a)) < total(&at(b)) { high = b } else { low = a }
-    }
-    at(0.5 * (low + high))
+    let (best, _) = golden::least(|x| total(&at(x)), [middle - STEP, middle + STEP], SECTIONS, |_| false);
+    at(best)
 }
 
 impl Axis {

@@ -12,7 +12,8 @@ pub(super) fn sentence(answer: &Answer, detail: &Detail) -> String {
     let ids: Vec<String> = answer.effects.iter().map(|e| e.id.clone()).collect();
     let names = holding(&answer.effects, &ids);
     let [f0, width] = detail.resonance_hz;
-    let resonance = format!("f₀ = {} Hz, width {} Hz", rounded(f0, 7), rounded(width, 4));
+    let resonance =
+        format!("f₀ = {} Hz, width {} Hz, Q = {}", rounded(f0, 7), rounded(width, 4), rounded(f0 / width, 4));
     let times = |rmse: f64| format!("{} times the noise", short(rmse / detail.noise));
     let before = times(answer.fit.test.rmse_before);
     let after = answer.fit.test.rmse_after.map_or(before.clone(), times);
