@@ -29,6 +29,7 @@ mod space;
 mod steady_state;
 mod system;
 mod thermal;
+mod thinned;
 mod units;
 mod unsettled;
 mod values;

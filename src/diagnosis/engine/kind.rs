@@ -150,6 +150,11 @@ pub(crate) trait Kind: Sync {
     /// Laws of the same public name, or of which one is a special case of the other: not together
     /// in one set.
     fn excludes(&self, law: usize, other: usize) -> bool;
+    /// The point at which the law at a place of a set is written as another one, of which it is the special case
+    /// of one exponent: last in the set now. `None` where it is no such case, or a kind knows of none.
+    fn widened(&self, _set: &[usize], _point: &Point, _place: usize, _law: usize) -> Option<Point> {
+        None
+    }
     /// Points at which a law joins a fitted set; empty where it cannot.
     fn joined(&self, set: &[usize], point: &Point, law: usize) -> Vec<Point>;
     /// The point with the last law of the set so many times as strong; `None` where it cannot be.

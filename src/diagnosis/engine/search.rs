@@ -163,7 +163,8 @@ impl<'a, K: Kind> Search<'a, K> {
             // argument is tried with it.
             let argument = |f: &Fitted| f.set.last().map(|law| self.kind.argument(*law));
             let first = |i: &usize| next[..*i].iter().all(|f| argument(f) != argument(&next[*i]));
-            let bent: Vec<usize> = (0..next.len()).filter(first).filter(|i| !self.is_at_noise(&next[*i])).collect();
+            let may_bend = |i: &usize| !self.is_at_noise(&next[*i]) && !self.is_outdone(&next[*i], &next);
+            let bent: Vec<usize> = (0..next.len()).filter(first).filter(may_bend).collect();
             let bent: Vec<Arc<Fitted>> = bent.into_iter().map(|i| self.with_exponents(next[i].clone())).collect();
             next.extend(bent);
             order::sort_by_key(&mut next, |f| f.error);
@@ -241,7 +242,11 @@ impl<'a, K: Kind> Search<'a, K> {
         for law in best.set.clone() {
             let place = best.set.iter().position(|l| *l == law);
             let Some(without) = place.and_then(|place| self.without(&best, place)) else { continue };
-            let fits = self.instead(&without, law, Form::Exponent);
+            let fits = self.in_place_of(&without, law, Form::Exponent, |other| {
+                let point = self.kind.widened(&best.set, &best.point, place?, other)?;
+                let set: Set = without.set.iter().copied().chain([other]).collect();
+                self.remembered(&set, f64::INFINITY, || fit(self.kind, &set, &point, MOST_STEPS))
+            });
             let lowest = fits.iter().min_by(|a, b| a.error.total_cmp(&b.error)).cloned();
             let good = fits.into_iter().filter(|f| lowest.as_ref().is_some_and(|best| self.is_no_worse(f, best)));
             let bent = good.min_by_key(|f| f.point.shared.len());
@@ -258,13 +263,27 @@ impl<'a, K: Kind> Search<'a, K> {
 
     /// Sets with a law of this form, and of the same argument, in the place of a law.
     pub(crate) fn instead(&self, without: &Fitted, law: usize, form: Form) -> Vec<Arc<Fitted>> {
+        self.in_place_of(without, law, form, |_| None)
+    }
+
+    /// The same, of laws that are `known` already where they begin.
+    fn in_place_of(
+        &self,
+        without: &Fitted,
+        law: usize,
+        form: Form,
+        known: impl Fn(usize) -> Option<Arc<Fitted>>,
+    ) -> Vec<Arc<Fitted>> {
         let kind = self.kind;
         let takes_place = |other: &usize| {
             kind.form(*other) == form
                 && (kind.argument(*other) == kind.argument(law) || kind.excludes(*other, law))
                 && !without.set.iter().any(|l| kind.excludes(*l, *other))
         };
-        (0..kind.laws()).filter(takes_place).filter_map(|other| self.with(without, other)).collect()
+        (0..kind.laws())
+            .filter(takes_place)
+            .filter_map(|other| known(other).or_else(|| self.with(without, other)))
+            .collect()
     }
 
     /// The best of these sets; of equally good ones that with the fewest laws, and the fewest

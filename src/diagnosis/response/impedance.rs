@@ -37,14 +37,16 @@ impl Table {
 
 impl Impedance<'_> {
     fn force_at(&self, node: usize) -> Phasor {
-        let row = &self.table.nodes[node];
-        row[0] * self.weights[0] + row[1] * self.weights[1] + row[2] * self.weights[2]
+        let [re, im] = self.table.parts.each_ref().map(|part| {
+            part[0][node] * self.weights[0] + part[1][node] * self.weights[1] + part[2][node] * self.weights[2]
+        });
+        Phasor::new(re, im)
     }
 
     /// Z and dZ/da at an amplitude; constant beyond the table.
     pub(super) fn at(&self, a: f64) -> (Phasor, Phasor) {
         let nothing = Phasor::new(0.0, 0.0);
-        if self.table.nodes.is_empty() || a <= 0.0 {
+        if self.table.is_empty || a <= 0.0 {
             return (self.bare, nothing);
         }
         let most = self.table.most;
@@ -65,18 +67,25 @@ impl Impedance<'_> {
         (self.bare - force / a, (force / a - slope) / a)
     }
 
-    /// Square of |Z|a at a node of the table.
-    fn push_squared(&self, node: usize) -> f64 {
-        (self.bare * amplitude(self.table.most, node) - self.force_at(node)).norm_sqr()
+    /// |Z|²a² at each node of the table, less the square of a push.
+    fn misses(&self, push: f64) -> [f64; NODES] {
+        let ([re, im], [w0, w1, w2]) = (&self.table.parts, self.weights);
+        let miss = |node: usize| {
+            let a = amplitude(self.table.most, node);
+            let along = self.bare.re * a - (re[0][node] * w0 + re[1][node] * w1 + re[2][node] * w2);
+            let across = self.bare.im * a - (im[0][node] * w0 + im[1][node] * w1 + im[2][node] * w2);
+            along * along + across * across - push * push
+        };
+        std::array::from_fn(miss)
     }
 
     /// Amplitudes of every stable motion under a push of this size, ascending.
     pub(super) fn stable(&self, push: f64) -> Vec<f64> {
-        if self.table.nodes.is_empty() {
-            return vec![push / self.bare.norm().max(1e-300)];
+        if self.table.is_empty {
+            return vec![push / size(self.bare).max(1e-300)];
         }
         let amplitude = |node: usize| amplitude(self.table.most, node);
-        let miss: [f64; NODES] = std::array::from_fn(|node| self.push_squared(node) - push * push);
+        let miss = self.misses(push);
         let mut found = Vec::new();
         for i in 1..NODES {
             if miss[i - 1] < 0.0 && miss[i] >= 0.0 {
@@ -88,7 +97,7 @@ impl Impedance<'_> {
         if miss[NODES - 1] < 0.0 {
             // Beyond the table the laws are held as they are at its end.
             let (end, _) = self.at(self.table.most);
-            found.push(push / end.norm().max(1e-300));
+            found.push(push / size(end).max(1e-300));
         }
         found
     }
@@ -105,29 +114,41 @@ impl Impedance<'_> {
         if !is_near {
             return None;
         }
-        let miss = |a: f64| side * (self.at(a).0.norm() * a - push);
+        let miss = |a: f64| side * (size(self.at(a).0) * a - push);
         let (best, lowest) = golden::least(miss, [left.0, right.0], SECTIONS, |lowest| lowest < 0.0);
         let ends = if side > 0.0 { [best, right.0] } else { [left.0, best] };
         (lowest < 0.0).then(|| self.between(ends, push))
     }
 
-    /// The root between two amplitudes, by bisection and secant in turn.
+    /// The root between two amplitudes, by Newton's step where that stays between them, else by bisection.
     fn between(&self, [mut low, mut high]: [f64; 2], push: f64) -> f64 {
-        let miss = |a: f64| self.at(a).0.norm() * a - push;
-        let (mut at_low, mut at_high) = (miss(low), miss(high));
-        for step in 0..40 {
-            let chord = high - at_high * (high - low) / (at_high - at_low);
-            let middle = if step % 3 == 2 || !(chord > low && chord < high) { 0.5 * (low + high) } else { chord };
-            let value = miss(middle);
-            if value < 0.0 {
-                (low, at_low) = (middle, value)
+        let mut a = 0.5 * (low + high);
+        for _ in 0..60 {
+            let (z, slope) = self.at(a);
+            let size = size(z);
+            let miss = size * a - push;
+            if miss < 0.0 {
+                low = a
             } else {
-                (high, at_high) = (middle, value)
+                high = a
             }
-            if high - low < 1e-11 * high || value.abs() < 1e-12 * push {
-                return middle;
+            if miss.abs() < 1e-12 * push || high - low < 1e-11 * high {
+                break;
             }
+            let rise = size + a * (z.conj() * slope).re / size;
+            let next = a - miss / rise;
+            let next = if next > low && next < high { next } else { 0.5 * (low + high) };
+            // As close as the digits of Z allow.
+            if (next - a).abs() < 1e-13 * a {
+                break;
+            }
+            a = next;
         }
-        0.5 * (low + high)
+        a
     }
+}
+
+/// Size of a phasor: quicker than `norm`, which guards against numbers near the largest that there are.
+fn size(z: Phasor) -> f64 {
+    z.norm_sqr().sqrt()
 }

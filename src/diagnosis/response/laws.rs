@@ -39,6 +39,16 @@ pub(super) fn coordinates(s: &Sizes, term: &Term) -> Vec<Coordinate> {
     own
 }
 
+/// The exponent at which a law with a free one, strength (|s|/size)ⁿ⁻¹ s, is this one of the same argument, of
+/// strength |s|ⁿ⁻¹ s; `None` where it never is.
+pub(super) fn exponent(stated: &Term, wide: &Term) -> Option<f64> {
+    match (stated, wide) {
+        (Term::CubicStiffness(_), Term::PowerLawStiffness(_)) => Some(3.0),
+        (Term::QuadraticDamping(_), Term::PowerLawDamping(_)) => Some(2.0),
+        _ => None,
+    }
+}
+
 /// Values from which a law may begin.
 pub(super) fn starts(sizes: &Sizes, term: &Term) -> Vec<Vec<f64>> {
     let s = &sizes.laws;

@@ -5,15 +5,11 @@
 //! parameters F̂ is tabulated over amplitude at three frequencies; every motion that the equation
 //! allows follows from the sign changes of |Z|a − gD, those that are stable with it rising.
 
-use nalgebra::Complex;
-
 use super::cycle::{Cycle, HARMONICS, HEARD};
 use super::force::{Law, Oscillator};
 
 /// Amplitudes of a table.
 pub(super) const NODES: usize = 48;
-
-type Phasor = Complex<f64>;
 
 /// Fundamental of the force over amplitude and frequency.
 #[derive(Debug, Clone)]
@@ -22,8 +18,10 @@ pub(super) struct Table {
     pub most: f64,
     /// Its three frequencies.
     pub at_rad_s: [f64; 3],
-    /// Per amplitude, the force at each of three frequencies.
-    pub nodes: Vec<[Phasor; 3]>,
+    /// Real and imaginary part of the force at each frequency, by amplitude.
+    pub parts: [[[f64; NODES]; 3]; 2],
+    /// States that no law acts, whose force would be tabulated.
+    pub is_empty: bool,
     /// Harmonics that were followed, the fundamental among them.
     pub harmonics: usize,
 }
@@ -44,7 +42,7 @@ impl Table {
         let [low, high] = band_rad_s;
         let at_rad_s = [low, 0.5 * (low + high), high];
         if acting.is_empty() {
-            return Self { most, at_rad_s, nodes: Vec::new(), harmonics: 1 };
+            return Self { most, at_rad_s, parts: [[[0.0; NODES]; 3]; 2], is_empty: true, harmonics: 1 };
         }
         let cycle = |omega_rad_s: f64| Cycle { mass, laws: &acting, omega_rad_s };
         let middle = cycle(at_rad_s[1]);
@@ -58,7 +56,13 @@ impl Table {
             let at = |omega: f64| cycle(omega).fundamental(amplitude(most, i), harmonics);
             if is_alike { [at(at_rad_s[1]); 3] } else { at_rad_s.map(at) }
         };
-        Self { most, at_rad_s, nodes: (0..NODES).map(node).collect(), harmonics }
+        let mut parts = [[[0.0; NODES]; 3]; 2];
+        for i in 0..NODES {
+            for (frequency, force) in node(i).into_iter().enumerate() {
+                (parts[0][frequency][i], parts[1][frequency][i]) = (force.re, force.im);
+            }
+        }
+        Self { most, at_rad_s, parts, is_empty: false, harmonics }
     }
 }
 
@@ -69,6 +73,8 @@ pub(super) fn amplitude(most: f64, node: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Complex;
+
     use super::*;
     use crate::physics::cubic_stiffness::CubicStiffness;
     use crate::physics::library::Term;
@@ -92,7 +98,7 @@ mod tests {
                 let spring = 1.0 + kappa * a * a;
                 let (half, whole) = (spring - 0.5 * mass.damping_per_s.powi(2), spring * spring - (push / a).powi(2));
                 let squared = half - (half * half - whole).max(0.0).sqrt();
-                let found = table.along(&mass, squared.sqrt(), Phasor::new(0.0, 0.0)).stable(push);
+                let found = table.along(&mass, squared.sqrt(), Complex::new(0.0, 0.0)).stable(push);
                 let last = found.last().copied().unwrap_or(f64::NAN);
                 assert!((last / a - 1.0).abs() < 2e-3, "{widths} {part}: {found:?} for {a}");
             }

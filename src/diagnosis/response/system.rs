@@ -19,6 +19,7 @@ use super::laws;
 use super::places::place;
 use super::predicted::{Amplitude, Predicted, predicted};
 use super::space::{self, Member};
+use super::thinned::thinned;
 use super::unsettled;
 use super::values::{Sizes, Values};
 
@@ -224,6 +225,19 @@ impl Kind for System<'_> {
         space::excludes(&self.members[law].term, &self.members[other].term)
     }
 
+    fn widened(&self, set: &[usize], point: &Point, place: usize, law: usize) -> Option<Point> {
+        let wide = self.members[law].term;
+        let exponent = laws::exponent(&self.members[set[place]].term, &wide)?;
+        let coordinates = self.law_coordinates(&wide);
+        let stated = self.values(set, point).laws.swap_remove(place);
+        // Along the law of the start that has a size of its own.
+        let size = laws::starts(&self.sizes, &wide).first()?[1];
+        let values = [stated.values[0] * size.powf(exponent - 1.0), size, exponent];
+        let mut widened = self.without(set, point, place);
+        widened.shared.extend(coordinates.iter().zip(values).map(|(c, v)| coordinate(*c, v)));
+        Some(widened)
+    }
+
     /// Returns where the law fits best with the amplitudes that were read: a fit without branches,
     /// from which the motion itself is followed.
     fn joined(&self, set: &[usize], point: &Point, law: usize) -> Vec<Point> {
@@ -231,9 +245,16 @@ impl Kind for System<'_> {
         larger.push(law);
         let role = self.members[law].term.role();
         let amplitude = if role.acts_on_mass() { Amplitude::Read } else { self.amplitude };
-        let read = Self { amplitude, ..self.clone() };
+        let some = thinned(self.sweeps);
+        let read = match &some {
+            Some((some, kept)) => {
+                let steep = kept.iter().map(|k| self.steep[*k]).collect();
+                System { amplitude, steep, ..self.over(some) }
+            }
+            None => Self { amplitude, ..self.clone() },
+        };
         let left = |residual: &[f64]| {
-            residual.iter().zip(&self.layout.counts).filter(|(_, c)| **c).map(|(e, _)| e * e).sum::<f64>()
+            residual.iter().zip(&read.layout.counts).filter(|(_, c)| **c).map(|(e, _)| e * e).sum::<f64>()
         };
         let best = |starts: Vec<Point>| {
             let residuals = read.residuals(&larger, &starts);

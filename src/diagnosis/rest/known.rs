@@ -1,8 +1,8 @@
 //! Tells what a log at rest can know of each channel, what it finds, and the same of its halves.
 //!
 //! Of a channel: the mean of its readings, and the coefficients of its noise as `allan` states them. A
-//! mean is known to the Allan deviation at the length of the log, under the noise that was found: that is
-//! by how much it differs from the mean of the stretch that follows. A coefficient is known where the data
+//! mean is known to the Allan deviation at the length of the log, under the noise that fits its curve: that
+//! is by how much it differs from the mean of the stretch that follows. A coefficient is known where the data
 //! support it, and well where its 95 % interval is narrow against the factor of two that data sheets leave
 //! between typical and largest noise.
 
@@ -145,12 +145,12 @@ fn correlation(fit: &Fit, a: Term, b: Term) -> f64 {
 }
 
 /// Variance of a mean over some time about the next: the Allan variance at that time, raised so that ±1.96
-/// of its root hold 95 % although it is itself an estimate. What drifts in a straight line does not
-/// repeat: it is no part of it.
+/// of its root hold 95 % although it is itself an estimate. A flicker or walk too faint to be told counts
+/// as much as the curve makes it: the mean of a log shows it before its curve does. What drifts in a
+/// straight line does not repeat: it is no part of it.
 fn repeats(fit: &Fit, duration_s: f64) -> f64 {
-    let is_in_it = |term: Term| term != Term::Ramp && fit.coefficients[term as usize].supported();
-    let laws = TERMS.map(|term| if is_in_it(term) { term.variance(duration_s) } else { 0.0 });
-    let mut squares = fit.supported_squares();
+    let laws = TERMS.map(|term| if term == Term::Ramp { 0.0 } else { term.variance(duration_s) });
+    let mut squares = fit.squares();
     squares[Term::Ramp as usize] = 0.0;
     let variance = law::variance(&squares, duration_s);
     let pairs = (0..5).flat_map(|i| (0..5).map(move |j| (i, j)));
