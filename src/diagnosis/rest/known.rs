@@ -145,11 +145,12 @@ fn correlation(fit: &Fit, a: Term, b: Term) -> f64 {
 }
 
 /// Variance of a mean over some time about the next: the Allan variance at that time, raised so that ±1.96
-/// of its root hold 95 % although it is itself an estimate. A flicker or walk too faint to be told counts
-/// as much as the curve makes it: the mean of a log shows it before its curve does. What drifts in a
-/// straight line does not repeat: it is no part of it.
+/// of its root hold 95 % although its laws are estimates themselves. A flicker or walk too faint to be
+/// told counts as much as the curve makes of it: the mean of a log shows it before its curve does. What
+/// drifts in a straight line does not repeat: it is no part of it.
 fn repeats(fit: &Fit, duration_s: f64) -> f64 {
-    let laws = TERMS.map(|term| if term == Term::Ramp { 0.0 } else { term.variance(duration_s) });
+    let is_in_it = |term: Term| term != Term::Ramp && fit.coefficients[term as usize].supported();
+    let laws = TERMS.map(|term| if is_in_it(term) { term.variance(duration_s) } else { 0.0 });
     let mut squares = fit.squares();
     squares[Term::Ramp as usize] = 0.0;
     let variance = law::variance(&squares, duration_s);
