@@ -31,6 +31,7 @@ mod effects;
 mod estimate;
 mod findings;
 mod followed;
+mod held_rows;
 mod hump;
 mod in_time;
 mod intake;
@@ -73,6 +74,7 @@ use super::model::{self, MOST_AT_REST};
 use crate::control::{Control, Stopped};
 use crate::error::Result;
 use crate::number::short;
+use crate::numerics::moments;
 use crate::recording::Recording;
 use crate::recording::disturbance;
 use crate::recording::health::Watch;
@@ -134,8 +136,10 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
         })
         .collect();
     findings.extend(stuck::sentences(&names, &frozen, columns.rows.len()));
-    let means: Vec<f64> = channels.iter().map(|c| c.mean).collect();
-    findings.extend(plausible::gravity(&means, &model.unit));
+    let raw: Vec<(&str, &[f64])> = names.iter().zip(&live).map(|(name, values)| (name.as_str(), *values)).collect();
+    findings.extend(held_rows::sentence(&raw, recording.rate_hz));
+    let read = channels.iter().zip(&names).map(|(c, name)| (c.mean, stated_units::of(recording, name, model)));
+    findings.extend(plausible::gravity(&read.collect::<Vec<_>>()));
     let stopped = |s: Stopped| s.during(format!("could not diagnose {}", recording.path.display()), "start it again");
     let measured = Measured { channels, environment, noise: model.noise.as_ref() };
     let searched = Searched::of(measured, control).and_then(|s| s.below_the_corner(control));
@@ -204,6 +208,11 @@ pub fn known(recordings: &[Recording], model: &model::Static, control: &Control)
         if !left_out.is_empty() {
             findings.push(format!("knocks and single bad readings were left out: {}", left_out.join(", ")));
         }
+        let raw: Vec<(&str, &[f64])> =
+            names.iter().map(|name| Ok((name.as_str(), columns.values(name)?))).collect::<Result<_>>()?;
+        findings.extend(held_rows::sentence(&raw, recording.rate_hz));
+        let read = channels.iter().map(|c| (moments::mean(&c.values), c.unit.clone()));
+        findings.extend(plausible::gravity(&read.collect::<Vec<_>>()));
         Ok(known::check(&channels, rate_hz, findings))
     });
     logs.collect()

@@ -58,6 +58,7 @@ pub mod time_unit;
 pub mod trajectory;
 pub mod undisturbed;
 pub mod unit;
+pub mod walk;
 #[cfg(feature = "zstd")]
 pub mod zstandard;
 

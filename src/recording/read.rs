@@ -11,10 +11,11 @@ use super::dropped::{Reason, Tally};
 use super::finding::{self, Finding, Uneven};
 use super::in_memory::{Averaged, Column, Recording};
 use super::limits::FILL_LIMIT;
-use super::plan::{self, Next, Plan};
+use super::plan::{self, Plan};
 use super::repeats::{Meaning, Repeats};
 use super::request::Request;
 use super::series::{Keep, Series};
+use super::walk::{Next, walk};
 use crate::error::{Error, Result};
 use crate::escape;
 use crate::numerics::order;
@@ -52,7 +53,7 @@ pub fn read(path: &Path, request: &Request) -> Result<Recording> {
     let mut repeats = plan.repeated.map(|repeated| (repeated.meaning, Repeats::default()));
     let heading = table.time().unwrap_or_default().to_owned();
     let question = Question { path, heading: &heading, rate_hz: request.rate_hz };
-    plan::walk(path, &request.control, &mut table, &plan.rows, |table| {
+    walk(path, &request.control, &mut table, &plan.rows, |table| {
         let index = table.row();
         let place = match &mut placer {
             Some(placer) => {

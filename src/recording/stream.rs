@@ -15,9 +15,10 @@ use super::clock_column;
 use super::dropped::{Dropped, Reason, Tally};
 use super::finding::{Finding, Uneven};
 use super::limits::FILL_LIMIT;
-use super::plan::{self, Next, Passed, Plan};
+use super::plan::{self, Plan};
 use super::request::Request;
 use super::run::Run;
+use super::walk::{Next, Passed, walk_runs};
 use crate::error::{Error, Result};
 
 /// Holes up to this many samples are bridged by straight lines.
@@ -96,7 +97,7 @@ fn hand_on(path: &Path, request: &Request, plan: Plan, send: &SyncSender<Block>)
     let mut placer = plan.clock.as_ref().map(Placer::new);
     let mut row = vec![0.0; table.names().len()];
     let mut dropped = Tally::default();
-    plan::walk_runs(path, &request.control, &mut table, &plan.rows, |passed| {
+    walk_runs(path, &request.control, &mut table, &plan.rows, |passed| {
         let table = match passed {
             Passed::Row(table) => table,
             Passed::Run(run) => {

@@ -48,11 +48,12 @@ pub(super) fn numbers(name: &str, all: &Tolerances) -> Result<()> {
 fn given_once(name: &str, all: &Tolerances, term: SensorTerm) -> Result<()> {
     let mut given = term.row().keys.iter().filter(|key| all[key].is_some());
     let (Some(a), Some(b)) = (given.next(), given.next()) else { return Ok(()) };
-    Err(refuse(
-        name,
-        format!("both `{}` and `{}` are given; they are two names of one {}", a.path, b.path, term.row().name),
-        "keep one: a one-sided density n (datasheets) is a random walk N = n/√2 (IEEE 952)",
-    ))
+    let hint = match [a, b].iter().any(|key| key.path.contains("noise_density")) {
+        true => "keep one: a one-sided density n (datasheets) is a random walk N = n/√2 (IEEE 952)",
+        false => "keep one: both are the same quantity, in other units",
+    };
+    let cause = format!("both `{}` and `{}` are given; they are two names of one {}", a.path, b.path, term.row().name);
+    Err(refuse(name, cause, hint))
 }
 
 /// Refuses a term without its shape, and a shape without its term; a phase may be left out.

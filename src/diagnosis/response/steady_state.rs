@@ -57,9 +57,10 @@ impl Table {
             if is_alike { [at(at_rad_s[1]); 3] } else { at_rad_s.map(at) }
         };
         let mut parts = [[[0.0; NODES]; 3]; 2];
-        for i in 0..NODES {
-            for (frequency, force) in node(i).into_iter().enumerate() {
-                (parts[0][frequency][i], parts[1][frequency][i]) = (force.re, force.im);
+        let [re, im] = &mut parts;
+        for (i, forces) in (0..NODES).map(|i| (i, node(i))) {
+            for ((re, im), force) in re.iter_mut().zip(im.iter_mut()).zip(forces) {
+                (re[i], im[i]) = (force.re, force.im);
             }
         }
         Self { most, at_rad_s, parts, is_empty: false, harmonics }

@@ -15,21 +15,20 @@ use crate::units::STANDARD_GRAVITY_M_S2;
 const FAR: f64 = 20.0;
 
 /// Three accelerometer channels at rest read 1 g together; by a factor that units differ in they do
-/// not.
-pub(super) fn gravity(means: &[f64], unit: &str) -> Option<String> {
-    let [x, y, z] = means else { return None };
-    let unit = Unit::parse(unit, Quantity::Accelerometer).ok()?;
-    let length = (x * x + y * y + z * z).sqrt();
-    let ratio = length * unit.si / STANDARD_GRAVITY_M_S2;
+/// not. Of each channel its mean and the unit that model or file states.
+pub(super) fn gravity(channels: &[(f64, Unit)]) -> Option<String> {
+    let forces: Vec<&(f64, Unit)> = channels.iter().filter(|c| c.1.quantity == Quantity::Accelerometer).collect();
+    let [x, y, z] = forces[..] else { return None };
+    let length = [x, y, z].iter().map(|(mean, unit)| (mean * unit.si).powi(2)).sum::<f64>().sqrt();
+    let ratio = length / STANDARD_GRAVITY_M_S2;
     let near = |factor: f64| (ratio / factor - 1.0).abs() < 0.1;
     let wrong = [1e3, 1e-3, STANDARD_GRAVITY_M_S2, 1.0 / STANDARD_GRAVITY_M_S2, 1e6, 1e-6];
     wrong.into_iter().any(near).then(|| {
         format!(
-            "the three channels read {} {} together, {} times gravity: is `unit = \"{}\"` right?",
-            short(length),
-            unit.name,
+            "the three channels of acceleration read {} {unit} together, {} times gravity: is `{unit}` right?",
+            short(length / z.1.si),
             short(ratio),
-            unit.name
+            unit = z.1.name
         )
     })
 }
@@ -55,12 +54,20 @@ mod tests {
 
     #[test]
     fn gravity_of_the_wrong_length_is_asked_about_and_the_right_one_is_not() {
-        assert!(gravity(&[0.1, 0.2, 9.79], "g").is_some_and(|f| f.contains("9.79")));
-        assert!(gravity(&[600.0, 0.0, 800.0], "g").is_some());
-        assert!(gravity(&[0.6, 0.0, 0.8], "g").is_none());
-        assert!(gravity(&[6.0, 0.0, 7.7], "m/s2").is_none());
-        assert!(gravity(&[600.0, 800.0], "g").is_none(), "two axes need not see all of it");
-        assert!(gravity(&[0.001, 0.002, 0.003], "g").is_none(), "a log less its mean");
-        assert!(gravity(&[600.0, 0.0, 800.0], "counts").is_none());
+        let of = |means: &[f64], words: &str| {
+            let unit = Unit::of_file(words).unwrap_or_else(Unit::unknown);
+            gravity(&means.iter().map(|mean| (*mean, unit.clone())).collect::<Vec<_>>())
+        };
+        assert!(of(&[0.1, 0.2, 9.79], "g").is_some_and(|f| f.contains("9.79")));
+        assert!(of(&[600.0, 0.0, 800.0], "g").is_some());
+        assert!(of(&[0.6, 0.0, 0.8], "g").is_none());
+        assert!(of(&[6.0, 0.0, 7.7], "m/s2").is_none());
+        assert!(of(&[600.0, 800.0], "g").is_none(), "two axes need not see all of it");
+        assert!(of(&[0.001, 0.002, 0.003], "g").is_none(), "a log less its mean");
+        assert!(of(&[600.0, 0.0, 800.0], "counts").is_none());
+        // Next to a gyro, whose rates are no part of it.
+        let [rate, force] = ["rad/s", "m/s2"].map(|words| Unit::of_file(words).expect("a unit"));
+        let imu = |z: f64| [(0.3, rate.clone()), (0.1, force.clone()), (0.2, force.clone()), (z, force.clone())];
+        assert!(gravity(&imu(0.99)).is_some() && gravity(&imu(9.8)).is_none());
     }
 }

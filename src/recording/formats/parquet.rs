@@ -4,7 +4,9 @@
 //! An own reader: rows stream in constant memory, and what is damaged ends in words.
 
 mod column;
+mod columns;
 mod encoding;
+mod page_header;
 mod physical;
 #[cfg(test)]
 mod round_trip;
@@ -18,7 +20,8 @@ use crate::error::{Error, Result};
 use crate::input::Input;
 use crate::reader::{Choice, Heading, Log, Part, Reader};
 use crate::roles;
-use column::{Chunk, Columns};
+use column::Chunk;
+use columns::Columns;
 use physical::{DAMAGED, Physical};
 use thrift::Value;
 

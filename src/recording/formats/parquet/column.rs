@@ -1,8 +1,9 @@
-//! Columns of a Parquet table page by page, side by side.
+//! One column of a Parquet table, page by page.
 
 use super::encoding::{Deltas, Hybrid, split_streams};
+use super::page_header::PageHeader;
 use super::physical::{DAMAGED, Physical};
-use super::thrift::{self, Value};
+use super::thrift;
 use crate::budget::{Budget, LARGEST_BYTES, Spent};
 use crate::bytes::Bytes;
 use crate::clock::stamp::Stamp;
@@ -10,10 +11,10 @@ use crate::decompress::{Codec, decompress};
 use crate::element::{Element, Kind};
 use crate::error::{Error, Result};
 use crate::input::Input;
-use crate::reader::{Block, Reader};
+use crate::reader::Block;
 
 /// Rows handed on at once.
-const BLOCK: usize = 16_384;
+pub(super) const BLOCK: usize = 16_384;
 /// No header of a page is longer, bytes: it may carry statistics.
 const LONGEST_HEADER: u64 = 1 << 20;
 /// A usual header of a page.
@@ -43,7 +44,8 @@ pub(super) struct Column {
     /// The row groups that follow, the last first.
     chunks: Vec<Chunk>,
     codec: Codec,
-    at: u64,
+    /// Byte of the file up to which it was read.
+    pub at: u64,
     left: u64,
     dictionary: Vec<u8>,
     page: Page,
@@ -96,12 +98,18 @@ impl Column {
         }
     }
 
-    fn waiting(&self) -> usize {
+    /// Returns in which page, from which byte, and encoding it stands.
+    pub(super) fn place(&self) -> (u64, i64) {
+        (self.page.at, self.page.encoding)
+    }
+
+    /// Values that wait to be given.
+    pub(super) fn waiting(&self) -> usize {
         self.page.left
     }
 
     /// Bytes in memory.
-    fn held(&self) -> u64 {
+    pub(super) fn held(&self) -> u64 {
         let levels = self.page.levels.as_ref().map_or(0, |l| l.0.len());
         (self.dictionary.len() + self.page.body.len() + levels) as u64
     }
@@ -116,7 +124,7 @@ impl Column {
     }
 
     /// Reads pages until values wait; none do at the end of the column.
-    fn load(&mut self, input: &Input, mut held: Held<'_>) -> Result<()> {
+    pub(super) fn load(&mut self, input: &Input, mut held: Held<'_>) -> Result<()> {
         while self.waiting() == 0 {
             if self.left == 0 {
                 let Some(chunk) = self.chunks.pop() else { return Ok(()) };
@@ -261,7 +269,7 @@ impl Column {
     }
 
     /// Gives so many values of the page at hand, no more than wait.
-    fn give(&mut self, count: usize, block: &mut Block) -> Option<()> {
+    pub(super) fn give(&mut self, count: usize, block: &mut Block) -> Option<()> {
         self.page.left = self.page.left.checked_sub(count)?;
         let mut present = None;
         if let Some((bytes, levels)) = &mut self.page.levels {
@@ -366,103 +374,15 @@ fn plain(physical: Physical, bytes: &[u8], count: usize) -> Option<Vec<u8>> {
 }
 
 /// Holds what a column may still take, and what the other ones hold.
-struct Held<'a> {
-    budget: &'a mut Budget,
-    by_others: u64,
+pub(super) struct Held<'a> {
+    pub budget: &'a mut Budget,
+    pub by_others: u64,
 }
 
-fn damaged(input: &Input, page_at: u64, encoding: i64) -> Error {
+/// Says which page is damaged.
+pub(super) fn damaged(input: &Input, page_at: u64, encoding: i64) -> Error {
     input.fail(
         format!("the page at byte {page_at}: expected more values in encoding {encoding}, found damaged data"),
         DAMAGED,
     )
-}
-
-/// Holds what the header of a page says.
-struct PageHeader {
-    kind: i64,
-    size: u64,
-    stored: u64,
-    values: usize,
-    encoding: i64,
-    /// Bytes of levels before the values, and of those that repeat among them, in pages of
-    /// version 2.
-    levels: usize,
-    repetition: usize,
-    is_packed: bool,
-    /// Of its bytes as they are stored, where the writer states it.
-    crc32: Option<u32>,
-}
-
-impl PageHeader {
-    fn of(header: &Value<'_>) -> Option<Self> {
-        let kind = header.integer(1)?;
-        let (inner, encoding) = match kind {
-            0 => (header.field(5)?, 2),
-            2 => (header.field(7)?, 2),
-            3 => (header.field(8)?, 4),
-            _ => (header, 1),
-        };
-        let bytes = |id| inner.size(id).and_then(|n| usize::try_from(n).ok()).unwrap_or_default();
-        let (definition, repetition) = if kind == 3 { (bytes(5), bytes(6)) } else { (0, 0) };
-        Some(Self {
-            kind,
-            size: header.size(2)?,
-            stored: header.size(3)?,
-            values: inner.size(1).and_then(|n| usize::try_from(n).ok()).unwrap_or_default(),
-            encoding: inner.integer(encoding).unwrap_or_default(),
-            levels: definition.checked_add(repetition)?,
-            repetition,
-            crc32: header.integer(4).map(|n| n as u32),
-            is_packed: inner.field(7) != Some(&Value::Bool(false)),
-        })
-    }
-}
-
-/// Columns side by side.
-#[derive(Debug)]
-pub(super) struct Columns {
-    input: Input,
-    columns: Vec<Column>,
-    budget: Budget,
-    bytes_read: u64,
-}
-
-impl Columns {
-    /// At their first row.
-    pub(super) fn new(input: Input, columns: Vec<Column>) -> Self {
-        let budget = Budget::of(input.length());
-        Self { input, columns, budget, bytes_read: 0 }
-    }
-}
-
-impl Reader for Columns {
-    fn next(&mut self, block: &mut Block) -> Result<bool> {
-        let mut held: u64 = self.columns.iter().map(Column::held).sum();
-        for column in &mut self.columns {
-            let before = column.at;
-            let by_others = held - column.held();
-            column.load(&self.input, Held { budget: &mut self.budget, by_others })?;
-            held = by_others + column.held();
-            self.bytes_read += column.at.saturating_sub(before);
-        }
-        let waiting = || self.columns.iter().map(Column::waiting);
-        let count = waiting().min().unwrap_or(0).min(BLOCK);
-        if count == 0 {
-            return match waiting().max() {
-                Some(0) | None => Ok(false),
-                Some(_) => Err(self.input.fail("expected columns of one length, found a shorter one", DAMAGED)),
-            };
-        }
-        for column in &mut self.columns {
-            let page = (column.page.at, column.page.encoding);
-            column.give(count, block).ok_or_else(|| damaged(&self.input, page.0, page.1))?;
-        }
-        block.rows = count;
-        Ok(true)
-    }
-
-    fn bytes_read(&self) -> u64 {
-        self.bytes_read.min(self.input.length())
-    }
 }
