@@ -23,6 +23,7 @@ pub mod diagnose;
 pub mod export;
 pub mod import;
 pub mod inspect;
+mod interrupted;
 mod launcher;
 pub mod map;
 pub mod merge;

@@ -7,8 +7,6 @@ use std::io::{IsTerminal, Write};
 
 use proofmass_base::error::{Error, Result};
 use proofmass_base::escape::terminal;
-use proofmass_base::output::Folder;
-use proofmass_base::output::names::INTERRUPTED;
 
 /// Like `println!`, with an error to pass on.
 macro_rules! sayln {
@@ -25,21 +23,6 @@ macro_rules! remark {
 }
 
 pub(crate) use {remark, sayln};
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_answer_stands_out_and_numbers_stay_plain() {
-        let text = "It drifts.\nBy 3 m.\n\nposition error\ntime  sd\n────  ──\n   1   3\n";
-        let (bold, faint, end) = ("\u{1b}[1m", "\u{1b}[2m", "\u{1b}[0m");
-        let answer = |line: &str| format!("\u{1b}[1;36m{line}{end}\n");
-        let opening = answer("It drifts.") + &answer("By 3 m.");
-        let rest = format!("\n{bold}position error{end}\ntime  sd\n{faint}────  ──{end}\n   1   3\n");
-        assert_eq!(painted(text), opening + &rest);
-    }
-}
 
 /// Writes to stdout.
 ///
@@ -91,19 +74,17 @@ pub fn not_printed(cause: &std::io::Error) -> Error {
     Error::new("could not print the result", cause.to_string(), "free space where the output goes, or give --out DIR")
 }
 
-/// Begins to keep a study's sums in its folder, and says so where they will replace those of an
-/// interrupted run.
-///
-/// # Errors
-/// As [`Folder::state`].
-pub fn keep(folder: &mut Folder, resume: bool) -> Result<()> {
-    folder.state(INTERRUPTED, resume)?;
-    if !resume && folder.holds(INTERRUPTED) {
-        remark!(
-            "note: {} holds what an interrupted run had done: --resume goes on from it; this run begins anew, and \
-             replaces it when it first saves its own",
-            folder.path().display()
-        );
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_answer_stands_out_and_numbers_stay_plain() {
+        let text = "It drifts.\nBy 3 m.\n\nposition error\ntime  sd\n────  ──\n   1   3\n";
+        let (bold, faint, end) = ("\u{1b}[1m", "\u{1b}[2m", "\u{1b}[0m");
+        let answer = |line: &str| format!("\u{1b}[1;36m{line}{end}\n");
+        let opening = answer("It drifts.") + &answer("By 3 m.");
+        let rest = format!("\n{bold}position error{end}\ntime  sd\n{faint}────  ──{end}\n   1   3\n");
+        assert_eq!(painted(text), opening + &rest);
     }
-    Ok(())
 }

@@ -12,9 +12,10 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use super::device::backends;
+use super::interrupted::keep;
 use super::launcher;
 use super::numbers;
-use super::output::{keep, remark};
+use super::output::remark;
 use super::overrides::Changed;
 use super::samples;
 use super::sweep;

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::output::{keep, say, sayln};
+use super::interrupted::keep;
+use super::output::{say, sayln};
 use proofmass_base::document::to_json;
 use proofmass_base::error::{Error, Result};
 use proofmass_base::output::{self, Folder};

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use super::answer::Extended;
 use super::shard;
-use crate::output::{keep, say, sayln};
+use crate::interrupted::keep;
+use crate::output::{say, sayln};
 use crate::sharded::tell;
 use proofmass_base::document::to_json;
 use proofmass_base::error::Result;
