@@ -38,8 +38,7 @@ mod tests {
     #[test]
     fn a_parabola_and_a_cusp_are_found_to_the_width_promised() {
         for place in [0.1, 0.5, 0.93] {
-            for value in [&|x: f64| (x - place).powi(2) as f64, &|x: f64| (x - place).abs()] as [&dyn Fn(f64) -> f64; 2]
-            {
+            for value in [&|x: f64| (x - place).powi(2), &|x: f64| (x - place).abs()] as [&dyn Fn(f64) -> f64; 2] {
                 let (found, least) = least(value, [0.0, 1.0], 30, |_| false);
                 assert!((found - place).abs() < 0.62f64.powi(30) && least == value(found), "{place}: {found}");
             }
