@@ -38,7 +38,7 @@ pub fn draw(values: &mut [f64], gaps: &[Range<usize>]) {
     if level.limit <= 0.0 {
         return;
     }
-    let covariance = level.covariance(values, &is_lost);
+    let covariance = level.covariance(&is_lost);
     // The same readings are given the same draws, each channel its own.
     let seed = values.iter().fold(0u64, |sum, value| sum.rotate_left(5) ^ value.to_bits());
     let mut rng = Philox::new(seed, 0, Stream::Host);
@@ -95,9 +95,9 @@ impl Level {
     }
 
     /// Covariance of the readings about the level at each lag that two neighbours of one reading have.
-    fn covariance(&self, values: &[f64], is_lost: &[bool]) -> Vec<f64> {
-        let about = |n: usize| n.saturating_sub(self.half)..(n + self.half).min(values.len());
-        let off: Vec<f64> = (0..values.len())
+    fn covariance(&self, is_lost: &[bool]) -> Vec<f64> {
+        let about = |n: usize| n.saturating_sub(self.half)..(n + self.half).min(is_lost.len());
+        let off: Vec<f64> = (0..is_lost.len())
             .map(|n| (self.sums[n + 1] - self.sums[n] - self.mean(about(n))).clamp(-2.0 * self.limit, 2.0 * self.limit))
             .collect();
         let at = |lag: usize| {

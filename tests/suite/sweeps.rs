@@ -228,7 +228,8 @@ fn expanded() -> Result<(), Failed> {
 }
 
 // Written into the rows of a linear resonator: a phase that falls by two radians over the band, and a second
-// resonance, a third as strong, one and a half widths above the first. Control: the rows without either.
+// resonance, a third as strong, one and a half widths above the first, or a tenth as strong and read against it.
+// Control: the rows without any.
 fn read() -> Result<(), Failed> {
     let still = |_: f64, _: f64| 0.0;
     let made = Made { drives: &[1.0, 0.5], noise: 0.0, background: 0.0, widths: 4.0, seed: 1, force: &still };
@@ -236,8 +237,13 @@ fn read() -> Result<(), Failed> {
     let [own, delay] = [1.0 + 1.5 * DAMPING, 2.0 / (8.0 * DAMPING)];
     let beside = |omega: f64| Complex::new(0.3, 0.0) / Complex::new(own * own - omega * omega, DAMPING * omega);
     let mode = [0.3, own, 0.5 * DAMPING / own];
-    let planted: [(&str, f64, f64, &[f64]); 3] =
-        [("readout-delay", delay, 0.0, &[delay]), ("parasitic-mode", 0.0, 1.0, &mode), ("", 0.0, 0.0, &[])];
+    let opposed = [-0.1, mode[1], mode[2]];
+    let planted: [(&str, f64, f64, &[f64]); 4] = [
+        ("readout-delay", delay, 0.0, &[delay]),
+        ("parasitic-mode", 0.0, 1.0, &mode),
+        ("parasitic-mode", 0.0, -1.0 / 3.0, &opposed),
+        ("", 0.0, 0.0, &[]),
+    ];
     for (id, late, second, truth) in planted {
         let mut rng = Philox::new(3, 0, Stream::Host);
         let written = rows.iter().map(|[f, x, y, drive]| {

@@ -16,6 +16,14 @@ const LOWEST: f64 = 0.1;
 /// Corners of a high-pass at which a fit begins, along the logarithm of the band.
 const CORNERS: [f64; 4] = [0.0, 0.3, 0.6, 0.9];
 
+/// Size of a second mode, read against the first, at which a fit begins, in that of the first.
+const OPPOSED: f64 = -0.3;
+
+/// Gain of a second mode that is as large as the first, and as sharp.
+fn unit_of_mode(s: &Sizes) -> f64 {
+    s.amplitude * s.laws.omega_rad_s * s.damping_per_s / s.drive
+}
+
 /// Coordinates of a law's parameters; unknown beginnings have none, as every step is a steady state.
 pub(super) fn coordinates(s: &Sizes, term: &Term) -> Vec<Coordinate> {
     let mut own = term.coordinates(&s.laws);
@@ -27,7 +35,7 @@ pub(super) fn coordinates(s: &Sizes, term: &Term) -> Vec<Coordinate> {
             // Its gain is measured by the first mode's, and no rate of samples bounds its frequency.
             if let Term::ParasiticMode(_) = term {
                 own[1] = Coordinate::Log(0.05 * s.laws.omega_rad_s, 20.0 * s.laws.omega_rad_s);
-                own[0] = Coordinate::Linear(0.1 * s.amplitude * s.laws.omega_rad_s * s.damping_per_s / s.drive);
+                own[0] = Coordinate::Linear(0.1 * unit_of_mode(s));
             }
         }
         Term::ReadoutHighpass(_) => {
@@ -67,7 +75,13 @@ pub(super) fn starts(sizes: &Sizes, term: &Term) -> Vec<Vec<f64>> {
         Term::CoupledMode(_) | Term::ParasiticMode(_) => {
             let strength = if matches!(term, Term::CoupledMode(_)) { 1e-5 } else { 0.0 };
             let at = |widths: f64| s.omega_rad_s + widths * sizes.damping_per_s;
-            [-2.0, -0.7, 0.0, 0.7, 2.0].map(|widths| vec![strength, at(widths), s.zeta, 0.0, 0.0]).to_vec()
+            let own = |strength: f64, widths: f64| vec![strength, at(widths), s.zeta, 0.0, 0.0];
+            let mut all = [-2.0, -0.7, 0.0, 0.7, 2.0].map(|widths| own(strength, widths)).to_vec();
+            // One that is read against the first is not found from next to nothing: it would have to pass there.
+            if matches!(term, Term::ParasiticMode(_)) {
+                all.extend([-0.7, 0.7].map(|widths| own(OPPOSED * unit_of_mode(sizes), widths)));
+            }
+            all
         }
         _ => term.starts(s),
     }

@@ -128,6 +128,8 @@ pub(super) fn excludes(one: &Term, other: &Term) -> bool {
             _ => 0,
         },
         Term::StiffnessDrift(_) => 5,
+        // Together, at one frequency, they imitate a mode that is read with a phase of its own.
+        Term::CoupledMode(_) | Term::ParasiticMode(_) => 6,
         _ => 0,
     };
     one.id() == other.id() || (group(one) != 0 && group(one) == group(other))
