@@ -346,7 +346,7 @@ pub enum Uneven {
     TakenAsEven,
 }
 
-/// Says that gaps are filled by [`lost`](super::lost), as those of a recording at rest.
+/// Marks filled gaps as drawn by [`lost`](super::lost): for recordings at rest.
 pub fn drawn(findings: &mut [Finding]) {
     for finding in findings {
         if let Finding::GapsFilled { samples, gaps } = *finding {

@@ -1,4 +1,4 @@
-//! Readings in the place of lost ones, as noisy as the readings about them.
+//! Fills lost readings with noise like that of the readings around them.
 //!
 //! A straight line between two noisy readings counts both of them more: with one reading in twenty
 //! lost, white noise has 7.5 % more power at low frequencies than it had, and less at high ones, as
@@ -154,7 +154,7 @@ mod tests {
         (0..count).map(|_| rng.normal()).collect()
     }
 
-    /// Puts straight lines in the place of readings, as a reader does.
+    /// Fills gaps by linear interpolation, as a reader does.
     fn bridged(values: &mut [f64], gaps: &[Range<usize>]) {
         for gap in gaps {
             let (from, to) = (values[gap.start - 1], values[gap.end]);
@@ -164,7 +164,7 @@ mod tests {
         }
     }
 
-    /// Mean power of the sums over blocks of so many readings, in that of white noise of unit size.
+    /// Variance of sums over blocks of `length` readings, relative to white noise of unit variance.
     fn power(values: &[f64], length: usize) -> f64 {
         let sums = values.chunks_exact(length).map(|c| c.iter().sum::<f64>().powi(2) / length as f64);
         sums.sum::<f64>() / (values.len() / length) as f64
@@ -206,8 +206,8 @@ mod tests {
 
     #[test]
     fn a_smooth_channel_is_bridged_as_its_own_neighbours_say() {
-        // First order with the pole 0.98: given both neighbours a reading has the variance
-        // (1 − a²)/(1 + a²) of its own, where a free draw would have all of it.
+        // First order with the pole a = 0.98: given both neighbours, the variance of a reading falls to
+        // (1 − a²)/(1 + a²) of its own. A free draw keeps all of it.
         const POLE: f64 = 0.98;
         let mut clean = noise(100_000, 7);
         for n in 1..clean.len() {

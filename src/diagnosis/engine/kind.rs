@@ -150,8 +150,8 @@ pub(crate) trait Kind: Sync {
     /// Laws of the same public name, or of which one is a special case of the other: not together
     /// in one set.
     fn excludes(&self, law: usize, other: usize) -> bool;
-    /// The point at which the law at a place of a set is written as another one, of which it is the special case
-    /// of one exponent: last in the set now. `None` where it is no such case, or a kind knows of none.
+    /// Rewrites the law at `place` as `law`, which equals it at one value of its exponent: the same model, with
+    /// `law` last in the set. `None` where `law` never equals it, or where the kind has no such pair.
     fn widened(&self, _set: &[usize], _point: &Point, _place: usize, _law: usize) -> Option<Point> {
         None
     }

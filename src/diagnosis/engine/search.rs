@@ -266,7 +266,7 @@ impl<'a, K: Kind> Search<'a, K> {
         self.in_place_of(without, law, form, |_| None)
     }
 
-    /// The same, of laws that are `known` already where they begin.
+    /// The same; a law for which `known` has a fit is not searched from the set without it.
     fn in_place_of(
         &self,
         without: &Fitted,

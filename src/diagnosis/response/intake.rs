@@ -16,7 +16,8 @@ use super::units;
 const FEWEST: usize = 16;
 /// Part of the drive by which it changes from sweep to sweep, and not by its own noise.
 pub(super) const ANOTHER_DRIVE: f64 = 0.02;
-/// Power of the drive below which the reading is divided by it already.
+/// Power of the drive below which it is asked whether the reading was divided by it: 0 then, else 1 off the
+/// resonance.
 const DIVIDED: f64 = 0.2;
 /// Steps of a sweep on average, fewer of which say that rows are in no order of frequency.
 const ORDERED: f64 = 4.0;
@@ -104,11 +105,12 @@ pub(super) fn sweeps(recording: &Recording, model: &Response, findings: &mut Vec
         }
         (None, None, Some(amplitude), Some(phase)) => {
             let (mut radius, angle) = (column(amplitude)?, column(phase)?);
-            // No amplitude is below zero, and a level in decibel mostly is.
-            let is_level = recording.unit_words(amplitude).is_none() && radius.iter().any(|r| *r < 0.0);
+            // Noise about an offset takes a few amplitudes below zero, a level in decibel below 1 V all of them.
+            let below = radius.iter().filter(|r| **r < 0.0).count();
+            let is_level = recording.unit_words(amplitude).is_none() && 2 * below > radius.len();
             if is_level || units::of_level(recording, amplitude).is_some() {
                 radius.iter_mut().for_each(|level| *level = units::amplitude(*level));
-                let why = if is_level { "states no unit and holds numbers below zero, so it is taken" } else { "is" };
+                let why = if is_level { "states no unit and is mostly below zero, so it is taken" } else { "is" };
                 findings.push(format!(
                     "`{amplitude}` {why} in decibel: the amplitude is 10 to the power of a twentieth of it"
                 ));
@@ -171,7 +173,7 @@ pub(super) fn sweeps(recording: &Recording, model: &Response, findings: &mut Vec
         && growth < DIVIDED
     {
         findings.push(format!(
-            "the reading grows with the drive to the power of {:.2} off the resonance, where a resonator's grows \
+            "over most of the band the reading grows with the drive to the power of {:.2}, where a resonator's grows \
              with its first: was it divided by the drive when it was logged? Then multiply it by the drive before it is \
              diagnosed. Or is most of it a background that does not come from the drive?",
             (100.0 * growth).round() / 100.0 + 0.0
@@ -197,8 +199,8 @@ pub(super) fn sweeps(recording: &Recording, model: &Response, findings: &mut Vec
     })
 }
 
-/// The power of the drive with which the reading grows, in the middle of all steps at one frequency whose
-/// drives differ by half and more; `None` without such steps.
+/// Power of the drive with which the reading grows: the median over frequencies that were taken at drives half
+/// as large again or more; `None` without such.
 fn growth(frequency_hz: &[f64], drive: &[f64], reading: &[Complex<f64>]) -> Option<f64> {
     let mut by_frequency: Vec<usize> =
         (0..drive.len()).filter(|k| drive[*k] > 0.0 && reading[*k].norm() > 0.0).collect();

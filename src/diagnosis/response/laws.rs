@@ -16,7 +16,8 @@ const LOWEST: f64 = 0.1;
 /// Corners of a high-pass at which a fit begins, along the logarithm of the band.
 const CORNERS: [f64; 4] = [0.0, 0.3, 0.6, 0.9];
 
-/// Size of a second mode, read against the first, at which a fit begins, in that of the first.
+/// Peak of a second mode over that of the first, where a fit begins that looks for the opposite sign: from −0.3
+/// fits reached a mode of −0.1 from all of five places, from ±0.05 from two and three.
 const OPPOSED: f64 = -0.3;
 
 /// Gain of a second mode that is as large as the first, and as sharp.
@@ -47,8 +48,8 @@ pub(super) fn coordinates(s: &Sizes, term: &Term) -> Vec<Coordinate> {
     own
 }
 
-/// The exponent at which a law with a free one, strength (|s|/size)ⁿ⁻¹ s, is this one of the same argument, of
-/// strength |s|ⁿ⁻¹ s; `None` where it never is.
+/// Exponent n at which a power law, strength (|s|/size)ⁿ⁻¹ s, equals a stated law, strength |s|ⁿ⁻¹ s; `None` where
+/// it never does.
 pub(super) fn exponent(stated: &Term, wide: &Term) -> Option<f64> {
     match (stated, wide) {
         (Term::CubicStiffness(_), Term::PowerLawStiffness(_)) => Some(3.0),
@@ -77,7 +78,8 @@ pub(super) fn starts(sizes: &Sizes, term: &Term) -> Vec<Vec<f64>> {
             let at = |widths: f64| s.omega_rad_s + widths * sizes.damping_per_s;
             let own = |strength: f64, widths: f64| vec![strength, at(widths), s.zeta, 0.0, 0.0];
             let mut all = [-2.0, -0.7, 0.0, 0.7, 2.0].map(|widths| own(strength, widths)).to_vec();
-            // One that is read against the first is not found from next to nothing: it would have to pass there.
+            // A fit that begins with no strength keeps to one sign of it: a mode read against the first needs a
+            // beginning of its own.
             if matches!(term, Term::ParasiticMode(_)) {
                 all.extend([-0.7, 0.7].map(|widths| own(OPPOSED * unit_of_mode(sizes), widths)));
             }

@@ -128,7 +128,7 @@ pub(super) fn excludes(one: &Term, other: &Term) -> bool {
             _ => 0,
         },
         Term::StiffnessDrift(_) => 5,
-        // Together, at one frequency, they imitate a mode that is read with a phase of its own.
+        // Both of them at one frequency fit a mode whose residue is complex, and it is neither.
         Term::CoupledMode(_) | Term::ParasiticMode(_) => 6,
         _ => 0,
     };

@@ -230,7 +230,7 @@ impl Kind for System<'_> {
         let exponent = laws::exponent(&self.members[set[place]].term, &wide)?;
         let coordinates = self.law_coordinates(&wide);
         let stated = self.values(set, point).laws.swap_remove(place);
-        // Along the law of the start that has a size of its own.
+        // The size at which the strength is stated is held: a fit keeps that of the law's starts.
         let size = laws::starts(&self.sizes, &wide).first()?[1];
         let values = [stated.values[0] * size.powf(exponent - 1.0), size, exponent];
         let mut widened = self.without(set, point, place);

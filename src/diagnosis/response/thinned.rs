@@ -1,5 +1,5 @@
-//! Some of the steps of a recording, in short runs of neighbours that lie elsewhere in each sweep: enough
-//! to say where a law may begin, of which a fit to all steps follows.
+//! Thins the steps of a recording, in short runs of neighbours at other frequencies in each sweep: enough
+//! to say where a law may begin. A fit to all steps follows.
 
 use std::ops::Range;
 

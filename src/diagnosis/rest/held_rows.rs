@@ -1,4 +1,4 @@
-//! Readings that stand in several rows each: a sensor that delivers more slowly than it is logged.
+//! Finds readings that are held over several rows: the sensor delivers more slowly than it is logged.
 //!
 //! Steps that are held look like a moving average to a spectrum, and are seen at once in the rows. Not for
 //! readings on coarse steps, which repeat now and then, nor for a sensor that hangs (`stuck`).
