@@ -68,6 +68,7 @@ use crate::motion::{Earth, Place};
 use crate::recording::Recording;
 use crate::repeatability::run::Run;
 use crate::units::DEGREE;
+use beyond::Left;
 use conclusion::{Examined, Found};
 use course::{Anchor, Case};
 use derivatives::Derivatives;
@@ -242,14 +243,16 @@ fn examined<T>(
     }
     // Weighed for everything first, so that no effect counts as noise; then about what was named,
     // so that no noise of the reference counts as an effect.
-    let select = |fit: &Fit| {
+    let beside = |fit: &Fit, laws: &[&'static candidate::Term]| {
         let tilt_rad = if motion.halves.attitude { fit.tilt_rad() } else { wander_rad };
         // Attitude that is reckoned from the gyro gives the residual a colour that changes with the
         // motion: what falls by less than such colour may is not named.
         let least_part = if motion.halves.attitude { 0.0 } else { COLOUR };
+        let base = selection::with(&base, laws.iter().copied());
         let allowed = Allowed { base: &base, open: &open, least_part, tilt_rad, interval_s: log.interval_s };
         selection::select(&fit.linear, &library, &allowed, control).map_err(stopped)
     };
+    let select = |fit: &Fit| beside(fit, &[]);
     let about = |fit: &Fit, selection: &Selection| {
         let active: Vec<usize> = selection.active().into_iter().filter(|p| !EARTH_RATE.contains(p)).collect();
         let solved = fit.linear.solve(&active, |_| true).point;
@@ -265,9 +268,24 @@ fn examined<T>(
         }
         fit = about(&fit, &selection)?;
     }
+    let left = Left { linear: &fit.linear, halves: motion.halves, selection: &selection, interval_s: log.interval_s };
+    let laws = left.laws(|laws| beside(&fit, laws))?;
+    if !laws.is_empty() {
+        selection = Selection { base: base.clone(), ..beside(&fit, &laws)? };
+        fit = about(&fit, &selection)?;
+    }
     drop(work);
     let place = model.latitude_deg.map(|latitude_deg| (latitude_deg, model.height_m.unwrap_or_default()));
-    let found = Found { log: &log, case: &case, start: &start, fit: &fit, selection: &selection, reference, place };
+    let found = Found {
+        log: &log,
+        case: &case,
+        start: &start,
+        fit: &fit,
+        selection: &selection,
+        laws: &laws,
+        reference,
+        place,
+    };
     then(examined, Ok(&found))
 }
 

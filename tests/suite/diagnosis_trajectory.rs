@@ -9,6 +9,7 @@ mod coverage;
 mod flight;
 mod known;
 mod lowpass;
+mod of_force;
 mod one_half;
 mod open;
 mod reference_motion;
@@ -47,6 +48,7 @@ pub fn tests() -> Vec<Trial> {
     .into_iter()
     .chain(bad_input::tests())
     .chain(lowpass::tests())
+    .chain(of_force::tests())
     .chain(one_half::tests())
     .chain(open::tests())
     .chain(reference_motion::tests())

@@ -11,8 +11,8 @@ use nalgebra::Vector3;
 use super::attitude;
 use super::course::{Anchor, Case, Course, vector};
 use super::integral::cumulative;
-use super::parameters::{ANCHOR, DRIFT, EARTH_RATE, FORCE_MATRIX, FORCE_PLACES, LEVER_ARM, OFFSET, PARAMETERS, Point};
-use super::position::{bias, places, twice};
+use super::parameters::{ANCHOR, DRIFT, EARTH_RATE, LEVER_ARM, OFFSET, PARAMETERS, Point};
+use super::position::{places, taken, twice};
 use super::rows::{Bins, Orders, Row, Spacing, rows};
 use crate::parallel;
 
@@ -79,15 +79,6 @@ pub(super) fn along_gyro_rows(
     };
     let slopes = parallel::map_indices(PARAMETERS, of);
     rows(&case.left_out_s(point), bins, orders, &residual, &slopes)
-}
-
-/// Returns what a parameter of the accelerometer takes from the specific force, in the IMU's axes.
-fn taken(case: &Case<'_>, course: &Course, k: usize, p: usize) -> Option<Vector3<f64>> {
-    if FORCE_MATRIX.contains(&p) {
-        let (row, column) = FORCE_PLACES[p - FORCE_MATRIX.start];
-        return Some(Vector3::ith(row, course.force[k][column]));
-    }
-    bias(case, case.log.time_s[k], p)
 }
 
 /// The rotation vector by which one unit of a parameter turns the reckoned attitude back, at each

@@ -1,45 +1,57 @@
-//! Tests the residual against laws that the library has no name for. Where one of them fits, nothing
-//! that was named explains the difference, least of all noise of the reference.
+//! Tests for laws that the library has no name for. Where one of them fits, no candidate is named for what it
+//! does, and nothing that was named explains the difference, least of all noise of the reference.
 
 use super::blocks::Linear;
 use super::candidate::{self, Term};
 use super::fitted::Fitted;
-use super::judgement::{Question, Standing, judge};
+use super::judgement::{Question, judge};
 use super::log::Halves;
-use super::selection::with;
+use super::selection::{Named, Selection};
+use crate::error::Result;
 use crate::number::short;
 
 /// Holds what they are looked for in.
 pub(super) struct Left<'a> {
     /// The linearised model.
     pub linear: &'a Linear,
-    /// Parameters of the chosen model.
-    pub active: &'a [usize],
     /// Holds what of each pose the reference has.
     pub halves: Halves,
+    /// Named where none of them is free.
+    pub selection: &'a Selection,
     /// From one reading to the next, s.
     pub interval_s: f64,
 }
 
 impl Left<'_> {
-    /// Those that held-out blocks and the jackknife bear out next to the chosen model.
-    pub(super) fn laws(&self) -> Vec<&'static Term> {
+    /// Those that held-out blocks and the jackknife bear out, each next to what is named where it is free, and that
+    /// are no trifle, or without which something would be named. `select` searches the library next to some of them.
+    ///
+    /// # Errors
+    /// When `select` is stopped.
+    pub(super) fn laws(&self, select: impl Fn(&[&'static Term]) -> Result<Selection>) -> Result<Vec<&'static Term>> {
         let all = candidate::beyond(self.halves);
-        let tried = all.len();
-        let counts = |term: &&'static Term| {
-            let larger = with(self.active, [*term]);
+        let mut laws = Vec::new();
+        for term in &all {
+            let beside = select(&[*term])?;
+            let is_spared = |n: &Named| !beside.named.iter().any(|b| b.standing.term == n.standing.term);
+            let spares = self.selection.named.iter().any(is_spared);
+            let larger = beside.active();
+            let smaller: Vec<usize> = larger.iter().copied().filter(|p| !term.parameters.contains(p)).collect();
             let question = Question {
                 linear: self.linear,
-                smaller: self.active,
+                smaller: &smaller,
                 larger: &larger,
                 term,
                 tilt_rad: 0.0,
                 least_part: 0.0,
                 interval_s: self.interval_s,
             };
-            Standing::counts(&judge(&question, tried))
-        };
-        all.into_iter().filter(counts).collect()
+            let standing = judge(&question, all.len());
+            if standing.counts() || (spares && standing.holds()) {
+                laws.push(*term);
+            }
+        }
+        Ok(laws)
     }
 }
 

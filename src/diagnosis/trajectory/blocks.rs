@@ -5,7 +5,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix3xX, Vector3};
 
-use super::parameters::{ANCHOR, PARAMETERS, Point, widths};
+use super::parameters::{ANCHOR, ANCHOR_RAD, PARAMETERS, Point};
 use super::rows::Row;
 use super::whitening::Whitening;
 
@@ -81,7 +81,7 @@ impl Turn {
     fn eliminate(pieces: &mut [Sums]) -> Self {
         let mut block = Sums::empty();
         pieces.iter().for_each(|piece| block.add(piece, 1.0));
-        let (start, width) = (ANCHOR.start, widths()[ANCHOR.start]);
+        let (start, width) = (ANCHOR.start, ANCHOR_RAD);
         let own = block.matrix.fixed_view::<3, 3>(start, start) + Matrix3::identity() / (width * width);
         let inverse = own.try_inverse().unwrap_or_else(Matrix3::zeros);
         let by_step = -(inverse * block.matrix.rows(start, 3));
@@ -155,6 +155,8 @@ impl Blocks {
 pub(super) struct Linear {
     /// States where it was linearised.
     pub point: Point,
+    /// Standard deviations of the prior.
+    pub widths: Point,
     /// By sensor: attitude, and position where there is one.
     pub sensors: Vec<Blocks>,
 }
@@ -214,7 +216,7 @@ impl Linear {
     }
 
     fn solve_sums(&self, sums: &Sums, active: &[usize]) -> Solved {
-        let widths = widths();
+        let widths = &self.widths;
         // What is not active goes to zero.
         let mut step = DVector::from_iterator(PARAMETERS, self.point.iter().map(|v| -v));
         active.iter().for_each(|p| step[*p] = 0.0);
@@ -309,7 +311,7 @@ mod tests {
         let block = 7;
         let own = block * 4 * PIECES..(block + 1) * 4 * PIECES;
         let white: Vec<_> = own.filter_map(|k| whitening.white(&rows, k)).collect();
-        let (mut normal, mut side) = (Matrix3::identity() / widths()[ANCHOR.start].powi(2), Vector3::zeros());
+        let (mut normal, mut side) = (Matrix3::identity() / ANCHOR_RAD.powi(2), Vector3::zeros());
         let turns = |slope: &[Vector3<f64>; PARAMETERS]| {
             Matrix3::from_columns(&[slope[ANCHOR.start], slope[ANCHOR.start + 1], slope[ANCHOR.start + 2]])
         };

@@ -4,7 +4,7 @@
 use nalgebra::Vector3;
 
 use super::account::{Account, NamedEffect, Rest, Untold};
-use super::beyond::{self, Left};
+use super::beyond;
 use super::candidate::{AXIS_SWAP, LOWPASS, TIME_OFFSET, Term, untold};
 use super::clipping::Limit;
 use super::course::Case;
@@ -39,10 +39,8 @@ use crate::sensor::Sense;
 use crate::standing::{Gain, Note, Ranked};
 use crate::verdict::{Effect, Estimate, Evidence, Fit as FitScore, Outcome, RecordingInfo, Score};
 
-const ACCELEROMETER_HELD: &str =
-    "scale factors and axes of the accelerometer are not fitted in motion: its matrix is left as it is";
 const ACCELEROMETER_FREE: &str = "scale factors and axes of the accelerometer are free by one per cent, so that what they do \
-                                  to gravity counts as no error of the gyro, and are not judged";
+                                  to gravity counts as no error of the gyro, and are not judged; a tumble recording determines them";
 /// Points of a figure.
 const DRAWN: usize = 2000;
 
@@ -58,6 +56,8 @@ pub(super) struct Found<'a> {
     pub fit: &'a Fit,
     /// Candidates, named and not.
     pub selection: &'a Selection,
+    /// Laws that are no candidates and that the difference goes with.
+    pub laws: &'a [&'static Term],
     /// The reference as the model names it.
     pub reference: &'a Reference,
     /// Latitude, °, and height, m, where the model states them.
@@ -115,14 +115,14 @@ impl Examined<'_> {
     /// The verdict next to a reference.
     pub(super) fn conclude(mut self, found: &Found<'_>) -> Answer {
         let (fit, selection, halves) = (found.fit, found.selection, found.case.motion.halves);
-        let matrix = if halves.attitude { ACCELEROMETER_HELD } else { ACCELEROMETER_FREE };
-        self.findings.push(format!("{matrix}; a tumble recording determines them"));
+        if !halves.attitude {
+            self.findings.push(ACCELEROMETER_FREE.into());
+        }
         let small = selection.base.clone();
         let active = selection.active();
         let fitted = |active: &[usize]| Fitted::of(&fit.linear, active, found.log.interval_s);
         let chosen = fitted(&active);
-        let left = Left { linear: &fit.linear, active: &active, halves, interval_s: found.log.interval_s };
-        let laws = left.laws();
+        let laws = found.laws;
         // What goes with a law that has no name goes into no other number, nor into noise of the reference.
         let lawful = with(&active, laws.iter().copied());
         let told = fitted(&lawful);
@@ -195,7 +195,8 @@ impl Examined<'_> {
         // Noise and limits are named next to a model that they do not change.
         let changed = !effects.is_empty() && active != small && !failed;
         let scores = scores(found, [&before, &chosen.point], &held, changed);
-        let base = if failed { Vec::new() } else { published::base(&seated, &wide, found.case.turned) };
+        let widths = &fit.linear.widths;
+        let base = if failed { Vec::new() } else { published::base(&seated, &wide, found.case.turned, widths) };
         let mut answer = self.answer(outcome, effects, scores, remainder, base, detail);
         answer.ranking = if failed { Vec::new() } else { ranking(&answer.effects, selection) };
         answer
@@ -235,12 +236,10 @@ impl Examined<'_> {
 
     fn account(&self, effects: &[Effect], selection: Option<&Selection>, held_out: [f64; 2]) -> Account {
         let phrase = |effect: &Effect| {
-            let term = selection.and_then(|s| s.named.iter().find(|n| n.standing.term.id() == effect.id));
             let within = |k: &usize| effect.channels.iter().all(|c| self.names[*k].contains(c));
             let alone = (0..SENSORS.len()).find(within);
             let of = alone.map_or(effect.id.clone(), |k| format!("{} of the {}", effect.id, SENSORS[k].name()));
-            let of = if effect.id == AXIS_SWAP.id { format!("{of} ({})", effect.equation) } else { of };
-            term.map_or(of, |n| n.standing.term.phrase())
+            if effect.id == AXIS_SWAP.id { format!("{of} ({})", effect.equation) } else { of }
         };
         let named = effects
             .iter()

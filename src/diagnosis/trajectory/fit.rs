@@ -8,7 +8,7 @@ use super::blocks::{BLOCKS, Blocks, Linear, part};
 use super::colour::Held;
 use super::course::{Anchor, Case, Course, Turns};
 use super::log::Motion;
-use super::parameters::{LOWPASS, PARAMETERS, Point};
+use super::parameters::{LOWPASS, PARAMETERS, Point, widths};
 use super::position::{POSITION, Steady, position_rows};
 use super::rows::{Bins, Orders, Row};
 use super::whitening::Whitening;
@@ -118,7 +118,7 @@ impl Fit {
         let mut point = *start;
         let motion = case.motion;
         let ends_s = [motion.time_s[0], motion.time_s[motion.time_s.len() - 1]];
-        let cut = Cut { ends_s, by_block: case.anchor.is_by_block() };
+        let cut = Cut { ends_s, by_block: case.anchor.is_by_block(), widths: widths(motion.halves) };
         let mut round = 0;
         loop {
             control.go_on()?;
@@ -210,11 +210,13 @@ fn leave_out(residuals: &mut Residuals, sums: &Blocks, from: &Point, to: &Point)
 /// There each turn depends on the whitening before it, and the two take longer to settle.
 const COLOURED: (usize, usize) = (2, 8);
 
-/// States how rows are cut into blocks.
+/// States how rows are cut into blocks, and what is known before them.
 struct Cut {
     ends_s: [f64; 2],
     /// States whether an attitude turns by block.
     by_block: bool,
+    /// Standard deviations of the prior.
+    widths: Point,
 }
 
 impl Cut {
@@ -242,6 +244,7 @@ impl Residuals {
 fn coloured(point: &Point, mut residuals: Vec<Residuals>, active: &[usize], cut: &Cut) -> (Linear, Vec<Residuals>) {
     let linear = |residuals: &[Residuals]| Linear {
         point: *point,
+        widths: cut.widths,
         sensors: residuals.iter().map(|r| Blocks::of(&r.rows, &r.whitening, cut.ends_s, cut.by_block)).collect(),
     };
     for _ in 0..if cut.by_block { COLOURED.1 } else { COLOURED.0 } {

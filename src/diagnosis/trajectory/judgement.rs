@@ -68,7 +68,12 @@ impl Standing {
 
     /// Returns whether it may be named.
     pub(super) fn counts(&self) -> bool {
-        self.p_value < FALSE_NAME && self.least_fall > 0.0 && self.plausible && self.matters
+        self.holds() && self.matters
+    }
+
+    /// Returns whether it is there, whatever its size.
+    pub(super) fn holds(&self) -> bool {
+        self.p_value < FALSE_NAME && self.least_fall > 0.0 && self.plausible
     }
 }
 

@@ -12,8 +12,8 @@ use super::candidate::{self, Term};
 use super::conclusion::Found;
 use super::log::Log;
 use super::parameters::{
-    DRIFT, FORCE_BIAS, G_SENSITIVITY, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL, GYRO_SCALE, LEVER_ARM, MOUNTING,
-    OFFSET, widths,
+    DRIFT, FORCE_BIAS, FORCE_MATRIX, FORCE_PLACES, FORCE_SCALE, G_SENSITIVITY, GYRO_BIAS, GYRO_MISALIGNMENT,
+    GYRO_OFF_DIAGONAL, GYRO_SCALE, LEVER_ARM, MOUNTING, OFFSET, Point,
 };
 use super::plausible;
 use super::published;
@@ -44,6 +44,7 @@ struct Question {
     /// States about which axes the body turns: elsewhere the gyro reads its own noise, and the fit would take
     /// that for turns.
     turns: [bool; 3],
+    widths: Point,
 }
 
 /// Checks a motion.
@@ -85,11 +86,14 @@ impl Question {
             DRIFT..DRIFT + 1,
             MOUNTING,
             LEVER_ARM,
+            FORCE_MATRIX.start..if halves.attitude { FORCE_MATRIX.end } else { FORCE_MATRIX.start },
         ];
         let mut active: Vec<usize> = ranges.into_iter().flatten().filter(|p| all.contains(p)).collect();
         let told = active.len();
         active.extend(all.into_iter().filter(|p| !active.contains(p)).collect::<Vec<_>>());
-        let mut question = Self { library, active, told, tolerance: Vec::new(), turns: turns(found.log) };
+        let turns = turns(found.log);
+        let widths = found.fit.linear.widths;
+        let mut question = Self { library, active, told, tolerance: Vec::new(), turns, widths };
         question.tolerance = question.active.iter().map(|p| question.plausible(*p)).collect();
         question
     }
@@ -107,7 +111,7 @@ impl Question {
             p => plausible::bias(p)
                 .or_else(|| self.term(p).map(Term::largest))
                 .filter(|size| size.is_finite() && *size > 0.0)
-                .unwrap_or_else(|| widths()[p]),
+                .unwrap_or_else(|| self.widths[p]),
         }
     }
 
@@ -121,6 +125,11 @@ impl Question {
             _ if GYRO_MISALIGNMENT.contains(&p) => {
                 let (i, j) = GYRO_OFF_DIAGONAL[within(&GYRO_MISALIGNMENT)];
                 element(Sense::Gyro, Role::Misalignment, i, Some(j))
+            }
+            _ if FORCE_SCALE.contains(&p) => element(Sense::Accelerometer, Role::Scale, within(&FORCE_SCALE), None),
+            _ if FORCE_MATRIX.contains(&p) => {
+                let (i, j) = FORCE_PLACES[within(&FORCE_MATRIX)];
+                element(Sense::Accelerometer, Role::Misalignment, i, Some(j))
             }
             _ if G_SENSITIVITY.contains(&p) => {
                 let n = within(&G_SENSITIVITY);
@@ -163,7 +172,8 @@ impl Question {
         let covariance = DMatrix::from_fn(*told, *told, |i, j| {
             solved.covariance[(i, j)] / (white(i) * white(j)).max(f64::MIN_POSITIVE) * errors[i] * errors[j]
         });
-        let value = |p: &usize| if GYRO_SCALE.contains(p) { 1.0 + solved.point[*p] } else { solved.point[*p] };
+        let is_scale = |p: &usize| GYRO_SCALE.contains(p) || FORCE_SCALE.contains(p);
+        let value = |p: &usize| if is_scale(p) { 1.0 + solved.point[*p] } else { solved.point[*p] };
         let estimate = Estimate {
             parameters: active[..*told].iter().map(|p| self.parameter(*p)).collect(),
             tolerance: tolerance[..*told].to_vec(),

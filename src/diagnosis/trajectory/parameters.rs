@@ -3,13 +3,14 @@
 //!
 //! Gyro: y = (I + S) ω + K f + b; accelerometer: y = (I + S) f + b. ω and f stand in the IMU's
 //! axes, which are the accelerometer's and which C = C₀ exp(c) turns to the body axes of the
-//! reference. The accelerometer's own scale and axes are not judged: most bodies press along one
-//! axis alone, and along the others their slopes would be made of the noise that they are judged
-//! by. Next to positions alone they are free within what a sensor has, for what they do to gravity
+//! reference. The accelerometer's own scale and axes are judged where the reference has attitudes.
+//! Next to positions alone they are free within what a sensor has, for what they do to gravity
 //! as the body turns would else be taken for errors of the gyro. An IMU's stamp is late by τ + d (t
 //! − t_middle). Zero is "absent", everywhere.
 
 use std::ops::Range;
+
+use super::log::Halves;
 
 /// Number of parameters, fitted or not.
 pub(super) const PARAMETERS: usize = 63;
@@ -48,6 +49,10 @@ pub(super) const EARTH_RATE: Range<usize> = 46..49;
 pub(super) const ANCHOR: Range<usize> = 49..52;
 /// The accelerometer's S on and below its diagonal: xx, yy, zz, yx, zx, zy.
 pub(super) const FORCE_MATRIX: Range<usize> = 52..58;
+/// The diagonal of it.
+pub(super) const FORCE_SCALE: Range<usize> = 52..55;
+/// The rest of it.
+pub(super) const FORCE_MISALIGNMENT: Range<usize> = 55..58;
 /// Square of the time constant of a low-pass that the readings went through, s². It enters by its
 /// square next to the lag of both together, for to the first order a low-pass is a clock that is
 /// late.
@@ -66,9 +71,14 @@ pub(super) const FORCE_PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1
 /// Cosines that a slow wander is made of.
 pub(super) const COSINES: usize = 2;
 
-/// Returns how large each number may be at the very most: the standard deviation of a prior that
-/// holds fast what nothing shows.
-pub(super) fn widths() -> Point {
+/// The accelerometer's scale and axes as it is delivered: half a per cent to one.
+pub(super) const DELIVERED: f64 = 1e-2;
+/// By how much an attitude that dead reckoning goes through may be off, rad.
+pub(super) const ANCHOR_RAD: f64 = 0.3;
+
+/// Returns how large each number may be at the very most next to a reference with these halves of a pose: the
+/// standard deviation of a prior that holds fast what nothing shows.
+pub(super) fn widths(halves: Halves) -> Point {
     let mut widths = [0.0; PARAMETERS];
     let rows: [(Range<usize>, f64); 18] = [
         (GYRO_BIAS, 1.0),
@@ -84,9 +94,8 @@ pub(super) fn widths() -> Point {
         (GYRO_WANDER, 0.2),
         (FORCE_WANDER, 2.0),
         (EARTH_RATE, 1e-3),
-        (ANCHOR, 0.3),
-        // A sensor as it is delivered: half a per cent to one.
-        (FORCE_MATRIX, 1e-2),
+        (ANCHOR, ANCHOR_RAD),
+        (FORCE_MATRIX, if halves.attitude { 0.5 } else { DELIVERED }),
         (LOWPASS..LOWPASS + 1, 1e-2),
         (RATE_SQUARE, 0.5),
         (LENGTH..LENGTH + 1, 0.5),

@@ -6,7 +6,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::course::{Case, Course, vector};
 use super::integral::{between, cumulative, place};
 use super::parameters::{
-    COSINES, DRIFT, FORCE_BIAS, FORCE_WANDER, LENGTH, LEVER_ARM, LOWPASS, MOUNTING, OFFSET, PARAMETERS, Point, TILT,
+    COSINES, DRIFT, FORCE_BIAS, FORCE_MATRIX, FORCE_PLACES, FORCE_WANDER, LENGTH, LEVER_ARM, LOWPASS, MOUNTING, OFFSET,
+    PARAMETERS, Point, TILT,
 };
 use super::rows::{Bins, Orders, Row, Spacing, rows};
 use crate::parallel;
@@ -91,14 +92,18 @@ pub(super) fn twice(
     (at_poses(&way, &velocity), at_poses(&velocity, changes))
 }
 
-/// Returns what a bias of the accelerometer takes from the specific force, in the IMU's axes.
-pub(super) fn bias(case: &Case<'_>, time_s: f64, p: usize) -> Option<Vector3<f64>> {
+/// Returns what a parameter of the accelerometer takes from the specific force, in the IMU's axes.
+pub(super) fn taken(case: &Case<'_>, course: &Course, k: usize, p: usize) -> Option<Vector3<f64>> {
     if FORCE_BIAS.contains(&p) {
         return Some(Vector3::ith(p - FORCE_BIAS.start, 1.0));
     }
+    if FORCE_MATRIX.contains(&p) {
+        let (row, column) = FORCE_PLACES[p - FORCE_MATRIX.start];
+        return Some(Vector3::ith(row, course.force[k][column]));
+    }
     FORCE_WANDER.contains(&p).then(|| {
         let n = p - FORCE_WANDER.start;
-        Vector3::ith(n / COSINES, case.cosines(time_s)[n % COSINES])
+        Vector3::ith(n / COSINES, case.cosines(case.log.time_s[k])[n % COSINES])
     })
 }
 
@@ -106,8 +111,8 @@ pub(super) fn bias(case: &Case<'_>, time_s: f64, p: usize) -> Option<Vector3<f64
 /// its double integral.
 fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize, middle_s: f64) -> Option<Vector3<f64>> {
     let (w, f, time_s) = (course.rate[k], course.force[k], case.log.time_s[k]);
-    if let Some(bias) = bias(case, time_s, p) {
-        return Some(bias);
+    if let Some(taken) = taken(case, course, k, p) {
+        return Some(taken);
     }
     if MOUNTING.contains(&p) {
         return Some(-Vector3::ith(p - MOUNTING.start, 1.0).cross(&f));

@@ -9,22 +9,24 @@ use super::fitted::Fitted;
 use super::log::Halves;
 use super::mounted;
 use super::parameters::{
-    DRIFT, FORCE_BIAS, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL, GYRO_SCALE, LEVER_ARM, MOUNTING, OFFSET, Point,
-    TILT, widths,
+    DELIVERED, DRIFT, FORCE_BIAS, FORCE_MATRIX, FORCE_PLACES, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL,
+    GYRO_SCALE, LEVER_ARM, MOUNTING, OFFSET, Point, TILT,
 };
 use super::permutation::Permutation;
 use super::selection::Selection;
 use crate::units::DEGREE;
 use crate::verdict::{Estimate, SensorCalibration, Triads};
 
-/// States how well scale and axes are known where nothing shows them, the accelerometer's among them, which are held
-/// or nearly so: what a sensor may have at most.
+/// States how well scale and axes are known where nothing shows them: what a sensor may have at most.
 const HELD: f64 = 0.2;
 
-/// Returns what nearly every unit has, next to a model.
+/// Returns what nearly every unit has, next to a model: of the accelerometer's scale and axes what the motion shows
+/// better than the sensor is delivered with, for the rest would go into its biases.
 pub(super) fn usual(active: &[usize], selection: &Selection) -> Vec<usize> {
     let gyro = [OFFSET..OFFSET + 1, DRIFT..DRIFT + 1, GYRO_SCALE, GYRO_MISALIGNMENT];
-    let more = gyro.into_iter().chain([LEVER_ARM].into_iter().filter(|arm| selection.judges(arm.start))).flatten();
+    let arm = [LEVER_ARM].into_iter().filter(|arm| selection.judges(arm.start));
+    let of_force = FORCE_MATRIX.filter(|p| selection.half_width(*p).is_some_and(|half| half < DELIVERED));
+    let more = gyro.into_iter().chain(arm).flatten().chain(of_force);
     let mut all = active.to_vec();
     more.for_each(|p| {
         if !all.contains(&p) {
@@ -45,8 +47,7 @@ pub(super) fn seated(active: &[usize], halves: Halves) -> Vec<usize> {
 
 /// Numbers of the base model, and clock, mounting and lever arm of the wide one; those that are
 /// known less well than before the recording are left out.
-pub(super) fn base(chosen: &Fitted, wide: &Fitted, turned: UnitQuaternion<f64>) -> Vec<Estimate> {
-    let widths = widths();
+pub(super) fn base(chosen: &Fitted, wide: &Fitted, turned: UnitQuaternion<f64>, widths: &Point) -> Vec<Estimate> {
     let is_known = |p: usize, e: &Estimate, per_si: f64| e.ci95[1] - e.ci95[0] <= 2.0 * widths[p] * per_si;
     let mut all: Vec<Estimate> = Vec::new();
     let rows = [
@@ -75,9 +76,15 @@ pub(super) fn base(chosen: &Fitted, wide: &Fitted, turned: UnitQuaternion<f64>) 
 }
 
 /// The parameter of an element of the gyro's matrix.
-fn element(row: usize, column: usize) -> usize {
+fn of_gyro((row, column): (usize, usize)) -> Option<usize> {
     let at = |place: &(usize, usize)| *place == (row, column);
-    GYRO_OFF_DIAGONAL.iter().position(at).map_or(GYRO_SCALE.start + row, |n| GYRO_MISALIGNMENT.start + n)
+    Some(GYRO_OFF_DIAGONAL.iter().position(at).map_or(GYRO_SCALE.start + row, |n| GYRO_MISALIGNMENT.start + n))
+}
+
+/// That of the accelerometer's, whose axes are the body's: none above the diagonal.
+fn of_accelerometer((row, column): (usize, usize)) -> Option<usize> {
+    let at = |place: &(usize, usize)| *place == (row, column);
+    FORCE_PLACES.iter().position(at).map(|n| FORCE_MATRIX.start + n)
 }
 
 /// calibrated = matrix · (reading − bias), in the axes that the columns ought to read.
@@ -93,26 +100,27 @@ pub(super) fn calibration(wide: &Fitted, swapped: [Permutation; 2]) -> Option<Tr
             unit: unit.into(),
         }
     };
-    let gyro =
-        |p: &Point| gyro_matrix(p).try_inverse().unwrap_or_else(Matrix3::identity) * swapped[0].matrix().transpose();
-    let straight = swapped[0].matrix().transpose();
-    let fitted = std::array::from_fn(|i| {
-        std::array::from_fn(|j| {
-            let (value, ci95) = wide.number(&|p: &Point| gyro(p)[(i, j)]);
-            let is_shown = wide.has(element(i, straight.column(j).iamax())) && ci95[1] - ci95[0] < 2.0 * HELD;
-            if is_shown {
-                (value, ci95)
-            } else {
+    let matrix = |of: fn(&Point) -> Matrix3<f64>, place: fn((usize, usize)) -> Option<usize>, swap: Permutation| {
+        let straight = swap.matrix().transpose();
+        let calibrated = move |p: &Point| of(p).try_inverse().unwrap_or_else(Matrix3::identity) * straight;
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                let (value, ci95) = wide.number(&|p: &Point| calibrated(p)[(i, j)]);
+                let fitted = place((i, straight.column(j).iamax())).is_none_or(|p| wide.has(p));
+                if fitted && ci95[1] - ci95[0] < 2.0 * HELD {
+                    return (value, ci95);
+                }
                 (straight[(i, j)], [straight[(i, j)] - HELD, straight[(i, j)] + HELD])
-            }
+            })
         })
-    });
-    let taken = swapped[1].matrix().transpose();
-    let taken = accelerometer_matrix(&wide.point).try_inverse().unwrap_or_else(Matrix3::identity) * taken;
-    let held = |i, j| (taken[(i, j)], [taken[(i, j)] - HELD, taken[(i, j)] + HELD]);
-    let held = std::array::from_fn(|i| std::array::from_fn(|j| held(i, j)));
+    };
     wide.has(FORCE_BIAS.start).then(|| Triads {
-        gyro: Some(sensor(fitted, GYRO_BIAS.start, swapped[0], "rad/s")),
-        accelerometer: sensor(held, FORCE_BIAS.start, swapped[1], "m/s^2"),
+        gyro: Some(sensor(matrix(gyro_matrix, of_gyro, swapped[0]), GYRO_BIAS.start, swapped[0], "rad/s")),
+        accelerometer: sensor(
+            matrix(accelerometer_matrix, of_accelerometer, swapped[1]),
+            FORCE_BIAS.start,
+            swapped[1],
+            "m/s^2",
+        ),
     })
 }

@@ -53,6 +53,10 @@ pub struct Repaired {
     pub gyro_bias: [Drawn; 3],
     /// Biases of the accelerometer, m/s².
     pub force_bias: [Drawn; 3],
+    /// Scale-factor errors of the accelerometer, 1.
+    pub force_scale: [Drawn; 3],
+    /// Misalignment of its y and z axes, the elements below the diagonal, rad.
+    pub force_misalignment: [Vec<f64>; 2],
     /// Scale-factor errors of the gyro, 1.
     pub gyro_scale: [Drawn; 3],
     /// Misalignment of the gyro by rows, the element on the diagonal left out, rad.
@@ -85,6 +89,8 @@ impl Repaired {
         Self {
             gyro_bias: self.gyro_bias.map(rest),
             force_bias: self.force_bias.map(rest),
+            force_scale: self.force_scale.map(rest),
+            force_misalignment: [Vec::new(), Vec::new()],
             gyro_scale: self.gyro_scale.map(rest),
             gyro_misalignment: [[0.0; 2]; 3],
             g_sensitivity: [[0.0; 3]; 3],
@@ -141,6 +147,9 @@ impl Repaired {
         text += "\n[accelerometer]\n";
         text += &three(&row(SensorTerm::AccelerometerBias)[0], self.force_bias);
         text += &one(&row(SensorTerm::VelocityRandomWalk)[0], self.density[1] * DENSITY_TO_RANDOM_WALK);
+        text += &three(&row(SensorTerm::ScaleFactor)[0], self.force_scale);
+        let [y, z] = &self.force_misalignment;
+        text += &three(&coupling::ACCELEROMETER_MISALIGNMENT, [Drawn::default(), over(y), over(z)]);
         text += "\n[gyro]\n";
         text += &three(&row(SensorTerm::GyroBias)[0], self.gyro_bias);
         text += &one(&row(SensorTerm::AngleRandomWalk)[0], self.density[0] * DENSITY_TO_RANDOM_WALK);

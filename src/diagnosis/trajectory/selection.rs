@@ -2,10 +2,10 @@
 //! needed any more.
 
 use super::blocks::Linear;
-use super::candidate::{LOWPASS, MISALIGNMENT, MOUNTING, TIME_OFFSET, Term};
+use super::candidate::{LOWPASS, MOUNTING, TIME_OFFSET, Term};
 use super::course::Case;
 use super::judgement::{Question, Standing, judge};
-use super::parameters::{self, FORCE_BIAS, FORCE_MATRIX, GYRO_BIAS, OFFSET, TILT};
+use super::parameters::{self, FORCE_BIAS, FORCE_MATRIX, GYRO_BIAS, GYRO_MISALIGNMENT, OFFSET, TILT};
 use crate::control::{Control, Stopped};
 use crate::numerics::order;
 
@@ -45,6 +45,13 @@ impl Selection {
     pub(super) fn judges(&self, p: usize) -> bool {
         let named = self.named.iter().map(|n| &n.standing);
         named.chain(&self.others).any(|standing| standing.term.parameters.contains(&p))
+    }
+
+    /// Half the width of the 95 % interval of a parameter of a term that was judged, SI.
+    pub(super) fn half_width(&self, p: usize) -> Option<f64> {
+        let mut judged = self.named.iter().map(|n| &n.standing).chain(&self.others);
+        let standing = judged.find(|standing| standing.term.parameters.contains(&p))?;
+        standing.half_widths.get(p - standing.term.parameters.start).copied()
     }
 
     /// Returns what was named by this id.
@@ -151,7 +158,7 @@ impl Search<'_> {
     /// Returns what may be added. Where the gyro's misalignment is free it says nothing of a
     /// mounting, and the accelerometer alone cannot tell a mounting from its own misalignment.
     fn rest(&self, named: &[&'static Term]) -> Vec<&'static Term> {
-        let misaligned = named.iter().any(|t| t.id() == MISALIGNMENT.id);
+        let misaligned = named.iter().any(|t| t.parameters == GYRO_MISALIGNMENT);
         let closed = |t: &Term| misaligned && t.id() == MOUNTING.id;
         self.library.iter().copied().filter(|t| !named.contains(t) && !closed(t)).collect()
     }

@@ -1,17 +1,20 @@
 //! From what was named to the sensor that a study runs.
 
+use std::ops::Range;
+
 use super::candidate::{AXIS_SWAP, REFERENCE_NOISE, Term};
 use super::clipping::Limit;
 use super::course::{Case, vector};
 use super::fitted::Fitted;
 use super::parameters::{
-    DRIFT, EARTH_RATE, FORCE_BIAS, FORCE_WANDER, G_SENSITIVITY, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_SCALE, GYRO_WANDER,
-    LEVER_ARM, LOWPASS, OFFSET,
+    DRIFT, EARTH_RATE, FORCE_BIAS, FORCE_MISALIGNMENT, FORCE_PLACES, FORCE_SCALE, FORCE_WANDER, G_SENSITIVITY,
+    GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_SCALE, GYRO_WANDER, LEVER_ARM, LOWPASS, OFFSET,
 };
 use super::permutation::Permutation;
 use super::repaired::{Along, Repaired};
-use super::selection::Selection;
+use super::selection::{Named, Selection};
 use super::start::Start;
+use crate::by_axis::Drawn;
 use crate::model::Reference;
 
 /// Holds what the sensor is made from.
@@ -46,6 +49,15 @@ impl Diagnosed<'_> {
         let of = |start: usize| chosen.point[start];
         let misaligned = |row: usize| [0, 1].map(|n| of(GYRO_MISALIGNMENT.start + 2 * row + n));
         let sensitive = |row: usize| [0, 1, 2].map(|n| of(G_SENSITIVITY.start + 3 * row + n));
+        // What is free next to positions alone is not judged, and no study has it.
+        let named = |range: Range<usize>| {
+            let is_it = |n: &&Named| n.standing.term.parameters == range;
+            self.selection.named.iter().find(is_it).map(|_| range.clone())
+        };
+        let askew = |row: usize| {
+            let all = FORCE_MISALIGNMENT.filter(|p| FORCE_PLACES[p - FORCE_SCALE.start].0 == row);
+            named(FORCE_MISALIGNMENT).map_or(Vec::new(), |_| all.map(of).collect())
+        };
         let ends = [motion.time_s.first(), motion.time_s.last()];
         Repaired {
             along: Along {
@@ -57,6 +69,8 @@ impl Diagnosed<'_> {
             },
             gyro_bias: three(self.seated, GYRO_BIAS.start),
             force_bias: three(self.seated, FORCE_BIAS.start),
+            force_scale: named(FORCE_SCALE).map_or([Drawn::default(); 3], |range| three(chosen, range.start)),
+            force_misalignment: [1, 2].map(askew),
             gyro_scale: three(chosen, GYRO_SCALE.start),
             gyro_misalignment: [0, 1, 2].map(misaligned),
             g_sensitivity: [0, 1, 2].map(sensitive),

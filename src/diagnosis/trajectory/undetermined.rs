@@ -5,7 +5,7 @@ use super::blocks::Linear;
 use super::candidate::Term;
 use super::fit::Fit;
 use super::judgement::Standing;
-use super::parameters::{GYRO_MISALIGNMENT, GYRO_SCALE, MOUNTING};
+use super::parameters::{FORCE_MATRIX, GYRO_MISALIGNMENT, GYRO_SCALE, MOUNTING};
 use super::selection::Named;
 use crate::model::Half;
 use crate::numerics::special::normal_quantile;
@@ -35,7 +35,7 @@ pub(super) fn open(fit: &Fit, own: [f64; 2]) -> Vec<usize> {
             sum < SHOWN * SHOWN * noise * count
         })
     };
-    MOUNTING.chain(GYRO_SCALE).chain(GYRO_MISALIGNMENT).filter(silent).collect()
+    MOUNTING.chain(GYRO_SCALE).chain(GYRO_MISALIGNMENT).chain(FORCE_MATRIX).filter(silent).collect()
 }
 
 /// Those of the parameters of a model that it determines next to all others: a fit of the rest would go astray, and

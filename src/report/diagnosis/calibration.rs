@@ -7,9 +7,9 @@ use proofmass_physics::candidate::Kind;
 pub(super) fn meaning(kind: Kind) -> &'static str {
     match kind {
         Kind::Trajectory => {
-            "calibrated = matrix · (reading − bias), with offsets and with scale and misalignment of the gyro fitted whether \
-             they were named or not; those of the accelerometer, and others that this motion does not determine, are left \
-             as they are, and their ± is what a sensor may have. Otherwise ± is half the width of the 95 % interval"
+            "calibrated = matrix · (reading − bias), with offset, scale and misalignment fitted whether they were named or \
+             not; what this motion does not determine is left as it is, and its ± is what a sensor may have. Otherwise ± \
+             is half the width of the 95 % interval, 0 where the axes are those of the accelerometer by definition"
         }
         _ => {
             "calibrated = matrix · (reading − bias), with offset, scale and misalignment of every axis fitted whether they \

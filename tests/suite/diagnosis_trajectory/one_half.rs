@@ -27,8 +27,8 @@ pub fn tests() -> Vec<Trial> {
 
 /// Headings of stamp and attitude.
 const ATTITUDE: [&str; 2] = ["timestamp", "q_RS"];
-const UNTOLD: &str =
-    "a reference of attitude alone says nothing about lever-arm or accelerometer-bias of the accelerometer";
+const UNTOLD: &str = "a reference of attitude alone says nothing about lever-arm or scale-factor of the accelerometer or misalignment of the \
+     accelerometer or accelerometer-bias of the accelerometer";
 
 fn attitude() -> Result<(), Failed> {
     for seed in [1, 6] {

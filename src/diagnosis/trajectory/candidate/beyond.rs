@@ -31,7 +31,7 @@ const LENGTH: Candidate = Candidate {
 };
 
 /// Sizes below which they are nothing: of the square those of a scale factor, which it is at a rate of 1 rad/s; of the
-/// positions the scale that an accelerometer has as it is delivered, which is not fitted in motion.
+/// positions the scale that an accelerometer has as it is delivered, for they are smoothed by no law.
 pub(super) const TERMS: &[Term] = &[
     Term {
         candidate: &SQUARE,
@@ -51,7 +51,7 @@ pub(super) const TERMS: &[Term] = &[
         names: &["too_large"],
         unit: Unit { name: "%", per_si: 1e2 },
         measure: Measure::Plain,
-        smallest: 1e-2,
+        smallest: parameters::DELIVERED,
         per_tilt: 0.0,
         needs: Some(Half::Position),
     },

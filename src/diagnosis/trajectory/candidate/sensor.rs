@@ -11,12 +11,15 @@ use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
 pub(super) const SCALE_FACTOR: Candidate = Candidate {
     id: "scale-factor",
     kind: Kind::Trajectory,
-    statement: "The gyro's scale factors differ from the assumed ones.",
+    statement: "The sensor's scale factors differ from the assumed ones.",
     equation: "y_i = (1 + s_i) v_i + b_i",
-    parameters: &[Parameter { name: "gyro_x, gyro_y, gyro_z", unit: "ppm", range: (-1e5, 1e5) }],
+    parameters: &[
+        Parameter { name: "gyro_x, gyro_y, gyro_z", unit: "ppm", range: (-1e5, 1e5) },
+        Parameter { name: "accelerometer_x, accelerometer_y, accelerometer_z", unit: "ppm", range: (-1e5, 1e5) },
+    ],
     acts: "readout",
-    signature: "measured turns are too large or too small, in proportion to the turn",
-    confusable_with: &["readout-saturation"],
+    signature: "measured turns, or gravity as the body turns, are too large or too small, in proportion",
+    confusable_with: &["readout-saturation", "accelerometer-bias"],
     reference: "IEEE 952, IEEE 1293",
 };
 
@@ -24,11 +27,18 @@ pub(super) const SCALE_FACTOR: Candidate = Candidate {
 pub const MISALIGNMENT: Candidate = Candidate {
     id: "misalignment",
     kind: Kind::Trajectory,
-    statement: "The gyro's axes are not orthogonal, or not aligned with the accelerometer's.",
+    statement: "The sensor's axes are not orthogonal, or the gyro's not aligned with the accelerometer's.",
     equation: "y = (I + S) v + b, S off its diagonal",
-    parameters: &[Parameter { name: "gyro_xy … gyro_zy", unit: "mrad", range: (-175.0, 175.0) }],
+    parameters: &[
+        Parameter { name: "gyro_xy … gyro_zy", unit: "mrad", range: (-175.0, 175.0) },
+        Parameter {
+            name: "accelerometer_yx, accelerometer_zx, accelerometer_zy",
+            unit: "mrad",
+            range: (-175.0, 175.0),
+        },
+    ],
     acts: "readout",
-    signature: "a rate about one axis appears on another, in the gyro alone",
+    signature: "a rate, or gravity, along one axis appears on another, in one sensor alone",
     confusable_with: &["mounting"],
     reference: "IEEE 952, IEEE 1293",
 };
@@ -107,6 +117,28 @@ pub(super) const TERMS: &[Term] = &[
         smallest: 5e-4,
         per_tilt: 0.0,
         needs: None,
+    },
+    Term {
+        candidate: &SCALE_FACTOR,
+        sensor: Some(Sense::Accelerometer),
+        parameters: parameters::FORCE_SCALE,
+        names: &["accelerometer_x", "accelerometer_y", "accelerometer_z"],
+        unit: PPM,
+        measure: Measure::Plain,
+        smallest: 5e-4,
+        per_tilt: 1.0,
+        needs: Some(Half::Position),
+    },
+    Term {
+        candidate: &MISALIGNMENT,
+        sensor: Some(Sense::Accelerometer),
+        parameters: parameters::FORCE_MISALIGNMENT,
+        names: &["accelerometer_yx", "accelerometer_zx", "accelerometer_zy"],
+        unit: MRAD,
+        measure: Measure::Plain,
+        smallest: 5e-4,
+        per_tilt: 1.0,
+        needs: Some(Half::Position),
     },
     Term {
         candidate: &G_SENSITIVITY,
