@@ -112,6 +112,7 @@ mod suite {
     pub mod tilt;
     pub mod touchstone;
     pub mod trial;
+    pub mod tumble_axes;
     pub mod tumble_bench;
     pub mod tumble_wander;
     pub mod tutorials;
@@ -307,6 +308,8 @@ fn main() {
         suite::diagnosis_trajectory::tests(),
         // tumble: planted physics of an IMU in still poses is named, and nothing else.
         suite::diagnosis_tumble::tests(),
+        // tumble: exchanged and reversed axes are said.
+        suite::tumble_axes::tests(),
         // tumble: a wander of 1/f noise is no mismatch.
         suite::tumble_wander::tests(),
         // diagnosis_driven: planted physics is named, foreign physics is not, and a real circuit's spring is found.

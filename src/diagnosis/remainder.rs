@@ -27,14 +27,14 @@ pub enum Size {
 }
 
 impl Size {
-    /// Of a measure that is negligible up to `tolerated` and material from `material` on.
+    /// Of a measure that is negligible up to `tolerated` and material from `material` on, or no number.
     pub fn of(measure: f64, tolerated: f64, material: f64) -> Self {
-        if measure >= material {
-            Self::Material
-        } else if measure > tolerated {
+        if measure <= tolerated && measure < material {
+            Self::Negligible
+        } else if measure < material {
             Self::Faint
         } else {
-            Self::Negligible
+            Self::Material
         }
     }
 }
@@ -52,7 +52,8 @@ pub struct Test {
 impl Test {
     /// Its size where chance does not account for it, negligible where it does.
     pub fn found(&self) -> Size {
-        if self.p_value < REAL { self.size } else { Size::Negligible }
+        // A probability that is no number excuses nothing.
+        if self.p_value >= REAL { Size::Negligible } else { self.size }
     }
 
     /// Returns whether it shows that the residual is not white.

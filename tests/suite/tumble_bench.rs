@@ -2,6 +2,7 @@
 //! between them, its rates in closed form. Independent of the fitting code: it goes from truth to
 //! counts, the tool goes the other way.
 
+use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
 
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
@@ -46,6 +47,8 @@ pub struct Imu {
     pub poses: usize,
     /// Share of each body axis in the axes of the turns: zero where it is never turned about.
     pub turned: Vector3<f64>,
+    /// From face to face: quarters of a turn about a body axis, every other one a half.
+    pub from_face_to_face: bool,
 }
 
 impl Imu {
@@ -70,6 +73,7 @@ impl Imu {
             noise: [about(0.008, 0.004), about(0.006, 0.003)],
             poses: 30,
             turned: Vector3::repeat(1.0),
+            from_face_to_face: false,
         }
     }
 
@@ -90,8 +94,17 @@ impl Imu {
         let total_s = (self.poses * (STILL + TURN)) as f64 / RATE_HZ;
         for pose in 0..self.poses {
             ranges.push(columns[0].len()..columns[0].len() + STILL);
-            let axis = Unit::new_normalize(Vector3::from_fn(|_, _| normal()).component_mul(&self.turned));
-            let angle = 0.7 + 1.8 * rng.random::<f64>();
+            let (axis, angle) = match self.from_face_to_face {
+                false => {
+                    let axis = Unit::new_normalize(Vector3::from_fn(|_, _| normal()).component_mul(&self.turned));
+                    (axis, 0.7 + 1.8 * rng.random::<f64>())
+                }
+                // A hand is some degrees off.
+                true => {
+                    let axis = Vector3::ith(rng.random_range(0..3), 1.0) + Vector3::from_fn(|_, _| 0.03 * normal());
+                    (Unit::new_normalize(axis), FRAC_PI_2 * (1 + pose % 2) as f64 + 0.05 * normal())
+                }
+            };
             let turns = if pose + 1 < self.poses { TURN } else { 0 };
             for k in 0..STILL + turns {
                 let progress = |t: f64| {

@@ -5,7 +5,7 @@
 //! held at zero because it was too small to be named. Errors are those of slow waves of the recording
 //! (`slow`): what the reference errs by lasts.
 
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use super::blocks::{BLOCKS, Linear};
 use super::candidate::{self, Term};
@@ -19,7 +19,6 @@ use super::plausible;
 use super::published;
 use super::scatter;
 use super::slow::{self, deviation};
-use crate::numerics::moments::mean_sd;
 use crate::repeatability::information::{Information, Known};
 use crate::repeatability::parameter::{Element, Estimate, Named, Parameter, Role};
 use crate::repeatability::run::{Halves, Motion, Remedy, Run, Split};
@@ -195,16 +194,21 @@ fn of_turns_about(p: usize) -> Option<usize> {
     }
 }
 
-/// Returns about which axes most of the variance of the rates, as the fit averages them, is motion and not
-/// the gyro's white noise.
+/// Returns about which axes most of the variance of the rates, as the fit averages them, is motion of its own: neither the
+/// gyro's white noise, nor what goes with the rates about the others, which an axis askew reads as well.
 fn turns(log: &Log) -> [bool; 3] {
     let rate_hz = 1.0 / log.interval_s;
     let bin = ((AVERAGED_S * rate_hz) as usize).max(1);
     let noise = scatter::floor(&log.rate, rate_hz) * rate_hz / (2 * bin) as f64;
-    [0, 1, 2].map(|axis| {
-        let mean = |rates: &[Vector3<f64>]| rates.iter().map(|r| r[axis]).sum::<f64>() / rates.len() as f64;
-        mean_sd(&log.rate.chunks_exact(bin).map(mean).collect::<Vec<_>>()).1.powi(2) > 2.0 * noise
-    })
+    let means: Vec<Vector3<f64>> =
+        log.rate.chunks_exact(bin).map(|rates| rates.iter().sum::<Vector3<f64>>() / rates.len() as f64).collect();
+    let count = means.len().max(1) as f64;
+    let centre = means.iter().sum::<Vector3<f64>>() / count;
+    let apart = |mean: &Vector3<f64>| (mean - centre) * (mean - centre).transpose() / count;
+    let covariance = means.iter().map(apart).sum::<Matrix3<f64>>() + Matrix3::identity() * f64::MIN_POSITIVE.sqrt();
+    // What the others leave of a variance is one over the diagonal of the inverse.
+    let inverse = covariance.try_inverse().unwrap_or_else(Matrix3::identity);
+    [0, 1, 2].map(|axis| 1.0 / inverse[(axis, axis)] > 2.0 * noise)
 }
 
 /// Angles turned through, and the specific force along each axis.

@@ -6,12 +6,13 @@ use std::path::Path;
 use nalgebra::{Matrix3, Vector3};
 
 use super::calibration::{Point, gyro};
-use super::group::Group;
 use super::imu::Observed;
 use super::selection::interleaved;
 use super::standing::Folds;
+use super::start::{misses_rad, scales, turned_over_angle};
 use crate::error::{Error, Result};
 use crate::model::{Split, Tumble};
+use crate::numerics::moments::mean;
 use crate::numerics::order::median;
 use crate::recording::Recording;
 
@@ -143,7 +144,9 @@ pub(crate) fn moving(path: &Path, observed: &Observed<'_>) -> Result<()> {
 /// the other way round.
 pub(crate) fn axes(path: &Path, observed: &Observed<'_>, guess: &Point, model: &Tumble) -> Result<()> {
     let (Some(names), Some(recorded)) = (&model.columns.gyro, &observed.imu.gyro) else { return Ok(()) };
-    let as_given = turn_error(observed, guess);
+    // The same however the axes are read.
+    let most = turned_over_angle(observed, guess);
+    let as_given = turn_error(observed, guess, most);
     if as_given < 0.25 {
         return Ok(());
     }
@@ -160,7 +163,7 @@ pub(crate) fn axes(path: &Path, observed: &Observed<'_>, guess: &Point, model: &
             trial.imu.gyro = Some([&gyro[0], &gyro[1], &gyro[2]]);
             let mut point = *guess;
             gyro::OFFSET.for_each(|p| point[p] = 0.0);
-            let error = turn_error(&trial, &point);
+            let error = turn_error(&trial, &point, most);
             if turned != Matrix3::identity() && best.as_ref().is_none_or(|b| error < b.0) {
                 let named = (0..3).map(|i| format!("{}{}", if sign(i) < 0.0 { "−" } else { "" }, names[order[i]]));
                 best = Some((error, named.collect::<Vec<_>>().join(", ")));
@@ -182,17 +185,11 @@ pub(crate) fn axes(path: &Path, observed: &Observed<'_>, guess: &Point, model: &
     }
 }
 
-/// Median angle between gravity as carried by the gyro and as read, over the moves; the scale is
-/// the best of a scan.
-fn turn_error(observed: &Observed<'_>, point: &Point) -> f64 {
-    let error = |scale: f64| {
-        let mut trial = *point;
-        trial[gyro::SCALE.start] *= scale;
-        let rows = observed.rows(&trial, &[]);
-        let turns = (0..rows.group.len()).filter(|r| rows.group[*r] == Group::Turn);
-        median(turns.map(|r| (rows.residual[r] * rows.deviation[r]).abs()).collect()).unwrap_or(0.0)
-    };
-    [0.8, 1.0, 1.25].into_iter().map(error).fold(f64::INFINITY, f64::min)
+/// Mean angle between gravity as carried by the gyro and as read, over the moves, at the best of these scales: half a
+/// turn looks the same whichever way it goes, and may be what most moves are.
+fn turn_error(observed: &Observed<'_>, point: &Point, most: f64) -> f64 {
+    let error = |scale: f64| mean(&misses_rad(observed, point, scale));
+    scales(most, 1.125).map(error).fold(f64::INFINITY, f64::min)
 }
 
 /// Which poses are held out: the model's split, or interleaved folds.

@@ -326,7 +326,7 @@ impl Case<'_> {
 /// Returns what the verdict rests on.
 fn evidence(selection: &Selection, residual: &Residual, held_out_ratio: f64) -> ruling::Evidence {
     ruling::Evidence {
-        base_determined: selection.base.determined,
+        base_determined: selection.base.determined && selection.chosen.determined,
         named: selection.named.len(),
         tied: selection.named.iter().filter(|n| !n.rivals.is_empty()).count(),
         remainder: residual.remainder.size,

@@ -127,13 +127,15 @@ impl Search<'_> {
         State { named: Vec::new(), model: self.base.clone() }
     }
 
-    /// Base and terms from the point of another model, each group weighed by its own misfit.
+    /// Base and terms from the point of another model, or from that of the base where no minimum lies near it, each
+    /// group weighed by its own misfit.
     fn fitted(&self, from: &Fit, named: &[&'static Term]) -> Fit {
         let active: Vec<usize> =
             self.base.active.iter().copied().chain(named.iter().flat_map(|t| t.active())).collect();
         let mut start = from.point;
         from.active.iter().filter(|p| !active.contains(p)).for_each(|p| start[*p] = 0.0);
-        Fit::balanced(self.observed, &start, &active)
+        let fit = Fit::balanced(self.observed, &start, &active);
+        if fit.determined { fit } else { Fit::balanced(self.observed, &self.base.point, &active) }
     }
 
     /// Adds what counts and drops what does not, until nothing is dropped. Adding comes first:

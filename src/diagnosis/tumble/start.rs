@@ -4,7 +4,6 @@
 use nalgebra::Vector3;
 
 use super::calibration::{Calibration, PARAMETERS, Point, accelerometer, gyro};
-use super::group::Group;
 use super::imu::Observed;
 use crate::numerics::order::median;
 
@@ -71,8 +70,31 @@ fn sphere(means: &[Vector3<f64>], middle: f64) -> (Vector3<f64>, f64) {
     if radius.is_finite() && radius > 0.0 { (centre + offset, radius) } else { (centre, spread) }
 }
 
-/// Counts per rad/s: turns between poses give the order of magnitude, a scan finds the valley.
+/// Counts per rad/s: the best of those that turns between poses allow.
 fn gyro_scale(observed: &Observed<'_>, point: &Point) -> f64 {
+    let misfit = |scale: f64| misses_rad(observed, point, scale).iter().sum::<f64>();
+    let most = turned_over_angle(observed, point);
+    let scan = scales(most, 1.06).map(|s| (misfit(s), s));
+    scan.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(most, |m| m.1)
+}
+
+/// Angles between gravity as the gyro carries it through each move, with this many counts per rad/s, and as it is
+/// read, rad: whole angles, for of those that are half a turn off the sine is small.
+pub(super) fn misses_rad(observed: &Observed<'_>, point: &Point, scale: f64) -> Vec<f64> {
+    let mut trial = *point;
+    trial[gyro::SCALE.start] = scale;
+    let calibration = Calibration::from_point(&trial);
+    let up = observed.forces_m_s2(&calibration);
+    let miss = |k: usize| {
+        let turn = observed.turn(&trial, &calibration, None, k);
+        (turn.rotation.transpose() * up[k]).angle(&up[k + 1])
+    };
+    (0..up.len().saturating_sub(1)).map(miss).collect()
+}
+
+/// What the gyro turned through over the angle between gravity before and after, in counts: about the largest scale
+/// that there can be, for no way is shorter than the angle.
+pub(super) fn turned_over_angle(observed: &Observed<'_>, point: &Point) -> f64 {
     let calibration = Calibration::from_point(point);
     let up: Vec<Vector3<f64>> = observed.forces_m_s2(&calibration).iter().map(Vector3::normalize).collect();
     let mut ratios: Vec<f64> = Vec::new();
@@ -85,15 +107,13 @@ fn gyro_scale(observed: &Observed<'_>, point: &Point) -> f64 {
             ratios.push(turned.norm() / angle);
         }
     }
-    let rough = median(ratios).filter(|r| *r > 0.0).unwrap_or(1.0);
-    let misfit = |scale: f64| {
-        let mut trial = *point;
-        trial[gyro::SCALE.start] = scale;
-        let rows = observed.rows(&trial, &[]);
-        // In rad: the noise in SI is not known before the scale is.
-        let turns = (0..rows.group.len()).filter(|r| rows.group[*r] == Group::Turn);
-        turns.map(|r| (rows.residual[r] * rows.deviation[r]).abs()).sum::<f64>()
-    };
-    let scan = (-16..=16).map(|n| rough * 1.06f64.powi(n));
-    scan.map(|s| (misfit(s), s)).min_by(|a, b| a.0.total_cmp(&b.0)).map_or(rough, |m| m.1)
+    median(ratios).filter(|r| *r > 0.0).unwrap_or(1.0)
+}
+
+/// Scales from an eighth more than this down to the 2.5th part, for most hands turn further than they need. Three
+/// times as large, a quarter of a turn backwards would pass for one forwards.
+pub(super) fn scales(most: f64, step: f64) -> impl Iterator<Item = f64> {
+    let fewest = (2.5f64.ln() / step.ln()).round() as i32;
+    let further = (1.125f64.ln() / step.ln()).round() as i32;
+    (-fewest..=further).map(move |n| most * step.powi(n))
 }

@@ -36,8 +36,12 @@ pub fn chi_squared_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     ChiSquared::new(degrees_of_freedom).map_or(f64::NAN, |d| d.inverse_cdf(probability))
 }
 
-/// Probability that F with these degrees of freedom exceeds `value`.
+/// Probability that F with these degrees of freedom exceeds `value`; NaN where that is none.
 pub fn f_survival(value: f64, numerator: f64, denominator: f64) -> f64 {
+    // The quotient that the beta function takes overflows before the probability is anything but zero.
+    if !(numerator * value).is_finite() {
+        return if value > 0.0 { 0.0 } else { f64::NAN };
+    }
     FisherSnedecor::new(numerator, denominator).map_or(f64::NAN, |d| d.sf(value.max(0.0)))
 }
 
@@ -105,6 +109,7 @@ mod tests {
     #[test]
     fn nonsense_is_nan() {
         assert!(chi_squared_quantile(0.5, -1.0).is_nan() && normal_quantile(2.0).is_nan());
+        assert!(f_survival(f64::NAN, 1.0, 1.0).is_nan() && f_survival(f64::INFINITY, 3.0, 7.0) == 0.0);
         assert!(f_survival(1.0, 0.0, 1.0).is_nan() && t_quantile(0.5, f64::NAN).is_nan());
     }
 
