@@ -31,6 +31,10 @@ struct Flight {
     // Samples from the end of the still start to it.
     passed: u32,
     padding: u32,
+    // Error of the navigator on perfect readings at the end of the tile: position, velocity, and roll, pitch and heading.
+    own_place: vec4<f32>,
+    own_speed: vec4<f32>,
+    own_turn: vec4<f32>,
 }
 
 // One sample of the truth; mirrored in `src/kernel/truth_step.rs`.
@@ -338,15 +342,16 @@ fn navigate(@builtin(global_invocation_id) id: vec3<u32>) {
     state[27u * stride + i] = failed;
 
     // Errors at the end of the tile.
-    let position = place_total.high + (since_s * speed_total.high + place_part + (place_total.low + since_s * speed_total.low));
-    let speed = speed_total.high + (speed_part + speed_total.low);
+    let position = flight.own_place.xyz
+        + (place_total.high + (since_s * speed_total.high + place_part + (place_total.low + since_s * speed_total.low)));
+    let speed = flight.own_speed.xyz + (speed_total.high + (speed_part + speed_total.low));
     let fast = bitcast<vec3<u32>>(speed) & vec3<u32>(0x7FFFFFFFu);
     if any(fast > vec3<u32>(bitcast<u32>(f32(BOUND_M_S)))) {
         failed = 1.0;
     }
     let turned = rotation_vector(turn_total.high + (turn_part + turn_total.low));
-    let roll = fma(flight.cosine, turned.x, flight.sine * turned.y);
-    let pitch = fma(flight.cosine, turned.y, -(flight.sine * turned.x));
+    let roll = flight.own_turn.x + fma(flight.cosine, turned.x, flight.sine * turned.y);
+    let pitch = flight.own_turn.y + fma(flight.cosine, turned.y, -(flight.sine * turned.x));
     let horizontal = sqrt(dot(position.xy, position.xy));
     var rows = array<f32, 12>(
         position.x,
@@ -357,7 +362,7 @@ fn navigate(@builtin(global_invocation_id) id: vec3<u32>) {
         speed.z,
         roll,
         pitch,
-        turned.z,
+        flight.own_turn.z + turned.z,
         horizontal,
         sqrt(dot(position, position)),
         position.x + position.y,

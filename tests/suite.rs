@@ -68,6 +68,7 @@ mod suite {
     pub mod outputs;
     #[cfg(unix)]
     pub mod outputs_elsewhere;
+    pub mod own_integration;
     pub mod own_noise;
     pub mod own_states;
     pub mod pages;
@@ -353,6 +354,8 @@ fn main() {
         suite::kept_shapes::tests(),
         suite::near_laws::tests(),
         suite::own_noise::tests(),
+        // own integration: what a navigator errs by itself is in every figure.
+        suite::own_integration::tests(),
         // samples: simulated readings are a recording.
         suite::same_verdict::tests(),
     ];

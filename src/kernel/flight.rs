@@ -86,6 +86,9 @@ pub struct Flight {
     pub misalignment: Misalignment,
     /// Fixes that aid the navigation, in the order of time; empty where nothing does.
     pub fixes: Arc<Vec<Fix>>,
+    /// Error of the navigator itself, on perfect readings, at each report sample: position (m) and velocity (m/s) along
+    /// north, east and down, and roll, pitch and heading (rad). Every member has it; empty where none is counted.
+    pub own: Arc<Vec<[f64; 9]>>,
 }
 
 /// State with which a member begins to navigate.
@@ -113,6 +116,12 @@ impl Flight {
     /// Seed of the ensemble.
     pub fn seed(&self) -> u64 {
         self.axes[0].seed
+    }
+
+    /// The navigator's own error after this many samples; none where nothing is reported.
+    pub fn own_at(&self, samples: u64) -> [f64; 9] {
+        let report = self.clock().report_samples.binary_search(&samples);
+        report.ok().and_then(|report| self.own.get(report)).copied().unwrap_or_default()
     }
 
     /// Number of members times samples.

@@ -123,6 +123,9 @@ pub struct Flight {
     pub first_sample: u32,
     pub passed: u32,
     pub padding: u32,
+    pub own_place: [f32; 4],
+    pub own_speed: [f32; 4],
+    pub own_turn: [f32; 4],
 }
 
 /// Mirror of the shader's `Fix`, byte for byte.

@@ -15,7 +15,7 @@ use proofmass_base::units::DEGREE;
 use proofmass_numerics::statistics::jcgm101::Stated;
 use proofmass_simulate::backend::flight::Quantity;
 use proofmass_simulate::decision::further::Further;
-use proofmass_simulate::strapdown::answer::Answer;
+use proofmass_simulate::strapdown::answer::{Answer, Departure};
 use proofmass_simulate::strapdown::covariance::{Cause, Part};
 use proofmass_study::Study;
 
@@ -82,8 +82,12 @@ pub fn lede(answer: &Answer) -> String {
     };
     let horizontal = answer.ensemble.summary(last, Quantity::Horizontal);
     let doubt = doubt(horizontal);
+    let failed = match answer.ensemble.failed {
+        0 => String::new(),
+        failed => format!(" that did not fail ({failed} did)"),
+    };
     format!(
-        "{when}, half of {} simulated navigators are within {} m of the truth horizontally, and 95 of \
+        "{when}, half of {} simulated navigators{failed} are within {} m of the truth horizontally, and 95 of \
          100 within {} m.",
         answer.ensemble.members - answer.ensemble.failed,
         worth(horizontal.percentiles[2], doubt),
@@ -163,7 +167,7 @@ pub fn budget_table(answer: &Answer) -> Table {
 /// Returns whether the ensemble is what the linear model says, and what that model leaves out.
 pub fn findings(answer: &Answer) -> Vec<String> {
     let mut all = Vec::new();
-    let worst = answer.apart.iter().max_by(|a, b| a.standard_errors.total_cmp(&b.standard_errors));
+    let worst = answer.apart.iter().max_by(|a, b| a.times.total_cmp(&b.times));
     if let Some(apart) = worst {
         let left_out = names(&answer.covariance.left_out);
         let cause = match left_out.is_empty() {
@@ -172,13 +176,35 @@ pub fn findings(answer: &Answer) -> Vec<String> {
                 format!("the errors are no longer small, or {left_out}, which the linear model leaves out, matters")
             }
         };
+        let what = match apart.departure {
+            Departure::Spread { ratio, standard_errors } => format!(
+                "the standard deviation of the {} is {} times the linear one ({} standard errors)",
+                quantity_name(apart.quantity),
+                significant(ratio, 4),
+                significant(standard_errors, 2),
+            ),
+            Departure::Mean { ensemble, model } => {
+                let (unit, per) = unit(apart.quantity);
+                format!(
+                    "the mean of the {} is {} {unit} and the linear one {} {unit}",
+                    quantity_name(apart.quantity),
+                    significant(ensemble / per, 3),
+                    significant(model / per, 3),
+                )
+            }
+        };
         all.push(format!(
-            "The ensemble departs from the linear covariance: after {} the standard deviation of the {} is {} times the \
-             linear one ({} standard errors), so {cause}. The ensemble is the answer.",
+            "The ensemble departs from the linear model: after {} {what}, so {cause}. The ensemble is the answer; the \
+             error budget is the linear model's.",
             duration(apart.time_s),
-            quantity_name(apart.quantity),
-            significant(apart.ratio, 4),
-            significant(apart.standard_errors, 2),
+        ));
+    }
+    let failed = answer.ensemble.failed;
+    if failed > 0 {
+        all.push(format!(
+            "{failed} of {} members failed, for their errors left the range of numbers, and are in none of these figures: \
+             the survivors err by less than all would.",
+            answer.ensemble.members
         ));
     }
     all
@@ -186,6 +212,15 @@ pub fn findings(answer: &Answer) -> Vec<String> {
 
 fn names(causes: &[Cause]) -> String {
     causes.iter().map(|cause| cause.name()).collect::<Vec<_>>().join(", ")
+}
+
+/// Unit that a quantity is told in, and its size in SI.
+fn unit(quantity: Quantity) -> (&'static str, f64) {
+    match quantity {
+        Quantity::Velocity(_) => ("m/s", 1.0),
+        Quantity::Attitude(_) => ("°", DEGREE),
+        _ => ("m", 1.0),
+    }
 }
 
 fn quantity_name(quantity: Quantity) -> &'static str {

@@ -236,6 +236,11 @@ fn vibration(name: &str, file: &File, duration_s: f64, seed: u64) -> Result<[Opt
 }
 
 impl InMotion {
+    /// Says whether an axis vibrates besides the motion.
+    pub fn vibrates(&self) -> bool {
+        self.vibration.iter().any(Option::is_some)
+    }
+
     /// The same study along another course.
     pub fn along(&self, course: Arc<TimeFactor>) -> Self {
         Self { course, ..self.clone() }
@@ -354,6 +359,7 @@ impl InMotion {
             vertical: self.vertical,
             misalignment: self.misalignment,
             fixes: Arc::default(),
+            own: Arc::default(),
         })
     }
 }

@@ -92,7 +92,7 @@ pub(super) fn misses_rad(observed: &Observed<'_>, point: &Point, scale: f64) -> 
     (0..up.len().saturating_sub(1)).map(miss).collect()
 }
 
-/// What the gyro turned through over the angle between gravity before and after, in counts: about the largest scale
+/// Returns the turns by the gyro over the angles between gravity before and after, in counts: about the largest scale
 /// that there can be, for no way is shorter than the angle.
 pub(super) fn turned_over_angle(observed: &Observed<'_>, point: &Point) -> f64 {
     let calibration = Calibration::from_point(point);

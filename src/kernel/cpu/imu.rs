@@ -222,12 +222,13 @@ impl<T: Real> Imu<T> {
         let clock = flight.clock();
         let passed = samples - clock.still_samples;
         let heading_rad = flight.heading_rad(passed);
+        let own = flight.own_at(samples);
         std::array::from_fn(|l| {
             let failed = self.state.failed(l) || self.axes.iter().any(|axis| axis.has_failed(l));
             (!failed).then(|| {
                 let [turn, velocity, position] = self.state.errors(l, passed, clock.sample_s());
                 let turn = roll_pitch_heading(turn, heading_rad);
-                std::array::from_fn(|i| [position, velocity, turn][i / 3][i % 3])
+                std::array::from_fn(|i| own[i] + [position, velocity, turn][i / 3][i % 3])
             })
         })
     }

@@ -134,7 +134,10 @@ fn structs_have_the_same_members_at_the_same_places() {
         sine,
         first_sample,
         passed,
-        padding
+        padding,
+        own_place,
+        own_speed,
+        own_turn
     });
     let fix = mirror!(Fix { seed, first_member, number, present, sd, gain } "padding_0" at 24, "padding_1" at 28);
     let partial = mirror!(Partial { count, mean, correction, squares, least, greatest });

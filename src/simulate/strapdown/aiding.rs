@@ -14,6 +14,7 @@ use nalgebra::SMatrix;
 use super::covariance::{self, steps};
 use super::family::{Column, Family, Gain, Process};
 use super::gains::Gains;
+use super::own_error;
 use crate::error::Result;
 use crate::kernel::aiding::{CORRECTED, Fix, SEEN};
 use crate::kernel::flight::Flight;
@@ -22,8 +23,8 @@ use crate::study::aiding::Aiding;
 use crate::study::file::AidingMethod;
 use crate::study::in_motion::InMotion;
 
-/// The ensemble of a study in motion, aided where the study says so, with statistics at
-/// `report_samples`.
+/// The ensemble of a study in motion, aided where the study says so and with the navigator's own error in every
+/// member, with statistics at `report_samples`.
 ///
 /// # Errors
 /// A proof mass that no integrator can step.
@@ -33,6 +34,7 @@ pub fn flight(study: &Study, motion: &InMotion, report_samples: Vec<u64>) -> Res
         flight.fixes = aiding.fixes.clone().into();
         flight.fixes = fixes(motion, &flight, aiding).into();
     }
+    flight.own = own_error::own_error(motion, &flight).into();
     Ok(flight)
 }
 

@@ -3,10 +3,9 @@
 
 use super::aiding;
 use super::backends::run_kept;
-use super::covariance::{self, Covariance, Part};
+use super::covariance::{self, Cause, Covariance, Part};
 use super::kept::Kept;
 use super::outages::{self, Outage};
-use super::own_error;
 use super::run::Ensemble;
 use super::windows::{self, Compared};
 use crate::backend::flight::Quantity;
@@ -28,7 +27,7 @@ pub struct Answer {
     pub report: Vec<usize>,
     /// Prediction of the linear model, at the same times as the ensemble.
     pub covariance: Covariance,
-    /// Error of the navigator on perfect readings, at the same times.
+    /// Error of the navigator on perfect readings, at the same times; the ensemble has it as well.
     pub own: Part,
     /// Outages of GNSS, where the study has them.
     pub outages: Vec<Outage>,
@@ -38,17 +37,36 @@ pub struct Answer {
     pub compared: Option<Compared>,
 }
 
-/// A spread of the ensemble that is not that of the linear model.
+/// A mean or a spread of the ensemble that is not that of the linear model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Apart {
     /// Quantity that the curve shows.
     pub quantity: Quantity,
     /// Time since the start, s.
     pub time_s: f64,
-    /// Standard deviation of the ensemble over that of the model.
-    pub ratio: f64,
-    /// By how many standard errors they differ.
-    pub standard_errors: f64,
+    /// What differs.
+    pub departure: Departure,
+    /// By how many times what is tolerated they differ.
+    pub times: f64,
+}
+
+/// States what differs between an ensemble and its linear model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Departure {
+    /// The standard deviation: that of the ensemble over that of the model.
+    Spread {
+        /// The ratio.
+        ratio: f64,
+        /// By how many standard errors they differ.
+        standard_errors: f64,
+    },
+    /// The mean, in SI.
+    Mean {
+        /// That of the ensemble.
+        ensemble: f64,
+        /// That of the model.
+        model: f64,
+    },
 }
 
 /// The quantities that the linear model has, in its order.
@@ -157,28 +175,51 @@ pub(super) fn of_ensemble(
     }
     let samples = samples(study, motion);
     let covariance = covariance::of(motion, &flight);
-    let own = own_error::own_error(motion, &flight);
+    let mean = flight.own.to_vec();
+    let own = Part { cause: Cause::Mechanisation, variance: vec![[0.0; 9]; mean.len()], mean };
     let outages = outages::outages(motion.aiding.as_ref(), &study.clock, &samples);
     let report: Vec<usize> = study.clock.report_samples.iter().filter_map(|s| samples.binary_search(s).ok()).collect();
-    let apart = report.iter().flat_map(|k| apart(&ensemble, &covariance, *k)).collect();
+    let apart = report.iter().flat_map(|k| apart(&ensemble, &covariance, &own, *k)).collect();
     Ok(Answer { flight, ensemble, report, covariance, own, outages, apart, compared })
 }
 
 /// Returns where ensemble and linear model differ at a report.
-fn apart(ensemble: &Ensemble, covariance: &Covariance, report: usize) -> Vec<Apart> {
-    let model = |place: usize| covariance.variance(report, place).sqrt();
-    let largest = |place: usize| (place / 3 * 3..place / 3 * 3 + 3).map(model).fold(0.0, f64::max);
-    let one = |(place, quantity): (usize, Quantity)| {
+fn apart(ensemble: &Ensemble, covariance: &Covariance, own: &Part, report: usize) -> Vec<Apart> {
+    let mean = |place: usize| covariance.mean(report, place) + own.mean[report][place];
+    let spread = |place: usize| covariance.variance(report, place).sqrt();
+    let largest = |of: &dyn Fn(usize) -> f64, place: usize| {
+        (place / 3 * 3..place / 3 * 3 + 3).map(|p| of(p).abs()).fold(0.0, f64::max)
+    };
+    let time_s = ensemble.time_s[report];
+    let floor = |place: usize| SMALLEST * [0.5 * time_s * time_s, time_s, 1.0][place / 3];
+    let of_spread = |place: usize, quantity: Quantity| {
         let summary = ensemble.summary(report, quantity);
-        let (sd, time_s) = (model(place), ensemble.time_s[report]);
-        let floor = SMALLEST * [0.5 * time_s * time_s, time_s, 1.0][place / 3];
-        if sd <= (SMALLEST_SPREAD * largest(place)).max(floor) {
+        let sd = spread(place);
+        if sd <= (SMALLEST_SPREAD * largest(&spread, place)).max(floor(place)) {
             return None;
         }
         let ratio = summary.sd / sd;
         // A normal sample's standard deviation has the relative standard error 1/√2n.
         let standard_errors = (ratio - 1.0).abs() * (2.0 * summary.count as f64).sqrt();
-        (standard_errors > MOST_STANDARD_ERRORS).then_some(Apart { quantity, time_s, ratio, standard_errors })
+        let departure = Departure::Spread { ratio, standard_errors };
+        Some(Apart { quantity, time_s, departure, times: standard_errors / MOST_STANDARD_ERRORS })
     };
-    LINEAR.into_iter().enumerate().filter_map(one).collect()
+    let of_mean = |place: usize, quantity: Quantity| {
+        let summary = ensemble.summary(report, quantity);
+        let (ensemble, model) = (summary.mean, mean(place));
+        let count = summary.count as f64;
+        // By chance, and by the part of a size that a spread may be off.
+        let size = model.hypot(summary.sd).max(SMALLEST_SPREAD * largest(&mean, place));
+        let tolerated = MOST_STANDARD_ERRORS * (summary.sd / count.sqrt() + size / (2.0 * count).sqrt());
+        let tolerated = tolerated.max(floor(place));
+        Some(Apart {
+            quantity,
+            time_s,
+            departure: Departure::Mean { ensemble, model },
+            times: (ensemble - model).abs() / tolerated,
+        })
+    };
+    let each = LINEAR.into_iter().enumerate();
+    let all = each.flat_map(|(place, quantity)| [of_spread(place, quantity), of_mean(place, quantity)]);
+    all.flatten().filter(|apart| apart.times > 1.0).collect()
 }

@@ -1,7 +1,7 @@
 //! The covariance of the linear error model, source by source, in f64: what the ensemble's spread
 //! must be as long as errors are small, and where it comes from.
 //!
-//! Left out, and said: rounding, saturation and the proof mass' own lag and springs, which no
+//! Left out, and said: rounding, saturation, vibration and the proof mass' own lag and springs, which no
 //! linear model has, and what is slow by a time that is drawn per member.
 
 pub mod found;
@@ -33,6 +33,8 @@ pub enum Cause {
     Fixes,
     /// The navigator itself, on perfect readings.
     Mechanisation,
+    /// Vibration, which squares and limits of a reading rectify.
+    Vibration,
 }
 
 impl Cause {
@@ -44,6 +46,7 @@ impl Cause {
             Self::Alignment => "initial attitude",
             Self::Fixes => "noise of the fixes",
             Self::Mechanisation => "navigator's integration",
+            Self::Vibration => "vibration",
         }
     }
 }
@@ -131,6 +134,9 @@ pub fn causes(motion: &InMotion, flight: &Flight, stride: u64) -> (Vec<Carried>,
         if !columns.is_empty() {
             causes.push(Carried { cause: Cause::Coupling(key), columns, families: Vec::new(), squares: [0.0; 6] });
         }
+    }
+    if motion.vibrates() {
+        left_out.push(Cause::Vibration);
     }
     let (mean, variance) = motion.between[0].moments(&coupling::TIME_JITTER);
     if flight.jitters {

@@ -67,7 +67,7 @@ struct Linear {
     position_error_ned_m: Axes,
     velocity_error_ned_m_s: Axes,
     attitude_error_rad: Turns,
-    /// Says whether every spread of the ensemble lies within four standard errors of its own.
+    /// Says whether every mean and every spread of the ensemble lies within four standard errors of its own.
     agrees: bool,
     /// Sources that a linear model has no place for.
     left_out: Vec<&'static str>,

@@ -1,23 +1,23 @@
 //! Computes the navigator's own error along a flight, on perfect readings: no spread, the same for
-//! every member, and corrected by the fixes as theirs are. The ensemble, which integrates errors
-//! about the truth, does not have it.
+//! every member, and corrected by the fixes as theirs are. The kernels integrate errors about the truth;
+//! this one is added to what they report.
 
 use nalgebra::Vector3;
 
-use super::covariance::{Cause, Part};
 use crate::kernel::aiding::{self, Fix};
 use crate::kernel::cpu::navigate::roll_pitch_heading;
 use crate::kernel::flight::{Flight, Vertical};
 use crate::motion::mechanisation::{Correction, Difference, Increment, Run, increments};
 use crate::study::in_motion::InMotion;
 
-/// At the report samples of a flight.
-pub fn own_error(motion: &InMotion, flight: &Flight) -> Part {
+/// At the report samples of a flight: position (m) and velocity (m/s) along north, east and down, and roll, pitch and
+/// heading (rad).
+pub fn own_error(motion: &InMotion, flight: &Flight) -> Vec<[f64; 9]> {
     of_increments(motion, flight, &increments(&flight.course.truth))
 }
 
 /// Of a navigator that is given these increments.
-pub fn of_increments(motion: &InMotion, flight: &Flight, increments: &[Increment]) -> Part {
+pub fn of_increments(motion: &InMotion, flight: &Flight, increments: &[Increment]) -> Vec<[f64; 9]> {
     let held = flight.vertical == Vertical::Held;
     let run = Run { earth: flight.course.earth, integrator: motion.mechanisation, truth: &flight.course.truth, held };
     let errors = run.errors(increments, |sample, error| {
@@ -34,8 +34,7 @@ pub fn of_increments(motion: &InMotion, flight: &Flight, increments: &[Increment
         }
         all
     };
-    let mean: Vec<[f64; 9]> = clock.report_samples.iter().map(at).collect();
-    Part { cause: Cause::Mechanisation, variance: vec![[0.0; 9]; mean.len()], mean }
+    clock.report_samples.iter().map(at).collect()
 }
 
 /// Returns what a fix without noise takes off an error.

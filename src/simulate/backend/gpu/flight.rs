@@ -281,6 +281,8 @@ impl<'a> Carried<'a> {
         let (first, count) = (next.samples.start, next.samples.end - next.samples.start);
         let passed = first.saturating_sub(clock.still_samples);
         let heading_rad = flight.heading_rad(passed + count);
+        let own = flight.own_at(first + count);
+        let three = |from: usize| std::array::from_fn(|i| if i < 3 { own[from + i] as f32 } else { 0.0 });
         let shared = layout::Flight {
             members: self.members,
             stride: self.stride,
@@ -294,6 +296,9 @@ impl<'a> Carried<'a> {
             first_sample: first as u32,
             passed: passed as u32,
             padding: 0,
+            own_place: three(0),
+            own_speed: three(3),
+            own_turn: three(6),
         };
         let passages: Vec<f32> = if first >= clock.still_samples {
             (0..count).flat_map(|n| flight.course.passage(passed + n).numbers()).map(|number| number as f32).collect()
