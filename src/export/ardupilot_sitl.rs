@@ -27,7 +27,7 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     for (name, wanted, floor, unit) in
         [("accelerometer", accelerometer, ACCELEROMETER_FLOOR_M_S2, "m/s^2"), ("gyro", gyro, GYRO_FLOOR_DEG_S, "deg/s")]
     {
-        if wanted < floor {
+        if wanted > 0.0 && wanted < floor {
             sheet.note(&format!(
                 "{name}: SITL's fixed noise of {floor} {unit} (uniform) is above this sensor's: its white noise is {:.3} times N",
                 floor / wanted

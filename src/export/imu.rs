@@ -108,7 +108,7 @@ impl Imu {
     }
 
     /// The same unit with these axes: noise and steps by their root mean square, biases by their
-    /// mean, the smallest range.
+    /// mean and what they differ by, the smallest range.
     pub fn with_axes(mut self, axes: [[Errors; 2]; 3]) -> Self {
         [self.accelerometer, self.gyro] = [0, 1].map(|sense| together(axes.map(|axis| axis[sense])));
         self.axes = (axes[0] != axes[1] || axes[0] != axes[2]).then_some(axes);
@@ -183,12 +183,14 @@ fn together(axes: [Errors; 3]) -> Errors {
         Value { mean: rms(|v| v.mean), sd: rms(|v| v.sd) }
     };
     let bias = axes.iter().map(|a| a.bias.mean).sum::<f64>() / 3.0;
+    // An axis drawn from the three: what they differ by is spread.
+    let apart = axes.iter().map(|a| (a.bias.mean - bias).powi(2)).sum::<f64>() / 3.0;
     Errors {
         unit: axes[0].unit,
         white: value(|a| a.white),
         flicker: value(|a| a.flicker),
         walk: value(|a| a.walk),
-        bias: Value { mean: bias, sd: rms(|a| a.bias.sd) },
+        bias: Value { mean: bias, sd: rms(|a| a.bias.sd).hypot(apart.sqrt()) },
         step: rms(|a| a.step),
         range: axes.iter().fold(f64::INFINITY, |least, a| least.min(a.range)),
     }

@@ -64,7 +64,7 @@ fn by_axis(imu: &Imu) -> Vec<String> {
         ("N", "*sqrt(s)", "root mean square", |e| e.white.mean),
         ("B", "", "root mean square", |e| e.flicker.mean),
         ("K", "/sqrt(s)", "root mean square", |e| e.walk.mean),
-        ("bias", "", "mean", |e| e.bias.mean),
+        ("bias", "", "mean, and their spread in its sigma,", |e| e.bias.mean),
         ("step", "", "root mean square", |e| e.step),
         ("range", "", "smallest", |e| e.range),
     ];
@@ -79,6 +79,28 @@ fn by_axis(imu: &Imu) -> Vec<String> {
                 said.push(format!(
                     "{name}: x, y, z differ, {what} = {x}, {y}, {z} {unit}{per}; where the tool takes one number for \
                     all axes, it is the {instead} of them"
+                ));
+            }
+        }
+    }
+    said
+}
+
+/// Says what the sensor does not state and is written all the same.
+fn missing(imu: &Imu) -> Vec<String> {
+    let mut said = Vec::new();
+    if !imu.rate_is_stated {
+        said.push(format!("the sensor given states no rate: {} readings per second are assumed", imu.rate_hz));
+    }
+    for (name, errors) in [("accelerometer", &imu.accelerometer), ("gyro", &imu.gyro)] {
+        let none = |values: &[Value]| values.iter().all(|value| *value == Value::default());
+        for (what, is_missing) in [
+            ("white noise", none(&[errors.white])),
+            ("bias instability or random walk", none(&[errors.flicker, errors.walk])),
+        ] {
+            if is_missing {
+                said.push(format!(
+                    "no {what} of the {name} is given: zero stands for it, which estimators such as Kalibr refuse"
                 ));
             }
         }
@@ -108,6 +130,7 @@ impl Sheet {
             imu.rate_hz
         )];
         head.extend(imu.doubts.iter().cloned());
+        head.extend(missing(imu));
         for (name, errors) in [("accelerometer", &imu.accelerometer), ("gyro", &imu.gyro)] {
             let drawn =
                 [("white noise", errors.white), ("bias instability", errors.flicker), ("random walk", errors.walk)];

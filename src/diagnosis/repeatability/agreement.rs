@@ -37,7 +37,8 @@ impl Line {
     }
 }
 
-/// The test of all parameters together.
+/// The tests of all parameters together: a difference that many share shows in χ², one of a single parameter in the
+/// least likely.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
     /// χ²: squared differences over their full covariance.
@@ -46,12 +47,14 @@ pub struct Joint {
     pub freedom: f64,
     /// Probability of more by chance.
     pub p_value: f64,
+    /// Probability of one as unlikely as the least likely parameter among as many (Bonferroni).
+    pub least_p_value: f64,
 }
 
 impl Joint {
-    /// Returns whether the runs agree.
+    /// Returns whether the runs agree, by each test at half the level.
     pub fn agrees(&self) -> bool {
-        self.p_value >= OF_ALL
+        self.p_value.min(self.least_p_value) >= 0.5 * OF_ALL
     }
 }
 
@@ -137,7 +140,9 @@ fn joint(runs: &[&Estimate], shared: &[usize]) -> Option<Joint> {
     // The covariances' own scale is known as well as its least certain part.
     let behind = runs.iter().flat_map(|r| shared.iter().map(|p| r.freedom[*p])).fold(f64::INFINITY, f64::min);
     let p_value = f_survival(chi_squared / freedom, freedom, behind);
-    chi_squared.is_finite().then_some(Joint { chi_squared, freedom, p_value })
+    let least = shared.iter().map(|p| line(runs, *p).p_value).fold(1.0, f64::min);
+    let least_p_value = (least * count as f64).min(1.0);
+    chi_squared.is_finite().then_some(Joint { chi_squared, freedom, p_value, least_p_value })
 }
 
 /// Leaves out each run in turn.

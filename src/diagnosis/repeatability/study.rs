@@ -31,8 +31,8 @@ pub fn sensor_toml(agreement: &Agreement, of: &Estimate, rate_hz: f64) -> Option
     (!body.is_empty()).then(|| {
         format!(
             "# Mean over the runs, and the standard deviation with which the next run differs from it: the spread\n\
-             # between the runs together with the error of the mean. By proofmass {}.\n# What \
-             not every run determines is left out, or zero. Paste it into a study.toml{more}.\n\n[sensor]\nsample_rate_hz = {rate_hz:?}\n{body}",
+             # between the runs together with the error of the mean; of several elements that one key draws, zero and their\n\
+             # size. By proofmass {}.\n# What not every run determines is left out, or zero. Paste it into a study.toml{more}.\n\n[sensor]\nsample_rate_hz = {rate_hz:?}\n{body}",
             env!("CARGO_PKG_VERSION")
         )
     })
@@ -55,8 +55,8 @@ fn keys(sense: Sense) -> Vec<(&'static Key, Role)> {
     }
 }
 
-/// Draw of a study for one axis: of several elements their common spread, about zero where a
-/// calibration takes out what they share.
+/// Draw of a study for one axis: of several elements, which a study draws apart from one key, their size about zero;
+/// without their means where a calibration takes those out.
 fn drawn(agreement: &Agreement, of: &Estimate, (sense, role, axis): (Sense, Role, usize)) -> Drawn {
     let is_asked = |p: &Element| (p.sensor, p.role, p.axis) == (sense, role, axis);
     let elements = agreement.lines.iter().filter_map(|line| Some((line, of.parameters[line.parameter].element()?)));
@@ -68,14 +68,18 @@ fn drawn(agreement: &Agreement, of: &Estimate, (sense, role, axis): (Sense, Role
             (Role::Scale, false) => Drawn { mean: 0.0, sd: sd / mean.abs().max(f64::MIN_POSITIVE) },
             (Role::Bias, true) => Drawn { mean, sd },
             (Role::Bias, false) => Drawn { mean: 0.0, sd: sd / scale(agreement, of, sense)? },
-            _ => Drawn { mean: 0.0, sd },
+            (_, true) => Drawn { mean, sd },
+            (_, false) => Drawn { mean: 0.0, sd },
         })
     });
     let found: Vec<Drawn> = found.filter(|d| d.mean.is_finite() && d.sd.is_finite()).collect();
     match found[..] {
         [] => Drawn::default(),
         [only] => only,
-        _ => Drawn { mean: 0.0, sd: (found.iter().map(|d| d.sd * d.sd).sum::<f64>() / found.len() as f64).sqrt() },
+        _ => {
+            let square = |d: &Drawn| d.mean * d.mean + d.sd * d.sd;
+            Drawn { mean: 0.0, sd: (found.iter().map(square).sum::<f64>() / found.len() as f64).sqrt() }
+        }
     }
 }
 

@@ -48,8 +48,8 @@ impl fmt::Display for Finding {
             }
             Self::UnitAssumed { columns, unit, option, size } => write!(
                 f,
-                "the unit of {} is not stated: taken as {unit}{}; if it is another one, name the unit in the headings or \
-                 give {option}",
+                "the unit of {} is not stated: taken as {unit}{}; if it is another one, name the unit in the headings \
+                 (`allan` takes {option} as well)",
                 columns.join(", "),
                 of_size(size)
             ),

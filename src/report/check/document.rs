@@ -149,6 +149,8 @@ struct Joint {
     chi_squared: f64,
     degrees_of_freedom: f64,
     p_value: f64,
+    /// Of one as unlikely as the least likely parameter among as many.
+    least_p_value: f64,
     agrees: bool,
 }
 
@@ -250,6 +252,7 @@ fn of_agreement(files: &[String], agreement: &agreement::Agreement, estimate: &E
             chi_squared: j.chi_squared,
             degrees_of_freedom: j.freedom,
             p_value: j.p_value,
+            least_p_value: j.least_p_value,
             agrees: j.agrees(),
         }),
         odd: match agreement.odd {

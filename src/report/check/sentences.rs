@@ -260,25 +260,28 @@ pub(super) fn of_agreement(checked: &Checked) -> Vec<String> {
             ),
         });
     }
-    if let Some(Joint { chi_squared, freedom, p_value }) = agreement.joint {
+    if let Some(Joint { chi_squared, freedom, p_value, least_p_value }) = agreement.joint {
         out.push(format!(
             "all together: χ² = {} at {freedom:.0} degrees of freedom; chance alone gives as much or more in {} of cases",
             short(chi_squared),
-            if p_value < 1e-6 {
-                "less than one in a million".to_owned()
-            } else {
-                format!("{} %", short(100.0 * p_value))
-            }
+            of_cases(p_value)
         ));
         let differ = agreement.lines.iter().filter(|l| !l.agrees()).count();
         out.push(format!(
-            "one by one: {differ} of {} {} at 95 %; chance alone would make {} differ",
+            "one by one: {differ} of {} {} at 95 %; chance alone would make {} differ, and one of them as clearly as the \
+             clearest in {} of cases",
             agreement.lines.len(),
             differs(differ),
-            short(0.05 * agreement.lines.len() as f64)
+            short(0.05 * agreement.lines.len() as f64),
+            of_cases(least_p_value)
         ));
     }
     out
+}
+
+/// "2.1 %".
+fn of_cases(p_value: f64) -> String {
+    if p_value < 1e-6 { "less than one in a million".to_owned() } else { format!("{} %", short(100.0 * p_value)) }
 }
 
 fn differs(count: usize) -> &'static str {

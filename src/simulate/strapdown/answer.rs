@@ -44,7 +44,7 @@ pub struct Apart {
     pub quantity: Quantity,
     /// Time since the start, s.
     pub time_s: f64,
-    /// What differs.
+    /// Mean or spread, with its size.
     pub departure: Departure,
     /// By how many times what is tolerated they differ.
     pub times: f64,
