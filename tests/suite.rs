@@ -16,6 +16,7 @@ mod suite {
     pub mod carried_over_mass;
     pub mod carried_over_tumble;
     pub mod check;
+    pub mod check_beyond;
     pub mod check_rest;
     pub mod cli;
     pub mod clock;
@@ -334,6 +335,7 @@ fn main() {
         suite::tutorials::campaigns(),
         // check: what a recording can know, and whether it says it twice.
         suite::check::tests(),
+        suite::check_beyond::tests(),
         suite::check_rest::tests(),
         // plan: the next experiment decides as often as it is said to.
         suite::plan::tests(),

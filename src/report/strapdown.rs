@@ -199,6 +199,12 @@ pub fn findings(answer: &Answer) -> Vec<String> {
             duration(apart.time_s),
         ));
     }
+    if answer.covariance.left_out.contains(&Cause::Vibration) {
+        all.push(
+            "One draw of the vibration shakes every member: what it moves the mean by is another with another seed."
+                .into(),
+        );
+    }
     let failed = answer.ensemble.failed;
     if failed > 0 {
         all.push(format!(

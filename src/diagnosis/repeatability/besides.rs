@@ -1,9 +1,10 @@
-//! Names the channels of a log that hold more than the noise whose coefficients are compared.
+//! Names the channels of a log that hold more than the noise whose coefficients are compared, and the sensors of poses
+//! whose linear model leaves more than noise.
 
-/// One of those channels.
+/// One of those channels or sensors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Besides {
-    /// Heading of the column.
+    /// Heading of the column, or name of the sensor.
     pub channel: String,
     /// The effect found in it.
     pub what: What,
@@ -18,4 +19,6 @@ pub enum What {
     Jumps(Vec<f64>),
     /// Something that no law of the library describes.
     Unnamed,
+    /// More than the linear model of a sensor has: by how many times its noise, root mean square.
+    Beyond(f64),
 }

@@ -13,6 +13,9 @@ use super::imu::Observed;
 use super::linear::Linear;
 use super::memory;
 use super::motion;
+use super::residual::Residual;
+use super::wander;
+use crate::repeatability::besides::{Besides, What};
 use crate::repeatability::information::{Information, Known};
 use crate::repeatability::parameter::Estimate;
 use crate::repeatability::run::{Halves, Run, Split};
@@ -103,7 +106,20 @@ pub(super) fn check(poses: Poses<'_>) -> Run {
     let halves = Halves::least_lost(&estimate, halves);
     let moved = motion::of(&observed, &fit, &left_out);
     let remedies = motion::remedies(&observed, &fit, &errors.left, &estimate);
-    Run { information, estimate, halves, motion: Some(moved), remedies, findings, besides: Vec::new() }
+    let besides = beyond(&fit);
+    Run { information, estimate, halves, motion: Some(moved), remedies, findings, besides }
+}
+
+/// Sensors whose residual is more than noise and more than noise may wander. Gravity's direction after a move is both
+/// sensors', and the gyro's where the accelerometer reads gravity as it is.
+fn beyond(fit: &Fit) -> Vec<Besides> {
+    let above = Residual::of(fit).above;
+    let times = |group: Group| above.iter().find(|(g, times)| *g == group && *times > wander::MOST).map(|a| a.1.sqrt());
+    let turned = if times(Group::Gravity).is_none() { times(Group::Turn) } else { None };
+    let of_gyro = [times(Group::Still), turned].into_iter().flatten().max_by(f64::total_cmp);
+    let said = |sensor: Sense, times: f64| Besides { channel: sensor.name().to_owned(), what: What::Beyond(times) };
+    let accelerometer = times(Group::Gravity).map(|times| said(Sense::Accelerometer, times));
+    accelerometer.into_iter().chain(of_gyro.map(|times| said(Sense::Gyro, times))).collect()
 }
 
 /// The means by which fits are read.

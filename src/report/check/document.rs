@@ -44,12 +44,12 @@ struct Run {
     /// Directions among the parameters that the recording does not determine.
     undetermined: Vec<Direction>,
     /// Channels that hold something besides noise that has a coefficient: `noise` parameters of theirs are not of
-    /// noise alone.
+    /// noise alone. Of poses, sensors whose linear model leaves more than noise.
     besides: Vec<Besides>,
     statements: Vec<String>,
 }
 
-/// A channel that holds something besides noise.
+/// A channel that holds something besides noise, or a sensor that is not linear.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Besides {
@@ -58,6 +58,8 @@ struct Besides {
     effects: Vec<String>,
     /// Jumps of its bias, s from the first sample.
     jumps_s: Vec<f64>,
+    /// Of a sensor in poses: what its linear model leaves over its noise, root mean square.
+    left_over_noise: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -201,12 +203,15 @@ fn of_run(file: &str, run: &run::Run) -> Run {
 }
 
 fn of_besides(besides: &besides::Besides) -> Besides {
-    let (effects, jumps_s) = match &besides.what {
-        What::Named(ids) => (ids.clone(), Vec::new()),
-        What::Jumps(at_s) => (Vec::new(), at_s.clone()),
-        What::Unnamed => (Vec::new(), Vec::new()),
-    };
-    Besides { channel: besides.channel.clone(), effects, jumps_s }
+    let mut said =
+        Besides { channel: besides.channel.clone(), effects: Vec::new(), jumps_s: Vec::new(), left_over_noise: None };
+    match &besides.what {
+        What::Named(ids) => said.effects.clone_from(ids),
+        What::Jumps(at_s) => said.jumps_s.clone_from(at_s),
+        What::Beyond(times) => said.left_over_noise = Some(*times),
+        What::Unnamed => {}
+    }
+    said
 }
 
 fn of_estimate(estimate: &Estimate) -> Vec<Parameter> {

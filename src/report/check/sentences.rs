@@ -55,6 +55,9 @@ pub(super) fn answer(files: &[String], checked: &Checked) -> String {
         None => told,
     };
     match besides(checked) {
+        Some(besides) if checked.runs.iter().flat_map(|run| &run.besides).any(is_beyond) => format!(
+            "{told} But {besides}: what is not linear goes into offsets and scales, whose intervals do not hold it."
+        ),
         Some(besides) => format!("{told} But {besides}: what is marked * is not noise alone."),
         None => told,
     }
@@ -77,6 +80,10 @@ fn besides(checked: &Checked) -> Option<String> {
     (!all.is_empty()).then(|| list(&all))
 }
 
+fn is_beyond(besides: &Besides) -> bool {
+    matches!(besides.what, What::Beyond(_))
+}
+
 fn holds(besides: &Besides) -> String {
     let channel = &besides.channel;
     match &besides.what {
@@ -85,6 +92,7 @@ fn holds(besides: &Besides) -> String {
             let at: Vec<String> = at_s.iter().take(LISTED).map(|s| duration(*s)).collect();
             format!("the bias of {channel} jumps at {}", list(&at))
         }
+        What::Beyond(times) => format!("the linear model of the {channel} leaves {} times its noise", short(*times)),
         What::Unnamed => format!("no noise law that is known here describes {channel}"),
     }
 }
@@ -304,6 +312,7 @@ pub(super) fn next(files: &[String], checked: &Checked) -> Vec<String> {
         }
         let of_what = if at_rest { "noise and bias last" } else { "the calibration lasts" };
         out.push(match agrees {
+            true if run.besides.iter().any(is_beyond) => format!("proofmass diagnose {file} says {left_out}"),
             true => format!("halves share a day: proofmass check {file} ANOTHER.csv says whether {of_what}"),
             false => format!("proofmass diagnose {file} says {left_out}"),
         });
