@@ -27,14 +27,14 @@ pub enum Size {
 }
 
 impl Size {
-    /// Of a measure that is negligible up to `tolerated` and material from `material` on, or no number.
+    /// Of a measure that is negligible up to `tolerated` and material from `material` on.
     pub fn of(measure: f64, tolerated: f64, material: f64) -> Self {
-        if measure <= tolerated && measure < material {
-            Self::Negligible
-        } else if measure < material {
+        if measure >= material {
+            Self::Material
+        } else if measure > tolerated {
             Self::Faint
         } else {
-            Self::Material
+            Self::Negligible
         }
     }
 }
@@ -52,8 +52,7 @@ pub struct Test {
 impl Test {
     /// Its size where chance does not account for it, negligible where it does.
     pub fn found(&self) -> Size {
-        // A probability that is no number excuses nothing.
-        if self.p_value >= REAL { Size::Negligible } else { self.size }
+        if self.p_value < REAL { self.size } else { Size::Negligible }
     }
 
     /// Returns whether it shows that the residual is not white.
