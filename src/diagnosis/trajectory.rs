@@ -3,8 +3,8 @@
 //! `start` → `intake` → `fit` → `conclusion`: clocks, axes and biases roughly; readings and poses
 //! on one clock, and whether they agree; attitude and position of the reference against dead
 //! reckoning, linear in every parameter (`attitude`, `position`), made white (`whitening`) and
-//! summed in blocks of time (`blocks`); candidates judged on blocks that were held out; what is left
-//! held against laws that are no candidates (`beyond`); the verdict. Where the reference has positions alone, `start_by_position` and `along_gyro` stand in:
+//! summed in blocks of time (`blocks`); candidates judged on blocks that were held out, also with
+//! laws free that are no candidates (`beyond`); the verdict. Where the reference has positions alone, `start_by_position` and `along_gyro` stand in:
 //! attitude is reckoned from the gyro, and turns by block. The base model has constant biases,
 //! gravity of the place and the IMU's stamps and axes as they are given. Not for motion without
 //! sensors (`motion`), nor for how far a sensor drifts (`strapdown`).

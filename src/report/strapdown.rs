@@ -220,7 +220,7 @@ fn names(causes: &[Cause]) -> String {
     causes.iter().map(|cause| cause.name()).collect::<Vec<_>>().join(", ")
 }
 
-/// Unit that a quantity is told in, and its size in SI.
+/// Unit in which a quantity is printed, and how many SI units it has.
 fn unit(quantity: Quantity) -> (&'static str, f64) {
     match quantity {
         Quantity::Velocity(_) => ("m/s", 1.0),

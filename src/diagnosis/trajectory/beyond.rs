@@ -16,15 +16,16 @@ pub(super) struct Left<'a> {
     pub linear: &'a Linear,
     /// Holds what of each pose the reference has.
     pub halves: Halves,
-    /// Named where none of them is free.
+    /// What is named while no law is free.
     pub selection: &'a Selection,
     /// From one reading to the next, s.
     pub interval_s: f64,
 }
 
 impl Left<'_> {
-    /// Those that held-out blocks and the jackknife bear out, each next to what is named where it is free, and that
-    /// are no trifle, or without which something would be named. `select` searches the library next to some of them.
+    /// Returns the laws that held-out blocks and the jackknife bear out. Each is free while the library is searched, and
+    /// counts if it is large enough to matter, or if a name falls away with it. `select` searches the library with the
+    /// laws it is given free.
     ///
     /// # Errors
     /// When `select` is stopped.

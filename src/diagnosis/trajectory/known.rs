@@ -194,8 +194,8 @@ fn of_turns_about(p: usize) -> Option<usize> {
     }
 }
 
-/// Returns about which axes most of the variance of the rates, as the fit averages them, is motion of its own: neither the
-/// gyro's white noise, nor what goes with the rates about the others, which an axis askew reads as well.
+/// Returns the axes that the body turns about. At least half the variance of such a rate, averaged as in the fit, is
+/// neither white noise nor proportional to the other two rates: a misaligned axis reads those as well.
 fn turns(log: &Log) -> [bool; 3] {
     let rate_hz = 1.0 / log.interval_s;
     let bin = ((AVERAGED_S * rate_hz) as usize).max(1);

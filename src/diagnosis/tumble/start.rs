@@ -110,8 +110,8 @@ pub(super) fn turned_over_angle(observed: &Observed<'_>, point: &Point) -> f64 {
     median(ratios).filter(|r| *r > 0.0).unwrap_or(1.0)
 }
 
-/// Scales from an eighth more than this down to the 2.5th part, for most hands turn further than they need. Three
-/// times as large, a quarter of a turn backwards would pass for one forwards.
+/// Scales to try: up to an eighth more than this, and down to 1/2.5 of it, because a hand often turns further than the
+/// shortest way. Never three times as large: a quarter turn backwards would then pass for one forwards.
 pub(super) fn scales(most: f64, step: f64) -> impl Iterator<Item = f64> {
     let fewest = (2.5f64.ln() / step.ln()).round() as i32;
     let further = (1.125f64.ln() / step.ln()).round() as i32;

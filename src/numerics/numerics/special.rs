@@ -36,9 +36,9 @@ pub fn chi_squared_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     ChiSquared::new(degrees_of_freedom).map_or(f64::NAN, |d| d.inverse_cdf(probability))
 }
 
-/// Probability that F with these degrees of freedom exceeds `value`; NaN where that is none.
+/// Probability that F with these degrees of freedom exceeds `value`; NaN if an argument makes no sense.
 pub fn f_survival(value: f64, numerator: f64, denominator: f64) -> f64 {
-    // The quotient that the beta function takes overflows before the probability is anything but zero.
+    // Beyond this the argument of the beta function overflows; the probability is long zero.
     if !(numerator * value).is_finite() {
         return if value > 0.0 { 0.0 } else { f64::NAN };
     }

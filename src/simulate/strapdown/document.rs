@@ -67,7 +67,7 @@ struct Linear {
     position_error_ned_m: Axes,
     velocity_error_ned_m_s: Axes,
     attitude_error_rad: Turns,
-    /// Says whether every mean and every spread of the ensemble lies within four standard errors of its own.
+    /// True if each mean and each spread of the ensemble agrees with the linear model's, to four standard errors.
     agrees: bool,
     /// Sources that a linear model has no place for.
     left_out: Vec<&'static str>,
