@@ -16,7 +16,7 @@ pub(super) struct Left<'a> {
     pub linear: &'a Linear,
     /// Holds what of each pose the reference has.
     pub halves: Halves,
-    /// What is named while no law is free.
+    /// The names found while no law is free.
     pub selection: &'a Selection,
     /// From one reading to the next, s.
     pub interval_s: f64,
