@@ -6,11 +6,17 @@ use proofmass_base::error::Result;
 use proofmass_base::output::Folder;
 use proofmass_report::html::Page;
 
+const CSV: &str = "numbers/*.csv";
 const PARQUET: &str = "numbers/*.parquet";
 
 /// Lists the files that are announced besides the page itself.
 pub(super) fn files(parquet: bool) -> impl Iterator<Item = String> {
-    ["numbers/*.csv", PARQUET].into_iter().take(if parquet { 2 } else { 1 }).map(str::to_owned)
+    [CSV, PARQUET].into_iter().take(if parquet { 2 } else { 1 }).map(str::to_owned)
+}
+
+/// Says whether these are files of numbers.
+pub(super) fn announces(files: &str) -> bool {
+    [CSV, PARQUET].contains(&files)
 }
 
 /// Writes a page under this name, and its numbers in the formats that were announced.

@@ -83,7 +83,7 @@ struct Late<'a> {
     half_s: f64,
     /// The delay, in half substeps.
     halves: f64,
-    /// The force before the run: that of the still start, or the run's first, m/s².
+    /// The force before the run: that of the still start, or the run's first without vibration, m/s².
     before: f64,
 }
 
@@ -96,7 +96,7 @@ impl<'a> Late<'a> {
         let half_s = 0.5 * job.clock.step_s / f64::from(job.integrator.substeps());
         let halves = job.readout_delay_s() / half_s;
         let before = match job.clock.still_samples {
-            0 => job.waveform.specific_force_m_s2(0.0),
+            0 => job.waveform.before_m_s2(),
             _ => job.waveform.standing_m_s2(),
         };
         let halves = if (halves - halves.round()).abs() < Self::WHOLE { halves.round() } else { halves };
@@ -106,7 +106,8 @@ impl<'a> Late<'a> {
     /// Delayed force after `half` half substeps of the run, m/s².
     fn force(&self, half: u64) -> f64 {
         match half as f64 - self.halves {
-            then if then < 0.0 => self.before,
+            // A sum over samples ends with each, and so begins after the run's first force.
+            then if then <= 0.0 => self.before,
             then => self.job.waveform.specific_force_m_s2(then * self.half_s),
         }
     }

@@ -255,15 +255,25 @@ pub struct Along {
     pub vibration: Option<Arc<dyn Waveform>>,
 }
 
-impl Waveform for Along {
-    fn specific_force_m_s2(&self, time_s: f64) -> f64 {
+impl Along {
+    fn without_vibration_m_s2(&self, time_s: f64) -> f64 {
         let samples = &self.truth.samples;
         let place = (time_s / self.truth.interval_s - 0.5).clamp(0.0, (samples.len() - 1) as f64);
         let before = (place as usize).min(samples.len().saturating_sub(2));
         let share = place - before as f64;
         let at = |i: usize| samples[i.min(samples.len() - 1)].specific_force_m_s2[self.axis];
-        let smooth = (1.0 - share) * at(before) + share * at(before + 1);
-        smooth + self.vibration.as_ref().map_or(0.0, |v| v.specific_force_m_s2(time_s))
+        (1.0 - share) * at(before) + share * at(before + 1)
+    }
+}
+
+impl Waveform for Along {
+    fn specific_force_m_s2(&self, time_s: f64) -> f64 {
+        let vibration = self.vibration.as_ref().map_or(0.0, |v| v.specific_force_m_s2(time_s));
+        self.without_vibration_m_s2(time_s) + vibration
+    }
+
+    fn before_m_s2(&self) -> f64 {
+        self.without_vibration_m_s2(0.0)
     }
 
     fn standing_m_s2(&self) -> f64 {

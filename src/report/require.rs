@@ -143,13 +143,25 @@ fn parts_table(limit: &Limit, parts: &[Judged]) -> Table {
     table
 }
 
+/// Says of each part which errors of the study it leaves at zero.
+fn unstated(parts: &[Judged]) -> Vec<String> {
+    let of_part = |part: &Judged| {
+        let names = part.unstated.join(", ");
+        format!("{} states no {names}: what the study has of it is not simulated with this part.", part.name)
+    };
+    parts.iter().filter(|part| !part.unstated.is_empty()).map(of_part).collect()
+}
+
 fn members(found: &Found) -> u64 {
     found.answer.as_ref().map_or(0, |a| a.members) + found.parts.as_ref().map_or(0, |(_, members)| *members)
 }
 
 /// The answer for a terminal.
 pub fn terminal(limit: &Limit, found: &Found) -> String {
-    let table = found.parts.as_ref().map_or(String::new(), |(parts, _)| format!("{}\n", parts_table(limit, parts)));
+    let table = found.parts.as_ref().map_or(String::new(), |(parts, _)| {
+        let unstated: String = unstated(parts).iter().map(|sentence| format!("{sentence}\n")).collect();
+        format!("{}{unstated}\n", parts_table(limit, parts))
+    });
     format!("{}\n\n{table}members:    {} simulated in total\n", lede(limit, found), members(found))
 }
 
@@ -198,6 +210,7 @@ pub fn page(study: &Study, limit: &Limit, found: &Found) -> Page {
         page.paragraph(
             "Parts that meet the limit by price, the others by how far they miss it; ± is one standard error.",
         );
+        page.list(&unstated(parts));
     }
     page.section("How this was made");
     page.paragraph(&format!(

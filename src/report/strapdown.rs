@@ -61,10 +61,20 @@ pub fn page(study: &Study, answer: &Answer, stated: Option<&Stated>, further: &F
          the position error that each makes alone at the last report time, by the linear error model. The navigator's \
          integration error is that of the same navigator on perfect readings.",
     );
+    if !answer.simulated.is_empty() {
+        let names: Vec<&str> = answer.simulated.iter().map(|part| part.cause.name()).collect();
+        page.paragraph(&format!(
+            "The linear model leaves out {}: each is what the same sensors err less without it.",
+            names.join(", ")
+        ));
+    }
     page.table(&budget_table(answer));
     further::blame(&mut page, further);
-    page.section("How this was made");
+    super::study::sensor::section(&mut page, study);
+    page.section("The study");
+    page.preformatted(study.text.trim());
     super::study::note(&mut page, study);
+    page.section("How this was made");
     page.table(&provenance(study, answer));
     page
 }
@@ -145,7 +155,6 @@ pub fn attitude_table(answer: &Answer) -> Table {
 
 /// Tabulates what each source does to the position.
 pub fn budget_table(answer: &Answer) -> Table {
-    let covariance = &answer.covariance;
     let times = answer.report_times_s();
     let mut headings = vec!["source".to_owned()];
     headings.extend(times.iter().map(|t| moment(*t)));
@@ -153,12 +162,11 @@ pub fn budget_table(answer: &Answer) -> Table {
     let mut table = Table { headings, rows: Vec::new() };
     let Some(last) = answer.report.last().copied() else { return table };
     let mut parts: Vec<&Part> = answer.parts().collect();
-    parts.sort_by(|a, b| covariance.horizontal_m2(b, last).total_cmp(&covariance.horizontal_m2(a, last)));
+    parts.sort_by(|a, b| b.horizontal_m2(last).total_cmp(&a.horizontal_m2(last)));
     for part in parts {
         let mut row = vec![part.cause.name().to_owned()];
         row.extend(answer.report.iter().map(|k| percent(answer.fraction(part, *k))));
-        let down_m = (part.variance[last][2] + part.mean[last][2].powi(2)).sqrt();
-        row.extend([covariance.horizontal_m2(part, last).sqrt(), down_m].map(|m| significant(m, 3)));
+        row.extend([part.horizontal_m2(last).sqrt(), part.down_m(last)].map(|m| significant(m, 3)));
         table.row(row);
     }
     table
@@ -166,15 +174,21 @@ pub fn budget_table(answer: &Answer) -> Table {
 
 /// Returns whether the ensemble is what the linear model says, and what that model leaves out.
 pub fn findings(answer: &Answer) -> Vec<String> {
-    let mut all = Vec::new();
+    let mut all: Vec<String> = answer.notes.iter().map(|note| format!("Note: {note}.")).collect();
     let worst = answer.apart.iter().max_by(|a, b| a.times.total_cmp(&b.times));
     if let Some(apart) = worst {
-        let left_out = names(&answer.covariance.left_out);
-        let cause = match left_out.is_empty() {
-            true => "the errors are no longer small".to_owned(),
-            false => {
-                format!("the errors are no longer small, or {left_out}, which the linear model leaves out, matters")
-            }
+        let (unit, per) = unit(apart.quantity);
+        let at = answer.ensemble.time_s.iter().position(|time_s| *time_s == apart.time_s).unwrap_or_default();
+        let rms = |part: &Part| part.mean_square(at, apart.quantity.place()).sqrt() / per;
+        let worst = answer.simulated.iter().max_by(|a, b| rms(a).total_cmp(&rms(b)));
+        let cause = match worst {
+            None => "the errors are no longer small".to_owned(),
+            Some(part) => format!(
+                "the errors are no longer small, or what the linear model leaves out matters, most of it {} \
+                 ({} {unit})",
+                part.cause.name(),
+                significant(rms(part), 3),
+            ),
         };
         let what = match apart.departure {
             Departure::Spread { ratio, standard_errors } => format!(
@@ -183,19 +197,16 @@ pub fn findings(answer: &Answer) -> Vec<String> {
                 significant(ratio, 4),
                 significant(standard_errors, 2),
             ),
-            Departure::Mean { ensemble, model } => {
-                let (unit, per) = unit(apart.quantity);
-                format!(
-                    "the mean of the {} is {} {unit} and the linear one {} {unit}",
-                    quantity_name(apart.quantity),
-                    significant(ensemble / per, 3),
-                    significant(model / per, 3),
-                )
-            }
+            Departure::Mean { ensemble, model } => format!(
+                "the mean of the {} is {} {unit} and the linear one {} {unit}",
+                quantity_name(apart.quantity),
+                significant(ensemble / per, 3),
+                significant(model / per, 3),
+            ),
         };
         all.push(format!(
             "The ensemble departs from the linear model: after {} {what}, so {cause}. The ensemble is the answer; the \
-             error budget is the linear model's.",
+             error budget is the linear model's, with what that leaves out simulated.",
             duration(apart.time_s),
         ));
     }
@@ -214,10 +225,6 @@ pub fn findings(answer: &Answer) -> Vec<String> {
         ));
     }
     all
-}
-
-fn names(causes: &[Cause]) -> String {
-    causes.iter().map(|cause| cause.name()).collect::<Vec<_>>().join(", ")
 }
 
 /// Unit in which a quantity is printed, and how many SI units it has.

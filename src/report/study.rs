@@ -9,7 +9,7 @@ pub mod further;
 pub mod jcgm101;
 pub(crate) mod moment;
 mod risk;
-mod sensor;
+pub(super) mod sensor;
 mod variance;
 mod windows;
 
@@ -35,7 +35,7 @@ const LEAST_SHARE: f64 = 0.02;
 const SCOPE: &str = "Scope: one axis, small tilt, flat non-rotating Earth, until the study is given a trajectory.";
 
 /// Says from when on the tilt is too large for a study along one axis.
-fn beyond_scope(drift: &Drift) -> Option<String> {
+pub fn beyond_scope(drift: &Drift) -> Option<String> {
     let from_s = drift.small_tilt_ends_s()?;
     Some(format!(
         "From {} on the numbers are too large: one sensor in twenty or more is tilted to one side by more than {} degrees, where the \
@@ -102,10 +102,7 @@ pub fn page(study: &Study, drift: &Drift, further: &Further) -> Page {
     page.table(&growth_table(study, drift));
     windows::section(&mut page, study, &drift.compared);
     compared::section(&mut page, &drift.compared);
-    page.section("The sensor");
-    page.paragraph(sensor::CONVENTION);
-    sensor::lowest_frequency(study).iter().for_each(|words| page.paragraph(words));
-    page.table(&sensor::table(study));
+    sensor::section(&mut page, study);
     page.paragraph(&format!("Excitation: {}.", study.excitation.words));
     note(&mut page, study);
     page.section("How this was made");

@@ -230,8 +230,8 @@ pub fn page(study: &Study, sweep: &Sweep) -> Page {
         page.section("Where the limit is just met");
         page.table(&crossings(sweep));
         page.paragraph(
-            "Between the two neighbouring values, the same members at two closer ones give the crossing; its interval is \
-             where the statistic, 1.96 standard errors higher or lower, crosses the limit.",
+            "Between the two neighbouring values the crossing is found as `require` finds it, with more members than the \
+             points have; its interval is where the statistic, 1.96 standard errors higher or lower, crosses the limit.",
         );
     }
     page.section("The numbers");

@@ -14,6 +14,7 @@ mod family;
 mod gains;
 mod held;
 pub mod kept;
+pub mod left_out;
 mod linear;
 pub mod outages;
 pub mod own_error;

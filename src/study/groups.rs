@@ -4,7 +4,6 @@
 //! A group is a source of the error budget with all of its keys. Noise in the run is one group: its
 //! streams have one seed, and some of them share their random bits (`kernel::cpu::cheap_noise`).
 
-use std::slice;
 use std::sync::Arc;
 
 use super::Study;
@@ -42,10 +41,7 @@ const NOISE: &str = "noise in the run";
 impl Study {
     /// Everything that differs from member to member, in groups; the noise in the run last.
     pub fn groups(&self) -> Vec<Group> {
-        let axes = match &self.in_motion {
-            Some(motion) => &motion.between[..],
-            None => slice::from_ref(&self.tolerances),
-        };
+        let axes = self.axes();
         let mut noise = Group { in_run: true, ..Group::drawn(NOISE, 0) };
         let mut groups: Vec<Group> = Vec::new();
         for source in ErrorSource::ALL {

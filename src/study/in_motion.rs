@@ -24,11 +24,14 @@ use crate::kernel::flight::{Coupling, Flight, Misalignment, Vertical, axis_seed}
 use crate::kernel::job::{Clock, Job};
 use crate::kernel::truth_step::{Along, TimeFactor};
 use crate::motion::{Earth, Integrator as Mechanisation, Sampling, sources};
+use crate::number::short;
 use crate::sensor::{ProofMass, coupling};
 use crate::units::DEGREE;
 use crate::units::key::Key;
 use crate::units::number::Number;
 
+/// Slower than this a body is taken to stand, m/s.
+const STANDS_M_S: f64 = 0.05;
 /// Members that are asked for the stiffest proof mass.
 const ASKED: u64 = 1000;
 
@@ -64,6 +67,8 @@ pub struct InMotion {
     pub aiding: Option<Aiding>,
     /// The recorded flight to lay next to it.
     pub flown: Option<Flown>,
+    /// Notes on how the study was read, for people.
+    pub notes: Vec<String>,
     /// Vibration of each axis besides the motion.
     vibration: [Option<Arc<dyn Waveform>>; 3],
 }
@@ -95,7 +100,9 @@ pub(super) fn read(name: &str, file: &File, clock: &Clock, seed: u64) -> Result<
     let earth = earth(name, file)?;
     let (lever_arm_m, rotation) = mounting(name, file)?;
     let sampling = Sampling { rate_hz: 1.0 / clock.sample_s(), duration_s: clock.duration_s(), lever_arm_m };
-    let truth = sources::trajectory(trajectory, clock.duration_s())?.truth(&earth, sampling)?;
+    let trajectory = sources::trajectory(trajectory, clock.duration_s())?;
+    let mut notes: Vec<String> = trajectory.findings.iter().map(ToString::to_string).collect();
+    let truth = trajectory.truth(&earth, sampling)?;
     let alignment = file.alignment.clone().unwrap_or_default();
     let drawn = alignment.kind == Some(AlignmentKind::Drawn);
     let ideal = !drawn && alignment.kind != Some(AlignmentKind::Still);
@@ -109,6 +116,14 @@ pub(super) fn read(name: &str, file: &File, clock: &Clock, seed: u64) -> Result<
     let radians = |sd_deg: Option<f64>| sd_deg.unwrap_or(0.0) * DEGREE;
     let misalignment =
         Misalignment { tilt_sd_rad: radians(alignment.tilt_sd_deg), heading_sd_rad: radians(alignment.heading_sd_deg) };
+    let first_m_s = truth.samples.first().map_or(0.0, |first| first.velocity_m_s.norm());
+    if alignment.kind == Some(AlignmentKind::Still) && first_m_s > STANDS_M_S {
+        notes.push(format!(
+            "the motion begins at {} m/s, and the still start before it stands: the sensor jumps from one to the other, \
+             which its errors do not feel",
+            short(first_m_s)
+        ));
+    }
     let vertical = match file.earth.as_ref().and_then(|e| e.vertical) {
         Some(VerticalKind::Held) => Vertical::Held,
         _ => Vertical::Free,
@@ -120,7 +135,18 @@ pub(super) fn read(name: &str, file: &File, clock: &Clock, seed: u64) -> Result<
     let vibration = vibration(name, file, clock.duration_s(), seed)?;
     let mechanisation = file.navigator.as_ref().and_then(|n| n.integrator).unwrap_or_default();
     let flown = flown::read(name, file, lever_arm_m)?;
-    Ok(Some(InMotion { tolerances, between, course, vertical, misalignment, vibration, mechanisation, aiding, flown }))
+    Ok(Some(InMotion {
+        tolerances,
+        between,
+        course,
+        vertical,
+        misalignment,
+        vibration,
+        mechanisation,
+        aiding,
+        flown,
+        notes,
+    }))
 }
 
 /// The numbers of each axis without what it takes from the others.

@@ -25,6 +25,7 @@ pub mod surroundings;
 pub mod sweep;
 mod temperature;
 pub mod tolerances;
+mod unstated;
 
 // The crates below, under the names by which files here call them.
 use proofmass_base::{control, document, error, number, units};

@@ -39,6 +39,7 @@ fn shaken(vibration: &str) -> Result<Answer, Failed> {
 fn rectified() -> Result<(), Failed> {
     let velocity = |answer: &Answer, axis: usize| series(answer, Quantity::Velocity(axis), |s| s.mean)[0];
     let still = shaken("")?;
+    check(still.simulated.is_empty(), "a row for a vibration that is not there")?;
     for (axis, key) in ["x_g2_hz", "y_g2_hz", "z_g2_hz"].into_iter().enumerate() {
         let answer = shaken(&format!("[vibration]\n{key} = [[20.0, 0.01], [80.0, 0.01]]\n"))?;
         let expected = K2_M_S2_G2 * 0.6 * DURATION_S;
@@ -48,6 +49,14 @@ fn rectified() -> Result<(), Failed> {
             let gained = velocity(&answer, other) - velocity(&still, other);
             let law = if other == axis { expected } else { 0.0 };
             near(&format!("{key}, axis {other}"), gained, law, four * expected)?;
+            let last = *answer.report.last().ok_or("no report")?;
+            let row = answer.simulated.first().ok_or("no row of the vibration")?;
+            near(
+                &format!("{key}, row of the budget, axis {other}"),
+                row.mean[last][3 + other],
+                gained,
+                1e-2 * expected,
+            )?;
         }
         // Control: half the density is another bias.
         let half = shaken(&format!("[vibration]\n{key} = [[20.0, 0.005], [80.0, 0.005]]\n"))?;
@@ -64,7 +73,7 @@ fn own_m(motion: &str, integrator: &str) -> Result<f64, Failed> {
          integrator = \"{integrator}\"\n"
     ))?;
     let last = *answer.report.last().ok_or("no report")?;
-    Ok(answer.covariance.horizontal_m2(&answer.own, last).sqrt())
+    Ok(answer.own.horizontal_m2(last).sqrt())
 }
 
 /// Coning and sculling within a sample are what a single-sample navigator leaves out (Savage, J.
@@ -86,12 +95,15 @@ fn circling(gyro: &str, start: &str) -> String {
     )
 }
 
+/// Rows of the budget that are simulated: cause and mean of one error.
+pub type Rows = Vec<(&'static str, f64)>;
+
 /// What the gyro falls short by turns the heading: (R − Ω) t, whatever bias it has beside.
 fn range() -> Result<(), Failed> {
-    let heading = |gyro: &str| -> Result<(f64, Vec<&'static str>), Failed> {
+    let heading = |gyro: &str| -> Result<(f64, Rows), Failed> {
         let answer = answered(&circling(gyro, ""))?;
         let last = *answer.report.last().ok_or("no report")?;
-        let left_out = answer.covariance.left_out.iter().map(|cause| cause.name()).collect();
+        let left_out = answer.simulated.iter().map(|part| (part.cause.name(), part.mean[last][8])).collect();
         Ok((answer.ensemble.summary(last, Quantity::Attitude(2)).mean, left_out))
     };
     let range_deg_s = 28.0_f64;
@@ -99,7 +111,10 @@ fn range() -> Result<(), Failed> {
     for more in ["", "bias_deg_h = [0.0, 0.0, 3600.0]\n", "scale_factor_ppm = 5000.0\n"] {
         let (error, left_out) = heading(&format!("range_deg_s = {range_deg_s:?}\n{more}"))?;
         near(&format!("heading error, {more}"), error, short, 1e-4)?;
-        check(left_out == ["gyro range"], format!("the covariance leaves out {left_out:?}"))?;
+        let [("gyro range", row)] = left_out[..] else { return Err(format!("simulated: {left_out:?}").into()) };
+        // What the range changes: all that the gyro would have read without it.
+        let without = heading(more)?.0;
+        near(&format!("row of the range, heading, {more}"), row, short - without, 1e-4)?;
     }
     // Controls: a range that is never reached, and one that a bias of 1 °/s reaches.
     let (free, _) = heading("range_deg_s = 29.0\n")?;

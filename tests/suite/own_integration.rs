@@ -53,7 +53,7 @@ fn in_figures() -> Result<(), Failed> {
     let (north, east) = (rms(Quantity::Position(0)), rms(Quantity::Position(1)));
     // A sample's variance divides by n − 1.
     near("horizontal distance, rms, m", rms(Quantity::Horizontal), north.hypot(east), north.hypot(east) / 1024.0)?;
-    let budget = answer.parts().map(|part| answer.covariance.horizontal_m2(part, k)).sum::<f64>().sqrt();
+    let budget = answer.parts().map(|part| part.horizontal_m2(k)).sum::<f64>().sqrt();
     // 1024 members know a spread to 2.2 %, of which half the square is: held to four of them.
     near("the budget's sum over the ensemble", budget / rms(Quantity::Horizontal), 1.0, 0.06)?;
     // The control: a navigator that allows for the motion within a sample errs by less.

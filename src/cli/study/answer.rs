@@ -56,7 +56,7 @@ impl Default for Beside<'_> {
 pub fn print(study: &Study, drift: &Drift, beside: Beside<'_>, shards: Option<usize>, json: bool) -> Result<()> {
     let Beside { stated, further } = beside;
     if json {
-        let document = Document::of(study, drift).with_digits(stated.cloned());
+        let document = Document::of(study, drift).with_digits(stated.cloned()).with_findings(page::beyond_scope(drift));
         return match shards.is_none() && further.is_empty() {
             true => sayln!("{}", to_json(&document)?),
             false => sayln!("{}", to_json(&Extended { document, shards, further })?),

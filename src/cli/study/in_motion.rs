@@ -5,6 +5,7 @@ use std::path::Path;
 use super::answer::Extended;
 use super::shard;
 use crate::interrupted::keep;
+use crate::numbers;
 use crate::output::{say, sayln};
 use crate::sharded::tell;
 use proofmass_base::document::to_json;
@@ -58,7 +59,7 @@ pub(super) fn run(asked: Asked<'_>, study: &Study, motion: &InMotion, json: bool
         true => Kept::resume(path, &study.identity)?,
         false => Kept::new(path, &study.identity),
     };
-    let mut folder = Folder::open(path, output::Request { writes: files(motion), ..request })?;
+    let mut folder = Folder::open(path, files(motion, request))?;
     keep(&mut folder, resume)?;
     let control = progress::terminal();
     let answer = answer_kept(study, motion, backend, &mut kept, &control)?;
@@ -73,10 +74,12 @@ pub(super) fn run(asked: Asked<'_>, study: &Study, motion: &InMotion, json: bool
     kept.forget()
 }
 
-/// Lists the files of an answer.
-fn files(motion: &InMotion) -> Vec<String> {
+/// The request for the files of an answer: those of a study of one axis, without its figures.
+fn files(motion: &InMotion, asked: output::Request) -> output::Request {
     let inflated = motion.flown.is_some().then_some(INFLATED);
-    [REPORT].into_iter().chain(inflated).map(str::to_owned).collect()
+    let numbers = asked.writes.into_iter().filter(|file| numbers::announces(file));
+    let writes = [REPORT].into_iter().chain(inflated).map(str::to_owned).chain(numbers).collect();
+    output::Request { writes, ..asked }
 }
 
 /// Answers next to the drift, where they were asked for.
@@ -105,7 +108,7 @@ fn print(study: &Study, answer: &Answer, beside: Beside<'_>, shards: Option<usiz
 
 fn write(folder: &mut Folder, study: &Study, answer: &Answer, beside: Beside<'_>) -> Result<()> {
     let page = page::page(study, answer, beside.stated, beside.further);
-    folder.write(REPORT, page.finish().as_bytes())?;
+    numbers::write(folder, REPORT, page)?;
     if let Some(inflated) = page::inflated_toml(study, answer) {
         folder.write(INFLATED, inflated.as_bytes())?;
     }
@@ -139,7 +142,7 @@ pub(crate) fn merge(
     out: Option<(&Path, output::Request)>,
     json: bool,
 ) -> Result<()> {
-    let open = |(path, request)| Folder::open(path, output::Request { writes: files(motion), ..request });
+    let open = |(path, request)| Folder::open(path, files(motion, request));
     let folder = out.map(open).transpose()?;
     let answer = divided::merged(study, motion, found, &progress::terminal())?;
     let beside = Beside { stated: None, further: Further::NONE };

@@ -23,9 +23,10 @@ pub(crate) fn section(page: &mut Page, outcome: &Outcome) {
     page.section("Beside the recording");
     page.paragraph(
         "Allan deviation of the recorded log over that of simulated sensors of this study lying still for as long: the \
-         band holds the middle 90 of 100 simulated sensors. The coefficients were estimated from the same log, so \
-         agreement shows that simulation and estimation are consistent; a departure is physics that the noise model \
-         leaves out.",
+         band holds the middle 90 of 100 simulated sensors at each averaging time, so that one time in ten lies outside by \
+         chance, and its neighbours with it. Where the coefficients were estimated from the same log, agreement shows that \
+         simulation and estimation are consistent; a departure by more than the band is wide is noise, or physics, that the \
+         study leaves out.",
     );
     page.list(&axes.iter().map(sentence).collect::<Vec<_>>());
     let figures: Vec<_> = axes

@@ -52,6 +52,10 @@ impl Multisine {
 }
 
 impl Waveform for Multisine {
+    fn before_m_s2(&self) -> f64 {
+        0.0
+    }
+
     fn specific_force_m_s2(&self, time_s: f64) -> f64 {
         let sum: f64 = self.lines.iter().map(|(omega_rad_s, phase_rad)| (omega_rad_s * time_s + phase_rad).sin()).sum();
         self.amplitude_m_s2 * sum

@@ -130,6 +130,10 @@ impl RandomVibration {
 }
 
 impl Waveform for RandomVibration {
+    fn before_m_s2(&self) -> f64 {
+        0.0
+    }
+
     fn specific_force_m_s2(&self, time_s: f64) -> f64 {
         let points = self.samples_m_s2.len();
         let place = time_s * self.rate_hz;

@@ -10,4 +10,10 @@ pub trait Waveform: Send + Sync {
     fn standing_m_s2(&self) -> f64 {
         0.0
     }
+
+    /// Returns what a late reading tells of at first where the run does not begin with a still start, m/s²: the first
+    /// force. Vibration is not part of it, for it begins with the run; held, its first value would grow with time.
+    fn before_m_s2(&self) -> f64 {
+        self.specific_force_m_s2(0.0)
+    }
 }

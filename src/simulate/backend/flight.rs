@@ -56,29 +56,31 @@ impl Quantity {
 }
 
 /// Quantities of one member that are summed.
-type Outcome = [f64; QUANTITIES];
+pub type Outcome = [f64; QUANTITIES];
 
-/// The errors of these members themselves at the flight's only report time, in f32, in their order;
-/// NaN of those that have failed. The range begins at a multiple of 256.
+/// The errors of these members themselves at each report time of the flight, in f32, in their order; NaN of those that
+/// have failed. The range begins at a multiple of 256; `progress` is told how many member-samples were done.
 ///
 /// # Errors
 /// A member that the integrator cannot step; stopped.
-pub fn outcomes_at(flight: &Flight, members: Range<u64>, control: &Control) -> Result<Vec<Outcome>> {
-    let (size, reported) = ((members.end - members.start) as usize, AtomicBool::new(false));
-    let mut outcomes = Vec::with_capacity(size);
-    let batch = FlightBatch {
-        flight,
-        members,
-        bins: &[],
-        stop: &|| control.cancelled() || reported.load(Ordering::Relaxed),
-        progress: &|_| {},
-    };
-    FlightCpu::default().integrate::<f32>(&batch, |_, rows| {
+pub fn outcomes(
+    flight: &Flight,
+    members: Range<u64>,
+    control: &Control,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Vec<Vec<Outcome>>> {
+    let reports = flight.clock().report_samples.len();
+    let last = AtomicBool::new(false);
+    let mut outcomes = vec![Vec::new(); reports];
+    let stop = || control.cancelled() || last.load(Ordering::Relaxed);
+    let batch = FlightBatch { flight, members, bins: &[], stop: &stop, progress };
+    FlightCpu::default().integrate::<f32>(&batch, |at, rows| {
         let outcome = |row: &Option<Row>| row.as_ref().map_or([f64::NAN; QUANTITIES], quantities);
-        outcomes.extend(rows.iter().map(outcome));
-        reported.store(true, Ordering::Relaxed);
+        outcomes[at].extend(rows.iter().map(outcome));
+        // What comes after the last report is not needed.
+        last.store(at + 1 == reports, Ordering::Relaxed);
     })?;
-    if outcomes.len() < size {
+    if !last.into_inner() {
         control.go_on().map_err(|s| s.during("could not finish the simulation", "run it again"))?;
     }
     Ok(outcomes)

@@ -58,6 +58,9 @@ struct Part {
     sure: bool,
     #[serde(flatten)]
     statistic: Estimate,
+    /// Errors of the study that the part does not state, and that are not simulated with it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    unstated: Vec<&'static str>,
 }
 
 /// Results for keys, for parts, or for both.
@@ -80,6 +83,7 @@ impl Document {
             meets: p.meets,
             sure: p.sure,
             statistic: p.statistic,
+            unstated: p.unstated.clone(),
         };
         let side = answer.and_then(|a| match a.outcome {
             Outcome::Crosses { below: true } => Some("below"),

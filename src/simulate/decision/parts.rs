@@ -53,6 +53,9 @@ pub struct Judged {
     pub sure: bool,
     /// Value of the limited statistic with its standard error.
     pub statistic: Estimate,
+    /// Names of errors that the study has and the part, in whose place it comes, does not state: none of them is
+    /// simulated with it.
+    pub unstated: Vec<&'static str>,
 }
 
 impl Catalogue {
@@ -116,6 +119,7 @@ fn judge_one(source: &StudyText, asked: &Asked<'_>, part: &Part, work: &mut Work
     let limit = asked.limit;
     let sensor = Sensor { accelerometer: part.accelerometer.clone(), gyro: part.gyro.clone() };
     let study = source.with_sensor(&part.name, &sensor)?;
+    let unstated = source.study()?.unstated_in(&study);
     let place = Place::of(limit, &study)?;
     let mut values = Vec::new();
     let (mut members, most) = (4 * FIRST, place.most_members(&study, asked.most));
@@ -129,7 +133,7 @@ fn judge_one(source: &StudyText, asked: &Asked<'_>, part: &Part, work: &mut Work
         let sure = statistic.value.is_nan() || high < limit.below || low >= limit.below;
         if sure || members >= most {
             let meets = statistic.value < limit.below;
-            return Ok(Judged { name: part.name.clone(), price: part.price, meets, sure, statistic });
+            return Ok(Judged { name: part.name.clone(), price: part.price, meets, sure, statistic, unstated });
         }
         members = (4 * members).min(most);
     }

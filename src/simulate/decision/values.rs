@@ -113,7 +113,7 @@ impl Run {
         match self {
             Self::InMotion(flight) => {
                 let places = quantities.map(|quantity| IN_MOTION[quantity.place()].1.place());
-                let rows = flight::outcomes_at(flight, members, control)?;
+                let rows = flight::outcomes(flight, members, control, &|_| {})?.pop().unwrap_or_default();
                 Ok(rows.into_iter().map(|row| places.map(|at| row[at])).collect())
             }
             Self::OneAxis(job, samples) => {

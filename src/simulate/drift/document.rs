@@ -144,10 +144,17 @@ struct Power {
 struct BudgetRow {
     source: &'static str,
     position_sd_m: Vec<f64>,
+    position_mean_m: Vec<f64>,
     share_of_variance: Vec<f64>,
 }
 
 impl Document {
+    /// The same with more findings, before its own.
+    pub fn with_findings(mut self, more: impl IntoIterator<Item = String>) -> Self {
+        self.findings.splice(0..0, more);
+        self
+    }
+
     /// The same with the result to this many digits.
     pub fn with_digits(mut self, result: Option<(Stated, Linear)>) -> Self {
         self.jcgm101 = result.map(|(stated, linear)| Jcgm101 { stated, linear });
@@ -208,6 +215,7 @@ impl Document {
                 .map(|contribution| BudgetRow {
                     source: contribution.source.name(),
                     position_sd_m: drift.report.iter().map(|k| contribution.variance_m2[*k].sqrt()).collect(),
+                    position_mean_m: drift.report.iter().map(|k| contribution.mean_m[*k]).collect(),
                     share_of_variance: drift.report.iter().map(|k| budget.fraction(contribution, *k)).collect(),
                 })
                 .collect(),

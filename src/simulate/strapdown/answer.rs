@@ -5,6 +5,7 @@ use super::aiding;
 use super::backends::run_kept;
 use super::covariance::{self, Cause, Covariance, Part};
 use super::kept::Kept;
+use super::left_out;
 use super::outages::{self, Outage};
 use super::run::Ensemble;
 use super::windows::{self, Compared};
@@ -27,6 +28,8 @@ pub struct Answer {
     pub report: Vec<usize>,
     /// Prediction of the linear model, at the same times as the ensemble.
     pub covariance: Covariance,
+    /// Parts of the causes that the linear model leaves out, simulated.
+    pub simulated: Vec<Part>,
     /// Error of the navigator on perfect readings, at the same times; the ensemble has it as well.
     pub own: Part,
     /// Outages of GNSS, where the study has them.
@@ -35,6 +38,8 @@ pub struct Answer {
     pub apart: Vec<Apart>,
     /// The recorded flight next to it, where the study asks for one.
     pub compared: Option<Compared>,
+    /// Notes on how the study was read; those of a recorded flight next to it are its own.
+    pub notes: Vec<String>,
 }
 
 /// A mean or a spread of the ensemble that is not that of the linear model.
@@ -95,13 +100,13 @@ const SMALLEST: f64 = 1e-8;
 impl Answer {
     /// The rows of the budget.
     pub fn parts(&self) -> impl Iterator<Item = &Part> {
-        self.covariance.parts.iter().chain([&self.own])
+        self.covariance.parts.iter().chain(&self.simulated).chain([&self.own])
     }
 
     /// Fraction of the mean squared horizontal distance of all rows that one makes.
     pub fn fraction(&self, part: &Part, report: usize) -> f64 {
-        let all: f64 = self.parts().map(|part| self.covariance.horizontal_m2(part, report)).sum();
-        if all > 0.0 { self.covariance.horizontal_m2(part, report) / all } else { 0.0 }
+        let all: f64 = self.parts().map(|part| part.horizontal_m2(report)).sum();
+        if all > 0.0 { part.horizontal_m2(report) / all } else { 0.0 }
     }
 
     /// The user's report times, s.
@@ -134,7 +139,7 @@ pub fn answer_kept(
     let compared = windows::compare(motion, control)?;
     let flight = flight(study, motion)?;
     let ensemble = run_kept(choice, &flight, kept, control)?;
-    of_ensemble(study, motion, flight, ensemble, compared)
+    of_ensemble(study, motion, flight, ensemble, compared, control)
 }
 
 /// The samples after which a study is summed: its report times, the points of the curves, and those
@@ -158,13 +163,14 @@ pub fn flight(study: &Study, motion: &InMotion) -> Result<Flight> {
 /// The answer from the ensemble.
 ///
 /// # Errors
-/// Fewer than two members that did not diverge.
+/// Fewer than two members that did not diverge; stopped.
 pub(super) fn of_ensemble(
     study: &Study,
     motion: &InMotion,
     flight: Flight,
     ensemble: Ensemble,
     compared: Option<Compared>,
+    control: &Control,
 ) -> Result<Answer> {
     if ensemble.failed + 2 > ensemble.members {
         return Err(Error::new(
@@ -175,12 +181,14 @@ pub(super) fn of_ensemble(
     }
     let samples = samples(study, motion);
     let covariance = covariance::of(motion, &flight);
+    let simulated = left_out::parts(&flight, &covariance.left_out, control)?;
     let mean = flight.own.to_vec();
     let own = Part { cause: Cause::Mechanisation, variance: vec![[0.0; 9]; mean.len()], mean };
     let outages = outages::outages(motion.aiding.as_ref(), &study.clock, &samples);
     let report: Vec<usize> = study.clock.report_samples.iter().filter_map(|s| samples.binary_search(s).ok()).collect();
     let apart = report.iter().flat_map(|k| apart(&ensemble, &covariance, &own, *k)).collect();
-    Ok(Answer { flight, ensemble, report, covariance, own, outages, apart, compared })
+    let notes = if compared.is_none() { motion.notes.clone() } else { Vec::new() };
+    Ok(Answer { notes, flight, ensemble, report, covariance, simulated, own, outages, apart, compared })
 }
 
 /// Returns where ensemble and linear model differ at a report.

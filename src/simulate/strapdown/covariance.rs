@@ -72,15 +72,27 @@ pub struct Covariance {
     pub left_out: Vec<Cause>,
 }
 
+impl Part {
+    /// Mean square of one of the nine errors at a report time, squared SI units.
+    pub fn mean_square(&self, report: usize, quantity: usize) -> f64 {
+        self.variance[report][quantity] + self.mean[report][quantity].powi(2)
+    }
+
+    /// Mean of the squared horizontal distance from the truth that it makes at a report time, m².
+    pub fn horizontal_m2(&self, report: usize) -> f64 {
+        (0..2).map(|axis| self.mean_square(report, axis)).sum()
+    }
+
+    /// Root mean square of the error down, m.
+    pub fn down_m(&self, report: usize) -> f64 {
+        self.mean_square(report, 2).sqrt()
+    }
+}
+
 impl Covariance {
     /// Variance of one of the nine at a report time, all causes together.
     pub fn variance(&self, report: usize, quantity: usize) -> f64 {
         self.parts.iter().map(|part| part.variance[report][quantity]).sum()
-    }
-
-    /// Mean of the squared horizontal distance from the truth that one cause alone makes, m².
-    pub fn horizontal_m2(&self, part: &Part, report: usize) -> f64 {
-        (0..2).map(|axis| part.variance[report][axis] + part.mean[report][axis].powi(2)).sum()
     }
 
     /// Mean of an error at a report time, SI.

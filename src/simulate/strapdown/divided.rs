@@ -58,7 +58,7 @@ pub fn merged(study: &Study, motion: &InMotion, found: &[Found], control: &Contr
     }
     let whole = whole.ok_or_else(|| refuse("nothing was summed".into(), "run the shards again"))?;
     let ensemble = Ensemble::of(&flight, &whole.totals, whole.machine, whole.seconds);
-    of_ensemble(study, motion, flight, ensemble, compared)
+    of_ensemble(study, motion, flight, ensemble, compared, control)
 }
 
 fn added(mut sum: Results, next: Results, path: &Path) -> Result<Results> {

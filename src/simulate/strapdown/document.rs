@@ -94,8 +94,9 @@ impl Linear {
     }
 }
 
-/// Effect of one source on the position, by the linear model: root mean square of the horizontal
-/// and the vertical error that it makes alone, and its fraction of the horizontal mean square.
+/// Effect of one source on the position, by the linear model or, where it leaves the source out, by what the same
+/// members err less without it: root mean square of the horizontal and the vertical error, and its fraction of the
+/// horizontal mean square of all rows.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Share {
@@ -107,11 +108,11 @@ struct Share {
 
 impl Share {
     fn of(answer: &Answer, part: &Part) -> Self {
-        let Answer { covariance, report, .. } = answer;
+        let report = &answer.report;
         Self {
             source: part.cause.name(),
-            horizontal_rms_m: report.iter().map(|k| covariance.horizontal_m2(part, *k).sqrt()).collect(),
-            down_rms_m: report.iter().map(|k| (part.variance[*k][2] + part.mean[*k][2].powi(2)).sqrt()).collect(),
+            horizontal_rms_m: report.iter().map(|k| part.horizontal_m2(*k).sqrt()).collect(),
+            down_rms_m: report.iter().map(|k| part.down_m(*k)).collect(),
             share_of_variance: report.iter().map(|k| answer.fraction(part, *k)).collect(),
         }
     }
