@@ -63,6 +63,7 @@ mod suite {
     pub mod motion_keys;
     pub mod near_laws;
     pub mod next_command;
+    pub mod no_resonator;
     pub mod noise_law;
     pub mod numbers;
     pub mod one_sided_stop;
@@ -116,6 +117,7 @@ mod suite {
     pub mod trial;
     pub mod tumble_axes;
     pub mod tumble_bench;
+    pub mod tumble_units;
     pub mod tumble_wander;
     pub mod tutorials;
     pub mod units;
@@ -306,12 +308,16 @@ fn main() {
         suite::carried_over_tumble::tests(),
         // far_from_linear: what follows no linear oscillator gets a verdict, what follows nothing an error.
         suite::far_from_linear::tests(),
+        // no_resonator: a gyro on a rate table is no proof mass.
+        suite::no_resonator::tests(),
         // trajectory: what is concealed in the log of a flight is found, and nothing else.
         suite::diagnosis_trajectory::tests(),
         // tumble: planted physics of an IMU in still poses is named, and nothing else.
         suite::diagnosis_tumble::tests(),
         // tumble: exchanged and reversed axes are said.
         suite::tumble_axes::tests(),
+        // tumble: the unit of a heading holds, unless what was read contradicts it.
+        suite::tumble_units::tests(),
         // tumble: a wander of 1/f noise is no mismatch.
         suite::tumble_wander::tests(),
         // diagnosis_driven: planted physics is named, foreign physics is not, and a real circuit's spring is found.

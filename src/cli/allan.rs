@@ -10,7 +10,7 @@ use proofmass_base::escape;
 use proofmass_base::output::{self, Folder};
 use proofmass_base::progress;
 use proofmass_export::filter::Filter;
-use proofmass_export::imu::Imu;
+use proofmass_export::imu::{Errors, Imu};
 use proofmass_export::{self as export, Target};
 use proofmass_numerics::numerics::allan::law::Term;
 use proofmass_recording::finding::Finding;
@@ -323,17 +323,41 @@ fn configuration(target: &Target, filter: Filter, file: &str, noise: &Noise) -> 
                 "name the columns and their scales with --accelerometer and --gyro; see `proofmass allan --help`";
             Error::new(format!("could not export the noise of {file}"), error.cause, hint)
         })?;
+    let mut instead = Vec::new();
     let mut imu = match &axes[..] {
-        [x, y, z] => x.clone().with_axes([x, y, z].map(|axis| [axis.accelerometer, axis.gyro])),
+        [x, y, z] => {
+            let mut all = [x, y, z].map(|axis| [axis.accelerometer, axis.gyro]);
+            instead = without_white(&mut all);
+            x.clone().with_axes(all)
+        }
         [x, ..] => x.clone(),
         [] => {
             return Err(Error::new(format!("could not export the noise of {file}"), "it has no channel", "give a log"));
         }
     };
     let is_bad = |channel: &&Channel| channel.fit.as_ref().is_some_and(|fit| !fit.good());
-    imu.doubts = noise.channels.iter().filter(is_bad).map(|channel| doubt(channel, file)).collect();
+    imu.doubts = noise.channels.iter().filter(is_bad).map(|channel| doubt(channel, file)).chain(instead).collect();
     let imu = imu.ahead_of(filter).sent(target, None, filter)?;
     Ok((target.file.to_owned(), target.export(&imu)))
+}
+
+/// Gives an axis whose white noise was not found that of the others, and says so: no sensor is without.
+fn without_white(axes: &mut [[Errors; 2]; 3]) -> Vec<String> {
+    let mut said = Vec::new();
+    for (sense, sensor) in ["accelerometer", "gyro"].into_iter().enumerate() {
+        let found: Vec<f64> = axes.iter().map(|axis| axis[sense].white.mean).filter(|white| *white > 0.0).collect();
+        if found.is_empty() {
+            continue;
+        }
+        let others = (found.iter().map(|white| white * white).sum::<f64>() / found.len() as f64).sqrt();
+        for (axis, name) in axes.iter_mut().zip(["x", "y", "z"]).filter(|(axis, _)| axis[sense].white.mean == 0.0) {
+            axis[sense].white.mean = others;
+            said.push(format!(
+                "IN DOUBT: no white noise of the {sensor}'s {name} was found: that of its other axes stands for it"
+            ));
+        }
+    }
+    said
 }
 
 /// Says that the coefficients of a channel are not of noise alone.

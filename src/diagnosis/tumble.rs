@@ -33,6 +33,7 @@ mod selection;
 mod slopes;
 mod standing;
 mod start;
+mod stated;
 mod turn;
 mod units;
 mod wander;
@@ -49,7 +50,6 @@ use super::model;
 use crate::control::{Control, Stopped};
 use crate::error::{Error, Result};
 use crate::recording::Recording;
-use crate::recording::roles::{self, Stated};
 use crate::repeatability::run::Run;
 use conclusion::Found;
 use fit::Fit;
@@ -110,6 +110,10 @@ fn taken<'a>(recording: &'a Recording, model: &model::Tumble, given: Option<Vec<
         check::still(&recording.path, &observed, &mut findings)?;
     }
     check::moving(&recording.path, &observed)?;
+    let units = stated::units(recording, model);
+    observed.told = units.each_ref().map(|unit| unit.as_ref().map(|unit| unit.si));
+    let bounded = start::bounded_guess(&mut observed);
+    findings.extend(stated::contradicted(&mut observed, &bounded, &units));
     let guess = start::guess(&mut observed);
     check::axes(&recording.path, &observed, &guess, model)?;
     Ok(Taken { observed, guess, findings })
@@ -141,12 +145,7 @@ pub fn known_in(
     control.go_on().map_err(stopped)?;
     let left_out = knock::leave_out(&mut observed, &guess);
     control.go_on().map_err(stopped)?;
-    let si = |names: &[String; 3]| match roles::stated(&names[0], recording.stated(&names[0])) {
-        Some(Stated::Inertial(unit)) => Some(unit.si),
-        _ => None,
-    };
-    let told = [si(&model.columns.accelerometer), model.columns.gyro.as_ref().and_then(si)];
-    let linear = linear::Linear::new(observed.imu.gyro.is_some(), told);
+    let linear = linear::Linear::new(observed.imu.gyro.is_some(), observed.told);
     let guess = start::bounded_guess(&mut observed);
     Ok(known::check(known::Poses { observed, guess, linear, left_out, findings }))
 }

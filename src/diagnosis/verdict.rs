@@ -319,6 +319,9 @@ pub struct Triads {
     pub gyro: Option<SensorCalibration>,
     /// Calibration of the accelerometer, m/s².
     pub accelerometer: SensorCalibration,
+    /// Ids of the effects that were fitted with it and that biases and matrices leave in the readings.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub leaves: Vec<&'static str>,
 }
 
 /// Thermomechanical noise of a resonator, by its fitted resonance and width and by the mass and

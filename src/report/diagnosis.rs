@@ -72,7 +72,7 @@ pub fn terminal(diagnosis: &Diagnosis, costs: &[Cost]) -> String {
         out += &format!("\n{}", effects_table(&verdict.effects));
     }
     if let Some(found) = &verdict.calibration {
-        out += &format!("\n{}:\n{}", calibration::meaning(verdict.kind), calibration::text(found, verdict.kind));
+        out += &format!("\n{}:\n{}", calibration::meaning(found, verdict.kind), calibration::text(found, verdict.kind));
     }
     if !verdict.findings.is_empty() {
         out += "\nfound in the file:\n";
@@ -102,7 +102,10 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
     }
     if let Some(found) = &verdict.calibration {
         page.section("The calibration, ready to paste");
-        page.paragraph(&format!("{}. The same numbers stand in verdict.json.", calibration::meaning(verdict.kind)));
+        page.paragraph(&format!(
+            "{}. The same numbers stand in verdict.json.",
+            calibration::meaning(found, verdict.kind)
+        ));
         page.preformatted(&calibration::text(found, verdict.kind));
     }
     page.section("Candidates");

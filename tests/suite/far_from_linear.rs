@@ -61,7 +61,7 @@ fn csv(rows: &[[f64; 2]]) -> String {
 }
 
 /// Numbers of unit size from a fixed recurrence, twelve uniform ones to each.
-fn normal() -> impl FnMut() -> f64 {
+pub fn normal() -> impl FnMut() -> f64 {
     let mut state = 7u64;
     move || {
         let mut uniform = || {
@@ -73,7 +73,7 @@ fn normal() -> impl FnMut() -> f64 {
 }
 
 /// Ids of the effects named.
-fn names(verdict: &Value) -> Vec<String> {
+pub fn names(verdict: &Value) -> Vec<String> {
     let all = verdict["effects"].as_array().cloned().unwrap_or_default();
     all.iter().map(|e| e["id"].as_str().unwrap_or_default().to_owned()).collect()
 }

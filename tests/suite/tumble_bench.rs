@@ -49,6 +49,8 @@ pub struct Imu {
     pub turned: Vector3<f64>,
     /// From face to face: quarters of a turn about a body axis, every other one a half.
     pub from_face_to_face: bool,
+    /// Angle of each turn where all are alike, as on a dividing head, rad.
+    pub step_rad: Option<f64>,
 }
 
 impl Imu {
@@ -74,6 +76,7 @@ impl Imu {
             poses: 30,
             turned: Vector3::repeat(1.0),
             from_face_to_face: false,
+            step_rad: None,
         }
     }
 
@@ -97,7 +100,7 @@ impl Imu {
             let (axis, angle) = match self.from_face_to_face {
                 false => {
                     let axis = Unit::new_normalize(Vector3::from_fn(|_, _| normal()).component_mul(&self.turned));
-                    (axis, 0.7 + 1.8 * rng.random::<f64>())
+                    (axis, self.step_rad.unwrap_or_else(|| 0.7 + 1.8 * rng.random::<f64>()))
                 }
                 // A hand is some degrees off.
                 true => {

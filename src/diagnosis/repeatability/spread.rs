@@ -1,8 +1,9 @@
 //! Differences of a parameter from run to run beyond the errors of its estimates.
 //!
-//! Random effects: the true value differs from run to run, about a mean with standard deviation τ. The moment
-//! estimate of DerSimonian & Laird (Controlled Clinical Trials 7 (1986) 177), never negative; the
-//! interval by the profile of Cochran's Q (Viechtbauer, Statistics in Medicine 26 (2007) 37).
+//! Random effects: the true value differs from run to run, about a mean with standard deviation τ. The estimate
+//! of Paule & Mandel (J. Res. NBS 87 (1982) 377), at which Cochran's Q is what is expected of it, never negative: it
+//! weighs runs alike where they differ by more than their errors. The interval by the profile of the same Q
+//! (Viechtbauer, Statistics in Medicine 26 (2007) 37).
 
 use crate::numerics::special::chi_squared_quantile;
 
@@ -29,9 +30,8 @@ impl Spread {
         if runs.len() < 2 || !runs.iter().all(usable) {
             return None;
         }
-        let (first, second) = runs.iter().map(|r| r.1.powi(-2)).fold((0.0, 0.0), |s, w| (s.0 + w, s.1 + w * w));
         let freedom = runs.len() as f64 - 1.0;
-        let variance = ((misfit(runs, 0.0) - freedom) / (first - second / first)).max(0.0);
+        let variance = crossing(runs, freedom);
         let (mean, weight) = mean(runs, variance);
         let ends = [0.975, 0.025].map(|p| crossing(runs, chi_squared_quantile(p, freedom)).sqrt());
         Some(Self { mean, mean_error: weight.recip().sqrt(), between: variance.sqrt(), between_ci95: ends })

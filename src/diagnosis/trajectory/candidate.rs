@@ -15,7 +15,7 @@ pub use clock::{CLOCK, TIME_OFFSET};
 pub use frame::MOUNTING;
 pub use readout::{AXIS_SWAP, LOWPASS, SATURATION, VIBRATION};
 pub use reference::REFERENCE_NOISE;
-pub use sensor::MISALIGNMENT;
+pub use sensor::{G_SENSITIVITY, MISALIGNMENT};
 pub use term::{Measure, Term, Unit};
 
 /// The library of this kind.

@@ -53,7 +53,7 @@ pub(super) fn absurd(
         !s.plausible && s.matters && s.p_value < FALSE_NAME && s.ci95[0] > MOST && s.largest > s.term.largest()
     };
     let terms = selection.others.iter().filter(|_| is_unexplained).filter(refused).map(|s| Absurd {
-        what: format!("{} up to", s.term.phrase()),
+        what: s.term.phrase(),
         value: s.largest * s.term.unit.per_si,
         most: s.term.largest() * s.term.unit.per_si,
         unit: s.term.unit.name,

@@ -4,13 +4,14 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
+use super::candidate;
 use super::course::{accelerometer_matrix, gyro_matrix, vector};
 use super::fitted::Fitted;
 use super::log::Halves;
 use super::mounted;
 use super::parameters::{
-    DELIVERED, DRIFT, FORCE_BIAS, FORCE_MATRIX, FORCE_PLACES, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL,
-    GYRO_SCALE, LEVER_ARM, MOUNTING, OFFSET, Point, TILT,
+    DELIVERED, DRIFT, FORCE_BIAS, FORCE_MATRIX, FORCE_PLACES, G_SENSITIVITY, GYRO_BIAS, GYRO_MISALIGNMENT,
+    GYRO_OFF_DIAGONAL, GYRO_SCALE, LEVER_ARM, MOUNTING, OFFSET, Point, TILT,
 };
 use super::permutation::Permutation;
 use super::selection::Selection;
@@ -122,5 +123,6 @@ pub(super) fn calibration(wide: &Fitted, swapped: [Permutation; 2]) -> Option<Tr
             swapped[1],
             "m/s^2",
         ),
+        leaves: [candidate::G_SENSITIVITY.id].into_iter().filter(|_| wide.has(G_SENSITIVITY.start)).collect(),
     })
 }

@@ -9,7 +9,7 @@ use super::calibration::{Point, gyro};
 use super::imu::Observed;
 use super::selection::interleaved;
 use super::standing::Folds;
-use super::start::{misses_rad, scales, turned_over_angle};
+use super::start::{MISSED_RAD, misses_rad, scales, turned_over_angle};
 use crate::error::{Error, Result};
 use crate::model::{Split, Tumble};
 use crate::numerics::moments::mean;
@@ -147,7 +147,7 @@ pub(crate) fn axes(path: &Path, observed: &Observed<'_>, guess: &Point, model: &
     // The same however the axes are read.
     let most = turned_over_angle(observed, guess);
     let as_given = turn_error(observed, guess, most);
-    if as_given < 0.25 {
+    if as_given < MISSED_RAD {
         return Ok(());
     }
     let mut best: Option<(f64, String)> = None;

@@ -58,7 +58,16 @@ pub(crate) fn calibration(observed: &Observed<'_>, chosen: &Fit) -> Option<Triad
     Some(Triads {
         gyro: with_gyro.then(|| sensor(Sense::Gyro, "rad/s")),
         accelerometer: sensor(Sense::Accelerometer, "m/s^2"),
+        leaves: left(fit, with_gyro),
     })
+}
+
+/// Ids of the candidates that a fit frees and that are neither bias nor matrix.
+fn left(fit: &Fit, with_gyro: bool) -> Vec<&'static str> {
+    let freed = |term: &&Term| term.role != Role::EveryUnit && term.active().all(|p| fit.active.contains(&p));
+    let mut ids: Vec<&str> = terms(with_gyro, true).into_iter().filter(freed).map(Term::id).collect();
+    ids.dedup();
+    ids
 }
 
 /// States what a law outside the library moves a number by, over what the candidate nearest to it

@@ -54,6 +54,8 @@ pub struct Observed<'a> {
     pub accelerometer_scale: f64,
     /// Counts per rad/s, likewise.
     pub gyro_scale: f64,
+    /// Factor from the readings of accelerometer and gyro to SI, where the file states their unit.
+    pub told: [Option<f64>; 2],
     /// Noise of the accelerometer's axes, counts.
     pub accelerometer_noise: [AxisNoise; 3],
     /// Noise of the gyro's axes, counts.
@@ -107,8 +109,9 @@ impl<'a> Imu<'a> {
             }
         });
         let poses = poses.collect();
+        let (imu, told) = (self, [None; 2]);
         let mut observed =
-            Observed { imu: self, poses, accelerometer_scale: 1.0, gyro_scale: 1.0, accelerometer_noise, gyro_noise };
+            Observed { imu, poses, accelerometer_scale: 1.0, gyro_scale: 1.0, told, accelerometer_noise, gyro_noise };
         observed.weigh();
         observed
     }

@@ -5,7 +5,11 @@ use nalgebra::Vector3;
 
 use super::calibration::{Calibration, PARAMETERS, Point, accelerometer, gyro};
 use super::imu::Observed;
+use crate::numerics::moments::mean;
 use crate::numerics::order::median;
+
+/// Mean angle by which the gyro's turns may miss gravity, rad: more is another scale, or other axes.
+pub(super) const MISSED_RAD: f64 = 0.25;
 
 /// Parameters of the base model: per axis an offset, per sensor one common scale, and how the
 /// gyro's filter shapes a turn.
@@ -70,12 +74,17 @@ fn sphere(means: &[Vector3<f64>], middle: f64) -> (Vector3<f64>, f64) {
     if radius.is_finite() && radius > 0.0 { (centre + offset, radius) } else { (centre, spread) }
 }
 
-/// Counts per rad/s: the best of those that turns between poses allow.
+/// Counts per rad/s: the best about that of the stated unit; where there is none, or turns miss by it, the best of
+/// those that turns between poses allow.
 fn gyro_scale(observed: &Observed<'_>, point: &Point) -> f64 {
-    let misfit = |scale: f64| misses_rad(observed, point, scale).iter().sum::<f64>();
+    let misfit = |scale: f64| (mean(&misses_rad(observed, point, scale)), scale);
+    let best = |scan: &mut dyn Iterator<Item = f64>| scan.map(misfit).min_by(|a, b| a.0.total_cmp(&b.0));
+    let about = |si: f64| best(&mut (-4..=4).map(|n| 1.06f64.powi(n) / si)).filter(|b| b.0 < MISSED_RAD);
+    if let Some((_, scale)) = observed.told[1].and_then(about) {
+        return scale;
+    }
     let most = turned_over_angle(observed, point);
-    let scan = scales(most, 1.06).map(|s| (misfit(s), s));
-    scan.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(most, |m| m.1)
+    best(&mut scales(most, 1.06)).map_or(most, |b| b.1)
 }
 
 /// Angles between gravity as the gyro carries it through each move, with this many counts per rad/s, and as it is
@@ -97,17 +106,18 @@ pub(super) fn misses_rad(observed: &Observed<'_>, point: &Point, scale: f64) -> 
 pub(super) fn turned_over_angle(observed: &Observed<'_>, point: &Point) -> f64 {
     let calibration = Calibration::from_point(point);
     let up: Vec<Vector3<f64>> = observed.forces_m_s2(&calibration).iter().map(Vector3::normalize).collect();
-    let mut ratios: Vec<f64> = Vec::new();
+    let mut ratios: Vec<(f64, f64)> = Vec::new();
     for k in 0..observed.poses.len().saturating_sub(1) {
         let between = observed.poses[k].samples.end..observed.poses[k + 1].samples.start;
         let turned: Vector3<f64> =
             between.map(|s| (observed.imu.gyro_at(s) - calibration.gyro.offset) / observed.imu.rate_hz).sum();
         let angle = up[k].dot(&up[k + 1]).clamp(-1.0, 1.0).acos();
-        if angle > 0.3 {
-            ratios.push(turned.norm() / angle);
-        }
+        ratios.push((angle, turned.norm() / angle));
     }
-    median(ratios).filter(|r| *r > 0.0).unwrap_or(1.0)
+    // Small turns are mostly handling, where there are larger ones.
+    let largest = ratios.iter().map(|r| r.0).fold(0.0, f64::max);
+    ratios.retain(|r| r.0 > 0.3f64.min(0.5 * largest));
+    median(ratios.into_iter().map(|r| r.1).collect()).filter(|r| *r > 0.0).unwrap_or(1.0)
 }
 
 /// Scales to try: up to an eighth more than this, and down to 1/2.5 of it, because a hand often turns further than the

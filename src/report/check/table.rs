@@ -8,7 +8,7 @@ use proofmass_diagnosis::repeatability::agreement::Line;
 use proofmass_diagnosis::repeatability::parameter::{AtRest, Estimate, Parameter};
 use proofmass_diagnosis::repeatability::run::Run;
 
-/// Runs that a terminal has room for; of more the means and spreads are shown.
+/// Runs that a terminal has room for; how many more there are stands with the last.
 const SHOWN: usize = 4;
 
 /// The table.
@@ -17,7 +17,8 @@ pub(super) fn of(files: &[String], checked: &Checked) -> Table {
     let several = checked.runs.len() > 1;
     let mut all: Vec<String> = ["parameter, 95 %", "unit"].map(str::to_owned).to_vec();
     all.extend(headings);
-    all.extend(["difference", ""].map(str::to_owned));
+    let difference = if checked.runs.len() > 2 { "clearest difference" } else { "difference" };
+    all.extend([difference, ""].map(str::to_owned));
     if several {
         all.push("from run to run".to_owned());
     }
@@ -74,7 +75,10 @@ fn columns<'a>(files: &[String], checked: &'a Checked) -> (Vec<String>, Vec<&'a 
         }
         (_, runs) => {
             let shown = runs.iter().take(SHOWN).map(|r| &r.estimate).collect();
-            (files.iter().take(SHOWN).map(|f| short_name(f)).collect(), shown)
+            let mut headings: Vec<String> = files.iter().take(SHOWN).map(|f| short_name(f)).collect();
+            let more = files.len().saturating_sub(SHOWN);
+            headings.last_mut().filter(|_| more > 0).into_iter().for_each(|last| *last += &format!(" (+ {more} more)"));
+            (headings, shown)
         }
     }
 }

@@ -4,7 +4,18 @@ use proofmass_diagnosis::verdict::{SensorCalibration, Triads};
 use proofmass_physics::candidate::Kind;
 
 /// States what the text says, for a heading.
-pub(super) fn meaning(kind: Kind) -> &'static str {
+pub(super) fn meaning(calibration: &Triads, kind: Kind) -> String {
+    let leaves = match &calibration.leaves[..] {
+        [] => String::new(),
+        ids => format!(
+            ". Left in the readings is what was named besides, {}, by its equation and parameters",
+            ids.join(" and ")
+        ),
+    };
+    format!("{}{leaves}", of_a_kind(kind))
+}
+
+fn of_a_kind(kind: Kind) -> &'static str {
     match kind {
         Kind::Trajectory => {
             "calibrated = matrix · (reading − bias), with offset, scale and misalignment fitted whether they were named or \
@@ -77,7 +88,8 @@ mod tests {
             bias_ci95: [[-12.5, -12.0], [-0.25, 0.25], [4096.0, 4097.0]],
             unit: "m/s^2".into(),
         };
-        let both = Triads { gyro: Some(sensor.clone()), accelerometer: sensor.clone() };
+        let both = Triads { gyro: Some(sensor.clone()), accelerometer: sensor.clone(), leaves: vec!["g-sensitivity"] };
+        assert!(meaning(&both, Kind::Tumble).contains("named besides, g-sensitivity, by its equation"));
         let read: toml::Table = text(&both, Kind::Tumble).parse().expect("TOML");
         for name in ["gyro", "accelerometer"] {
             let matrix = read[&format!("{name}_matrix")].clone().try_into::<[[f64; 3]; 3]>().expect("a matrix");

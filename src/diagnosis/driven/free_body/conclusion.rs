@@ -85,7 +85,9 @@ impl Models<'_> {
         let remainder = Remainder::of([test]);
         let named = !self.selection.chosen.is_empty();
         let window_ratio = ratio(&before, &after, &self.data.test);
+        let base_follows = self.follows(&before);
         let outcome = rule(&ruling::Evidence {
+            base_follows,
             named: self.selection.chosen.len(),
             remainder: remainder.size,
             removed: 1.0 - held_after.free() / held_before.free().max(1e-300),
@@ -119,6 +121,7 @@ impl Models<'_> {
                 has_input: true,
                 predictable: left.r_squared,
                 is_structured: left.r_squared >= WHITE,
+                runs_away: !base_follows,
                 detectable_r_squared: left.detectable_r_squared,
                 ..Account::default()
             },
@@ -139,6 +142,15 @@ impl Models<'_> {
             repair: None,
             detail: answer::Detail::Driven(Box::new(detail)),
         }
+    }
+
+    /// Returns whether restarted simulations, whose errors these are, stray less than the reading itself moves.
+    fn follows(&self, errors: &[f64]) -> bool {
+        let tested =
+            |values: &[f64]| self.data.test.iter().flat_map(|r| &values[r.clone()]).copied().collect::<Vec<_>>();
+        let (errors, motion) = (tested(errors), tested(&self.motion.x));
+        let mean = motion.iter().sum::<f64>() / motion.len().max(1) as f64;
+        rms(errors) < rms(motion.iter().map(|x| x - mean))
     }
 
     /// Returns the fraction of the variance of the force's residual that its past, the motion and

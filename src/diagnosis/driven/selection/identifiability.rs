@@ -38,6 +38,9 @@ pub struct Identifiability {
     pub lines_hz: Vec<f64>,
     /// Cycles of the base model's resonance in the recording, where they are too few.
     pub few_cycles: Option<f64>,
+    /// States whether the base model's resonance lies beyond half the sampling rate: the reading then follows its input
+    /// at once, whether a stiff mass passes it on or nothing stands between.
+    pub is_quasi_static: bool,
 }
 
 impl Identifiability {
@@ -49,14 +52,19 @@ impl Identifiability {
         Self {
             lines_hz: if lines.len() > MANY { Vec::new() } else { lines },
             few_cycles: (cycles < FEWEST_CYCLES).then_some(cycles),
+            is_quasi_static: base.point[OMEGA] / TAU > 0.5 * data.rate_hz,
         }
     }
 
     /// Returns the ids of the laws that answer this input alike next to these terms: all that is
     /// linear, where the terms among them have as many parameters as the lines have amplitudes and
-    /// phases. Empty where the input distinguishes them.
+    /// phases, or where a reading that follows its input at once does so past the mass. Empty where the input
+    /// distinguishes them.
     pub fn class(&self, terms: &[Term]) -> Vec<&'static str> {
         let linear: Vec<&Term> = terms.iter().filter(|t| is_linear(t)).collect();
+        if self.is_quasi_static && terms.iter().any(|t| matches!(t, Term::Feedthrough(_))) {
+            return Term::all().into_iter().filter(is_linear).map(|t| t.id()).collect();
+        }
         let seen = |t: &Term| t.candidate().parameters.len();
         let used: usize = linear.iter().map(|t| seen(t)).sum();
         if self.lines_hz.is_empty() || linear.is_empty() || !self.is_full(used) {
@@ -212,7 +220,7 @@ mod tests {
     fn two_parameters_a_line_and_no_more_are_told_apart() {
         let delay = Term::ReadoutDelay(ReadoutDelay);
         let (mode, cubic) = (Term::ParasiticMode(ParasiticMode(0)), Term::CubicStiffness(CubicStiffness));
-        let lines = |n: usize| Identifiability { lines_hz: vec![1.0; n], few_cycles: None };
+        let lines = |n: usize| Identifiability { lines_hz: vec![1.0; n], ..Identifiability::default() };
         // One line, two numbers, four parameters; two lines, four numbers, four parameters; three
         // lines, six numbers.
         let lag = Term::InputLag(InputLag);
@@ -227,7 +235,11 @@ mod tests {
         );
         assert!(lines(4).class(&[mode]).is_empty());
         assert!(lines(1).class(&[cubic]).is_empty(), "a law with harmonics is no member");
-        assert!(lines(0).class(&[delay, Term::Feedthrough(Feedthrough)]).is_empty());
+        let past = [delay, Term::Feedthrough(Feedthrough)];
+        assert!(lines(0).class(&past).is_empty());
+        // Far below its resonance a mass answers as what passes it by does.
+        let quasi_static = Identifiability { is_quasi_static: true, ..lines(0) };
+        assert!(quasi_static.class(&past).contains(&"feedthrough") && quasi_static.class(&[delay]).is_empty());
         assert!(lines(1).tells_nothing_linear_apart() && !lines(3).tells_nothing_linear_apart());
     }
 

@@ -104,6 +104,7 @@ pub fn answer(
         lines_hz: selection.reach.lines_hz.clone(),
         is_linear_class: !selection.reach.class(&c.model.fit.structure.terms).is_empty(),
         few_cycles: selection.reach.few_cycles,
+        runs_away: false,
         resonance_hz: c.base.fit.point[OMEGA] / std::f64::consts::TAU,
     };
     let (profiles, left_out) = profile::profiles(data, &c.model.fit, scales, &named, &c.spread, c.budget);

@@ -75,6 +75,8 @@ pub struct Account {
     pub is_structured: bool,
     /// States whether only samples outside the recordings fitted are not followed.
     pub strays_elsewhere: bool,
+    /// States whether the base model, simulated from the state that was measured, strays further than the reading moves.
+    pub runs_away: bool,
     /// Smallest such fraction that would have been seen.
     pub detectable_r_squared: f64,
     /// Frequencies of the input's lines, Hz, where they are few.

@@ -43,7 +43,8 @@ pub const MISALIGNMENT: Candidate = Candidate {
     reference: "IEEE 952, IEEE 1293",
 };
 
-pub(super) const G_SENSITIVITY: Candidate = Candidate {
+/// The gyro's reading of specific force.
+pub const G_SENSITIVITY: Candidate = Candidate {
     id: "g-sensitivity",
     kind: Kind::Trajectory,
     statement: "The gyro reads specific force.",

@@ -45,6 +45,11 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
             )
         }
         Outcome::Explained => format!("The model left out {}; with it, {fall}.", listed(&named)),
+        Outcome::Undecidable if effects.is_empty() && account.runs_away => format!(
+            "The base model follows none of this motion: restarted every second from the state that was read, it errs by \
+             {} {unit}, more than the reading moves, so that nothing can be said of what it leaves out.",
+            short(before)
+        ),
         Outcome::Undecidable if effects.is_empty() => format!(
             "A faint structure remains in the residual ({} % of its variance is predictable), too weak in this \
              recording to be identified.",
@@ -60,6 +65,7 @@ pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
             "Something is missing, and {} explains it equally well: {} cannot be told apart in this recording; with \
              the first, {fall}.",
             match account.lines_hz.as_slice() {
+                [] => "every linear effect, far below a resonance that this recording does not show,".to_owned(),
                 [one] => format!("every linear effect, under an input with one spectral line at {} Hz,", short(*one)),
                 lines => format!("every linear effect, under an input with {} spectral lines,", lines.len()),
             },

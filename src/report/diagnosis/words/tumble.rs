@@ -58,7 +58,15 @@ pub(crate) fn sentence(outcome: Outcome, detail: &Detail) -> String {
         }
         Outcome::Undecidable => {
             let pairs: Vec<String> = account.named.iter().filter(|n| !n.rivals.is_empty()).map(name).collect();
-            format!("Something is missing, but these poses cannot tell what: {}.", listed(&pairs))
+            match (&pairs[..], account.above.first()) {
+                ([], Some((group, times))) => format!(
+                    "The error of {} is {} times its noise, and these poses cannot tell why.",
+                    residual(*group),
+                    short(times.sqrt())
+                ),
+                ([], None) => "Something is missing, but these poses cannot tell what.".to_owned(),
+                _ => format!("Something is missing, but these poses cannot tell what: {}.", listed(&pairs)),
+            }
         }
     }
 }

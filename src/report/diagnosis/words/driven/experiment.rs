@@ -24,6 +24,9 @@ pub(crate) fn next_experiment(answer: &Answer, account: &Account) -> String {
         None => {}
     }
     match answer.outcome {
+        Outcome::Undecidable if effects.is_empty() && account.runs_away => {
+            "Check the columns: the input ought to be a force, and the output where it takes a mass.".to_owned()
+        }
         Outcome::Undecidable if effects.is_empty() => {
             format!(
                 "Record longer, or {source} harder: the residual must rise well above the noise before its cause can be \
@@ -32,6 +35,11 @@ pub(crate) fn next_experiment(answer: &Answer, account: &Account) -> String {
         }
         Outcome::Undecidable if account.few_cycles.is_some() => {
             format!("Record for at least {} s, ten cycles of the resonance.", short(10.0 / account.resonance_hz))
+        }
+        Outcome::Undecidable if account.is_linear_class && account.lines_hz.is_empty() => {
+            "If a sensor is what was recorded, next to what it measures, its scale is the ratio of the two, and no resonator is \
+             in it. A resonator needs an input up to three times its resonance, and readings at ten times."
+                .to_owned()
         }
         Outcome::Undecidable if account.is_linear_class => format!(
             "Drive with a sweep or noise from {} to {} Hz (a third of the resonance to three times it): a delay \
