@@ -6,6 +6,7 @@ use std::path::Path;
 use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::model::Model;
+use crate::numerics::moments::mean_sd;
 use crate::recording::Recording;
 use crate::recordings::Recordings;
 use crate::repeatability::agreement::Agreement;
@@ -30,6 +31,31 @@ pub struct Checked {
     /// The sides, and what came of it; `None` of a recording that is too short to be
     /// divided.
     pub agreement: Option<(Compared, Agreement)>,
+    /// Environment columns that differ between the recordings.
+    pub surroundings: Vec<Surroundings>,
+}
+
+/// An environment column that differs between recordings by more than it varies in each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surroundings {
+    /// Its heading.
+    pub column: String,
+    /// Its mean in each recording.
+    pub means: Vec<f64>,
+}
+
+impl Surroundings {
+    /// Those of a model that differ between recordings.
+    fn of(recordings: &[Recording], model: &Model) -> Vec<Self> {
+        let one = |column: &String| {
+            let values = recordings.iter().map(|recording| recording.column(column).map(mean_sd));
+            let (means, within): (Vec<f64>, Vec<f64>) = values.collect::<Option<Vec<_>>>()?.into_iter().unzip();
+            let [least, most] = [f64::min, f64::max].map(|end| means.iter().copied().reduce(end).unwrap_or_default());
+            let differs = most - least > within.into_iter().fold(0.0, f64::max);
+            differs.then(|| Self { column: column.clone(), means })
+        };
+        model.environment().iter().filter_map(one).collect()
+    }
 }
 
 impl Checked {
@@ -64,7 +90,7 @@ pub fn check(recordings: &[Recording], model: &Model, control: &Control) -> Resu
         Model::Driven(_) => each(&|recording| Err(not_yet(recording, "driven"))),
         Model::Response(_) => each(&|recording| Err(not_yet(recording, "response"))),
     };
-    Ok(compared(runs?))
+    Ok(Checked { surroundings: Surroundings::of(recordings, model), ..compared(runs?) })
 }
 
 /// Adds to each log at rest what a diagnosis finds in it besides noise. Other kinds stay as they are.
@@ -102,7 +128,7 @@ pub fn compared(runs: Vec<Run>) -> Checked {
         }
         several => Some((Compared::Runs, Agreement::of(&several.iter().map(|r| &r.estimate).collect::<Vec<_>>()))),
     };
-    Checked { runs, agreement }
+    Checked { runs, agreement, surroundings: Vec::new() }
 }
 
 fn not_yet(recording: &Recording, kind: &str) -> Error {

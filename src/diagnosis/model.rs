@@ -65,6 +65,16 @@ impl Model {
         }
     }
 
+    /// Headings of environment columns.
+    pub fn environment(&self) -> &[String] {
+        match self {
+            Self::Driven(m) => &m.columns.environment,
+            Self::Static(m) => &m.columns.environment,
+            Self::Tumble(m) => &m.columns.environment,
+            Self::Response(_) | Self::Trajectory(_) => &[],
+        }
+    }
+
     /// Files besides the recording that the model names: its poses, its reference, the times of that.
     pub fn files(&self) -> Vec<PathBuf> {
         match self {

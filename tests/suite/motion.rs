@@ -206,7 +206,15 @@ fn bad_input() -> Result<(), Failed> {
         check(said(&answer).contains(expected), format!("{what}: {}", said(&answer)))?;
         check(!words.contains(expected), format!("{what}: the untouched file says so too: {words}"))?;
     }
-    Ok(())
+    // Angles of zero are a level body; a quaternion of zeros is none.
+    let level = changed(&|rows| rows.iter_mut().for_each(|r| r.2 = UnitQuaternion::identity()));
+    let answer = read(&[("a.csv", &angles(&level, "roll,pitch,yaw", 1.0))], section);
+    check(answer.is_ok() && !said(&answer).contains("hold no pose"), said(&answer))?;
+    let none = |line: &str| line.split(',').take(4).collect::<Vec<_>>().join(",") + ",0,0,0,0";
+    let text = euroc(&rows);
+    let zeros = text.lines().enumerate().map(|(k, line)| if k == 300 { none(line) } else { line.to_owned() });
+    let answer = read(&[("a.csv", &(zeros.collect::<Vec<_>>().join("\n") + "\n"))], section);
+    check(said(&answer).contains("1 rows of the trajectory hold no pose"), said(&answer))
 }
 
 fn flight_of(data: &Path, set: &str, [from_s, duration_s]: [f64; 2]) -> Answer<Trajectory> {

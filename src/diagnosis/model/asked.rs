@@ -90,12 +90,7 @@ pub fn requested(path: &Path, model: &Model, seconds: Seconds) -> Result<Request
         }
     };
     let columns = columns.into_iter().cloned().collect();
-    let slow = match model {
-        Model::Driven(m) => m.columns.environment.clone(),
-        Model::Static(m) => m.columns.environment.clone(),
-        Model::Tumble(m) => m.columns.environment.clone(),
-        Model::Response(_) | Model::Trajectory(_) => Vec::new(),
-    };
+    let slow = model.environment().to_vec();
     let mut request = Request { columns, slow, rate_hz, time: time.clone(), rows, ..Request::default() };
     (request.from_s, request.to_s) = (seconds.from_s, seconds.to_s);
     request.topic = model.topic().cloned();

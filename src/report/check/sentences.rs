@@ -3,7 +3,7 @@
 use super::values::difference_in_words;
 use super::words::{axis, kind, list, name, noise, place};
 use proofmass_base::number::{duration, short};
-use proofmass_diagnosis::check::{Checked, Compared};
+use proofmass_diagnosis::check::{Checked, Compared, Surroundings};
 use proofmass_diagnosis::repeatability::agreement::{Agreement, Joint, Odd};
 use proofmass_diagnosis::repeatability::besides::{Besides, What};
 use proofmass_diagnosis::repeatability::information::Known;
@@ -44,7 +44,10 @@ pub(super) fn answer(files: &[String], checked: &Checked) -> String {
                 agreement.lines.len()
             )
         }
-        Some(_) => format!("{} do not agree{}.", what(compared), differing(checked, agreement)),
+        Some(_) => {
+            let surroundings: String = checked.surroundings.iter().map(unlike).collect();
+            format!("{} do not agree{}.{surroundings}", what(compared), differing(checked, agreement))
+        }
     };
     let told = match agreement.odd {
         Some(Odd::Run(run)) => format!(
@@ -61,6 +64,16 @@ pub(super) fn answer(files: &[String], checked: &Checked) -> String {
         Some(besides) => format!("{told} But {besides}: what is marked * is not noise alone."),
         None => told,
     }
+}
+
+/// Says that an environment column differs between the recordings.
+fn unlike(Surroundings { column, means }: &Surroundings) -> String {
+    let [least, most] = [f64::min, f64::max].map(|end| means.iter().copied().reduce(end).unwrap_or_default());
+    format!(
+        " `{column}` differs between them, from {} to {} in the mean: what follows it is part of what they differ by.",
+        short(least),
+        short(most)
+    )
 }
 
 /// "ay holds sinusoid in a.csv and b.csv": what a diagnosis finds besides noise.

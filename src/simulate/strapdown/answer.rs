@@ -219,7 +219,9 @@ fn apart(ensemble: &Ensemble, covariance: &Covariance, own: &Part, report: usize
         // By chance, and by the part of a size that a spread may be off.
         let size = model.hypot(summary.sd).max(SMALLEST_SPREAD * largest(&mean, place));
         let tolerated = MOST_STANDARD_ERRORS * (summary.sd / count.sqrt() + size / (2.0 * count).sqrt());
-        let tolerated = tolerated.max(floor(place));
+        // What is small next to the largest of its kind is of second order in it.
+        let rms = |place: usize| mean(place).hypot(spread(place));
+        let tolerated = tolerated.max(SMALLEST_SPREAD * largest(&rms, place)).max(floor(place));
         Some(Apart {
             quantity,
             time_s,

@@ -76,7 +76,8 @@ pub(super) fn rows(path: &Path, layout: &Layout, times: Option<&Path>, span: &Sp
         let (position, attitude) = values.split_at(layout.numbers_of_position());
         if !time_s.is_finite()
             || values.iter().any(|x| !x.is_finite())
-            || (layout.rotation.is_some() && attitude.iter().all(|x| *x == 0.0))
+            // Three angles may all be zero; a quaternion or a matrix of zeros is none.
+            || (attitude.len() > 3 && attitude.iter().all(|x| *x == 0.0))
         {
             miss(&mut missing, row);
             continue;
