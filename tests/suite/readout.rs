@@ -1,9 +1,9 @@
-//! A low-pass behind the proof mass and a late reading, in a study: gain, phase and drift by closed
-//! forms, on every integrator, on the GPU, along a trajectory.
+//! A low-pass behind the proof mass and a late reading, in a study: gain, phase and drift by closed forms, on every
+//! integrator, on the GPU, along a trajectory.
 //!
-//! A low-pass τy′ + y = a and a delay τ have the gain 1 for what is steady: of a change of velocity Δv
-//! both keep the position error −τΔv, the integral of what they held back. Closed forms are written
-//! out here; see Ljung, System Identification, 1999, ch. 2 (first-order lag and time delay).
+//! A low-pass τy′ + y = a and a delay τ have the gain 1 for what is steady: of a change of velocity Δv both keep the
+//! position error −τΔv, the integral of what they held back. Closed forms are written out here; see Ljung, System
+//! Identification, 1999, ch. 2 (first-order lag and time delay).
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -77,8 +77,7 @@ fn text(sensor: &str, excitation: &str, times_s: &[f64]) -> String {
 
 const MASS: &str = "resonance_hz = 12.0\ndamping_ratio = 0.4\n";
 
-/// After two seconds nothing is left of the beginning. What is tabulated is a straight line within a
-/// step: (ωh)²/12 of the amplitude, 8e-5 at 5 Hz.
+/// After two seconds nothing is left of the beginning. Within a step a line is tabulated: (ωh)²/12 off, 8e-5 at 5 Hz.
 fn sine() -> Result<(), Failed> {
     let (amplitude, hertz) = (2.0, 5.0);
     let excitation = format!("kind = \"sine\"\namplitude_m_s2 = {amplitude:?}\nfrequency_hz = {hertz:?}");
@@ -331,10 +330,9 @@ fn in_motion() -> Result<(), Failed> {
     Ok(())
 }
 
-/// Vibration that begins with the run: a late velocity is −∫ of the force over the last τ, which the vibration's own
-/// swing bounds. Its density of 0.01 g²/Hz from 20 to 80 Hz is one of v² = 0.01 g²/(2π)² (1/20 − 1/80) Hz⁻¹, 30 mm/s rms,
-/// so that a position can be late by five times that times τ, 8 mm; the first force held before the run would
-/// bring 0.05 s · 0.77 g · 60 s = 23 m rms.
+/// A late velocity is short of the force of the last τ, which the vibration's own swing bounds: 0.01 g²/Hz from 20 to 80
+/// Hz swings by v² = 0.01 g²/(2π)² (1/20 − 1/80) Hz⁻¹, 30 mm/s rms, and five times that for τ is 8 mm. The first force
+/// held before the run would bring 0.05 s · 0.77 g · 60 s = 23 m rms.
 fn late_vibration() -> Result<(), Failed> {
     let down_m = |delay_s: f64| -> Result<f64, Failed> {
         let answer = answered(&format!(
