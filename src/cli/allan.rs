@@ -13,6 +13,7 @@ use proofmass_export::filter::Filter;
 use proofmass_export::imu::{Errors, Imu};
 use proofmass_export::{self as export, Target};
 use proofmass_numerics::numerics::allan::law::Term;
+use proofmass_numerics::numerics::moments::rms;
 use proofmass_recording::finding::Finding;
 use proofmass_recording::noise::{self, Channel, Noise};
 use proofmass_recording::roles::{self, Stated};
@@ -349,7 +350,7 @@ fn without_white(axes: &mut [[Errors; 2]; 3]) -> Vec<String> {
         if found.is_empty() {
             continue;
         }
-        let others = (found.iter().map(|white| white * white).sum::<f64>() / found.len() as f64).sqrt();
+        let others = rms(found);
         for (axis, name) in axes.iter_mut().zip(["x", "y", "z"]).filter(|(axis, _)| axis[sense].white.mean == 0.0) {
             axis[sense].white.mean = others;
             said.push(format!(

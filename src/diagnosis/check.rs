@@ -40,8 +40,8 @@ pub struct Checked {
 pub struct Surroundings {
     /// Its heading.
     pub column: String,
-    /// Its mean in each recording.
-    pub means: Vec<f64>,
+    /// The lowest and the highest of its means in each recording.
+    pub means: [f64; 2],
 }
 
 impl Surroundings {
@@ -50,8 +50,8 @@ impl Surroundings {
         let one = |column: &String| {
             let values = recordings.iter().map(|recording| recording.column(column).map(mean_sd));
             let (means, within): (Vec<f64>, Vec<f64>) = values.collect::<Option<Vec<_>>>()?.into_iter().unzip();
-            let [least, most] = [f64::min, f64::max].map(|end| means.iter().copied().reduce(end).unwrap_or_default());
-            let differs = most - least > within.into_iter().fold(0.0, f64::max);
+            let means = [f64::min, f64::max].map(|end| means.iter().copied().reduce(end).unwrap_or_default());
+            let differs = means[1] - means[0] > within.into_iter().fold(0.0, f64::max);
             differs.then(|| Self { column: column.clone(), means })
         };
         model.environment().iter().filter_map(one).collect()

@@ -54,7 +54,7 @@ fn steps() -> Result<(), Failed> {
         let (value, is_si) = scale(&run, Sense::Gyro, 1).ok_or("the scale of the turned axis is not determined")?;
         check(is_si != headings[0].is_empty(), format!("{headings:?}: relative to its unit: {is_si}"))?;
         near(&format!("scale of y, {headings:?}"), value / per, 1.0 + ERRORS[1], 1e-3)?;
-        check(scale(&run, Sense::Gyro, 0).is_none(), "the scale of an axis that was not turned about is told")?;
+        check(scale(&run, Sense::Gyro, 0).is_none(), "a scale is given for an axis that was never turned about")?;
     }
     Ok(())
 }

@@ -23,7 +23,7 @@ pub(super) struct Left<'a> {
 }
 
 impl Left<'_> {
-    /// Returns the laws that held-out blocks and the jackknife bear out. Each is free while the library is searched, and
+    /// Returns the laws that hold on blocks kept out of the fit and under the jackknife. Each is free while the library is searched, and
     /// counts if it is large enough to matter, or if a name falls away with it. `select` searches the library with the
     /// laws it is given free.
     ///

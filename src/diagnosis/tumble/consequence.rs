@@ -103,7 +103,7 @@ impl Case<'_> {
             temperature: warmth.filter(|_| follows).unwrap_or_default(),
             relation: format!(
                 "Counts became m/s² and rad/s by offsets and one scale a sensor, as fitted here ({} counts per m/s², {} per \
-                 rad/s), so that the repaired sensor has neither a bias nor an error of its common scale. Without the named physics a sensor at rest errs by {} mm/s² and {} °/h (rms over axes and recorded attitudes); \
+                 rad/s), so the repaired sensor has no bias and no common scale error. Without the named physics a sensor at rest errs by {} mm/s² and {} °/h (rms over axes and recorded attitudes); \
                  that is the constant bias of the first row.{moving}{warm}",
                 short(detail.calibration.accelerometer.scale.mean()),
                 short(detail.calibration.gyro.scale.mean()),

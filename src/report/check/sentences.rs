@@ -68,11 +68,9 @@ pub(super) fn answer(files: &[String], checked: &Checked) -> String {
 
 /// Says that an environment column differs between the recordings.
 fn unlike(Surroundings { column, means }: &Surroundings) -> String {
-    let [least, most] = [f64::min, f64::max].map(|end| means.iter().copied().reduce(end).unwrap_or_default());
+    let [least, most] = means.map(short);
     format!(
-        " `{column}` differs between them, from {} to {} in the mean: what follows it is part of what they differ by.",
-        short(least),
-        short(most)
+        " `{column}` differs between them, from {least} to {most} in the mean: what follows it is part of what they differ by."
     )
 }
 

@@ -59,7 +59,8 @@ impl Quantity {
 pub type Outcome = [f64; QUANTITIES];
 
 /// The errors of these members themselves at each report time of the flight, in f32, in their order; NaN of those that
-/// have failed. The range begins at a multiple of 256; `progress` is told how many member-samples were done.
+/// have failed. The range begins at a multiple of 256; `progress` gets the number of member-samples done
+/// since the last call.
 ///
 /// # Errors
 /// A member that the integrator cannot step; stopped.

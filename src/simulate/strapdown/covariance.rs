@@ -1,7 +1,7 @@
 //! The covariance of the linear error model, source by source, in f64: what the ensemble's spread
 //! must be as long as errors are small, and where it comes from.
 //!
-//! Left out, and said: rounding, saturation, vibration and the proof mass' own lag and springs, which no
+//! Left out, and simulated in `left_out`: rounding, saturation, vibration and the proof mass' own lag and springs, which no
 //! linear model has, and what is slow by a time that is drawn per member.
 
 pub mod found;

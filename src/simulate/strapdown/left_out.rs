@@ -10,6 +10,7 @@ use crate::error::Result;
 use crate::kernel::flight::Flight;
 use crate::kernel::job::Integrator;
 use crate::kernel::truth_step::Along;
+use crate::numerics::moments::mean_sd;
 use crate::sensor::coupling;
 use crate::sensor::source::ErrorSource;
 
@@ -37,19 +38,16 @@ pub fn parts(flight: &Flight, causes: &[Cause], control: &Control) -> Result<Vec
     causes.iter().map(part).collect()
 }
 
-/// Mean and variance, per quantity of the linear model, of what members err more in the first than in the second; of
-/// those that failed in neither.
+/// Mean and variance of what each of the linear model's quantities loses, over the members that failed in neither run.
 fn moments(all: &[[f64; QUANTITIES]], rest: &[[f64; QUANTITIES]]) -> ([f64; 9], [f64; 9]) {
-    let more = |place: usize| {
-        let more = all.iter().zip(rest).map(move |(all, rest)| all[place] - rest[place]);
-        more.filter(|more| more.is_finite())
-    };
-    let mean = |place: usize| more(place).sum::<f64>() / more(place).count().max(1) as f64;
-    let variance = |place: usize| {
-        let mean = mean(place);
-        more(place).map(|more| (more - mean).powi(2)).sum::<f64>() / (more(place).count().max(2) - 1) as f64
-    };
-    (std::array::from_fn(mean), std::array::from_fn(variance))
+    let (mut mean, mut variance) = ([0.0; 9], [0.0; 9]);
+    for place in 0..9 {
+        let lost = all.iter().zip(rest).map(|(all, rest)| all[place] - rest[place]);
+        let lost: Vec<f64> = lost.filter(|lost| lost.is_finite()).collect();
+        let (count, (of, sd)) = (lost.len().max(2) as f64, mean_sd(&lost));
+        (mean[place], variance[place]) = (of, sd * sd * count / (count - 1.0));
+    }
+    (mean, variance)
 }
 
 /// The same flight without one cause; as it is where the cause is none of a sensor's or of its surroundings.

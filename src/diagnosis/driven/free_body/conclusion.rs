@@ -15,7 +15,7 @@ use crate::driven::verdict::detail::{Account, Detail, Shown};
 use crate::driven::verdict::effects::{Channels, unit, unit_of};
 use crate::driven::verdict::residual_tests::WHITE;
 use crate::number::short;
-use crate::numerics::moments::rms;
+use crate::numerics::moments::{mean_sd, rms};
 use crate::physics::coulomb_friction::Sides;
 use crate::remainder::{Remainder, Size, Test};
 use crate::ruling::{self, rule};
@@ -148,9 +148,7 @@ impl Models<'_> {
     fn follows(&self, errors: &[f64]) -> bool {
         let tested =
             |values: &[f64]| self.data.test.iter().flat_map(|r| &values[r.clone()]).copied().collect::<Vec<_>>();
-        let (errors, motion) = (tested(errors), tested(&self.motion.x));
-        let mean = motion.iter().sum::<f64>() / motion.len().max(1) as f64;
-        rms(errors) < rms(motion.iter().map(|x| x - mean))
+        rms(tested(errors)) < mean_sd(&tested(&self.motion.x)).1
     }
 
     /// Returns the fraction of the variance of the force's residual that its past, the motion and
