@@ -89,9 +89,8 @@ pub(super) fn read(name: &str, text: &str) -> Result<Imu> {
             if number_of_axis == 0 {
                 return Err(fail(format!("it has no <{tag}> with an <x>")));
             }
-            // An axis that is left out has no noise in Gazebo; a sensor that gives x alone means x
-            // for all.
-            axes[number_of_axis][sense] = axes[0][sense];
+            imu.unread
+                .push(format!("<{tag}> has no <{name}>, which Gazebo takes for an axis without noise: so it is here"));
             continue;
         };
         let errors = &mut axes[number_of_axis][sense];

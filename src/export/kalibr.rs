@@ -63,5 +63,47 @@ pub(super) fn read(name: &str, text: &str) -> Result<Imu> {
     imu.accelerometer.walk = fixed(number("accelerometer_random_walk")?);
     imu.gyro.white = fixed(number("gyroscope_noise_density")?);
     imu.gyro.walk = fixed(number("gyroscope_random_walk")?);
+    imu.unread = unread(text);
     Ok(imu)
+}
+
+/// States what a calibration found and a sensor file has no place for here: matrices that are neither the identity
+/// nor nothing, a clock that is off.
+fn unread(text: &str) -> Vec<String> {
+    let lines: Vec<&str> = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim()).collect();
+    let mut sensor = "";
+    let mut found = Vec::new();
+    for (place, line) in lines.iter().enumerate() {
+        let Some((key, value)) = line.split_once(':') else { continue };
+        let (key, value) = (key.trim(), value.trim());
+        let rows: Vec<&str> =
+            lines[place + 1..].iter().map_while(|row| row.strip_prefix("- ")).map(str::trim).collect();
+        if value.is_empty() && rows.is_empty() {
+            sensor = key;
+        }
+        let is_off = key == "time_offset" && value.parse() != Ok(0.0);
+        if is_off {
+            found.push(format!("{key}: {value}"));
+        }
+        if key != MOUNTING && !is_plain(&rows) {
+            found.push(format!("{key} of {sensor}: {}", rows.join(", ")));
+        }
+    }
+    found
+}
+
+/// From the IMU to the body: where it is mounted, and no error of it.
+const MOUNTING: &str = "T_i_b";
+
+/// Returns whether rows are those of the identity or of nothing; text that is no matrix is.
+fn is_plain(rows: &[&str]) -> bool {
+    let numbers = |row: &&str| -> Option<Vec<f64>> {
+        let inside = row.strip_prefix('[')?.strip_suffix(']')?;
+        inside.split(',').map(|cell| cell.trim().parse().ok()).collect()
+    };
+    let Some(matrix) = rows.iter().map(numbers).collect::<Option<Vec<_>>>() else { return true };
+    let all = |expected: fn(usize, usize) -> f64| {
+        matrix.iter().enumerate().all(|(i, row)| row.iter().enumerate().all(|(j, value)| *value == expected(i, j)))
+    };
+    all(|_, _| 0.0) || all(|i, j| if i == j { 1.0 } else { 0.0 })
 }

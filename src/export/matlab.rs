@@ -49,18 +49,23 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
 
 pub(super) fn read(name: &str, text: &str) -> Result<Imu> {
     let fail = |cause: String| {
-        let hint = "give a script that sets properties of accelparams and gyroparams one a line, as `export` writes it";
+        let hint = "give a script that sets properties of accelparams and gyroparams, as `export` writes it";
         Error::new(format!("could not import {name}"), cause, hint)
     };
-    let code: Vec<&str> = text.lines().map(|line| line.split('%').next().unwrap_or_default().trim()).collect();
-    let rate = code.iter().find_map(|line| line.split_once("\"SampleRate\",")).map(|(_, rest)| rest);
-    let rate = rate.and_then(|rest| rest.split([',', ')']).next()?.trim().parse::<f64>().ok());
+    let text = text.replace('\'', "\"");
+    let code = statements(&text);
+    let rate = |statement: &&str| {
+        let argument = statement.split_once("\"SampleRate\",").map(|(_, rest)| rest);
+        let property = || statement.split_once(".SampleRate")?.1.trim_start().strip_prefix('=');
+        argument.or_else(property)?.split([',', ')']).next()?.trim().parse::<f64>().ok()
+    };
+    let rate = code.iter().find_map(rate);
     let rate_hz = rate.filter(|r| r.is_finite() && *r > 0.0);
     let mut imu = Imu::new(name, rate_hz.ok_or_else(|| fail("it sets no \"SampleRate\" of an imuSensor".into()))?);
     let mut senses = [[imu.accelerometer; 3], [imu.gyro; 3]];
     for (class, errors) in ["accelparams", "gyroparams"].into_iter().zip(&mut senses) {
         let mut variables =
-            code.iter().filter_map(|line| line.strip_suffix(';')?.split_once('=').filter(|(_, c)| c.trim() == class));
+            code.iter().filter_map(|statement| statement.split_once('=').filter(|(_, made)| made.trim() == class));
         let Some((variable, _)) = variables.next() else { return Err(fail(format!("it makes no {class}"))) };
         if variables.next().is_some() {
             return Err(fail(format!("it makes more than one {class}")));
@@ -75,16 +80,32 @@ pub(super) fn read(name: &str, text: &str) -> Result<Imu> {
     })
 }
 
+/// Cuts a script into statements, without comments; a semicolon in brackets parts rows, and no statements.
+fn statements(text: &str) -> Vec<&str> {
+    let lines = text.lines().map(|line| line.split('%').next().unwrap_or_default());
+    let parts = lines.flat_map(|line| {
+        let mut depth = 0usize;
+        line.split(move |letter| {
+            match letter {
+                '[' => depth += 1,
+                ']' => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+            letter == ';' && depth == 0
+        })
+    });
+    parts.map(str::trim).filter(|part| !part.is_empty()).collect()
+}
+
 /// Reads the numbers set for one variable, axis by axis, and returns the settings that have no
 /// place here; the cause where one cannot be read.
 fn properties(code: &[&str], variable: &str, axes: &mut [Errors; 3]) -> Result<Vec<String>, String> {
     let mut one_sided = false;
     let mut unread = Vec::new();
-    for line in code {
-        let set =
-            line.strip_prefix(variable).and_then(|rest| rest.strip_prefix('.')).and_then(|rest| rest.split_once('='));
-        let Some((property, value)) = set else { continue };
-        let (property, value) = (property.trim(), value.trim().trim_end_matches(';').trim());
+    for statement in code {
+        let set = statement.strip_prefix(variable).and_then(|rest| rest.strip_prefix('.'));
+        let Some((property, value)) = set.and_then(|rest| rest.split_once('=')) else { continue };
+        let (property, value) = (property.trim(), value.trim());
         if property == "NoiseType" {
             one_sided = value.contains("single-sided");
             continue;

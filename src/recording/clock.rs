@@ -199,10 +199,27 @@ pub fn judge(question: &Question<'_>, survey: &Survey) -> Result<Clock> {
         let (times, modulus, first_row) = (wraps.times, wraps.modulus, wraps.first_row);
         findings.push(Finding::ClockWrapped { times, modulus, unit, first_row });
     }
+    findings.extend(in_groups(survey, seconds));
     if let Kind::Rounded { quantum, .. } = kind {
         findings.push(Finding::CoarseStamps { step_s: quantum * seconds, rate_hz });
     }
     Ok(Clock { rate_hz, unit, tick, kind, breaks: survey.breaks.clone(), stamped, findings })
+}
+
+/// Pauses from which groups of rows are many.
+const MANY_PAUSES: usize = 10;
+
+/// Says so where most of the time lies in pauses between groups of rows: samples that were taken evenly and stamped
+/// as they arrived look like that, and so do samples taken in bursts.
+fn in_groups(survey: &Survey, seconds: f64) -> Option<Finding> {
+    let elapsed = survey.timeline.elapsed();
+    let pauses: f64 = survey.breaks.iter().map(|pause| pause.step).sum();
+    let is_mostly = survey.breaks.len() >= MANY_PAUSES && 2.0 * pauses > elapsed;
+    is_mostly.then(|| Finding::InGroups {
+        groups: survey.breaks.len() + 1,
+        share: pauses / elapsed,
+        mean_hz: rounded(survey.steps as f64 / (elapsed * seconds), 4),
+    })
 }
 
 /// Stamps of the same step to this share are exact: a straight line through them would only round them.

@@ -115,6 +115,15 @@ pub enum Finding {
         /// Sampling rate that follows.
         rate_hz: f64,
     },
+    /// Most of the time lies in pauses between groups of rows.
+    InGroups {
+        /// Number of groups.
+        groups: usize,
+        /// Share of the time that the pauses take.
+        share: f64,
+        /// Rows over the time of all of it, Hz.
+        mean_hz: f64,
+    },
     /// A counter ran over and began again.
     ClockWrapped {
         /// Number of times the counter overflowed.

@@ -51,6 +51,19 @@ def test_numbers_of_pandas_are_read_whatever_their_dtype(noise):
     assert white(told) == pytest.approx(expected, rel=1e-6) and told.document["recording"]["rate_hz"] == RATE_HZ
 
 
+def test_an_index_of_times_is_the_clock(noise):
+    by_column = white(proofmass.allan(pandas.DataFrame({"t_s": numpy.arange(noise.size) / RATE_HZ, "1": noise})))
+    dates = pandas.date_range("2026-01-01", periods=noise.size, freq="10ms")
+    for index in (dates, dates - dates[0], pandas.Index(numpy.arange(noise.size) / RATE_HZ, name="t_s")):
+        table = pandas.DataFrame({"1": noise}, index=index)
+        assert white(proofmass.allan(table)) == pytest.approx(by_column, rel=1e-6)
+        with pytest.raises(proofmass.Error, match="Hz"):
+            proofmass.allan(table, 2 * RATE_HZ)
+    # Control: numbers of rows are no clock.
+    with pytest.raises(proofmass.Error, match="sampling rate"):
+        proofmass.allan(pandas.DataFrame({"1": noise}))
+
+
 def test_a_column_that_is_not_read_is_named(noise):
     table = pandas.DataFrame({"1": noise, "note": ["x"] * noise.size})
     with pytest.warns(UserWarning, match="note"):

@@ -22,6 +22,7 @@ pub fn tests() -> Vec<Trial> {
             "clock: a rate that contradicts the file's own clock is refused with both, or forced and reported",
             forced,
         ),
+        test("clock: rows stamped in groups have two rates, and both are said", grouped),
         data_test("clock: real logs in ns, in s from anywhere and with jitter have the rate known of them", real),
     ]
 }
@@ -244,6 +245,26 @@ fn real(folder: &std::path::Path) -> Result<(), Failed> {
         check(!held.column("2").is_some_and(|_| true), format!("{file}: its header was not found"))?;
     }
     Ok(())
+}
+
+/// 100 Hz, stamped on arrival: fifty rows a millisecond apart, every half second.
+fn grouped() -> Result<(), Failed> {
+    let stamp = |n: usize| format!("{:.3}", (n / 50) as f64 * 0.5 + (n % 50) as f64 * 1e-3);
+    let log = Log::new("t_s", 2000, stamp);
+    let rates = |read: &Read| -> Option<f64> {
+        let said = read.as_ref().ok()?.2.iter().find_map(|f| match f {
+            Finding::InGroups { groups: 40, mean_hz, .. } => Some(*mean_hz),
+            _ => None,
+        });
+        said.filter(|_| read.as_ref().is_ok_and(|(rate_hz, ..)| (rate_hz / 1000.0 - 1.0).abs() < 1e-6))
+    };
+    let [streamed, _] = log.read(&log.request())?;
+    // 1999 rows after the first in 19.549 s.
+    check(rates(&streamed).is_some_and(|hz| (hz - 102.3).abs() < 0.1), format!("{streamed:?}"))?;
+    // Control: a pause of as much time between two groups alone is a gap.
+    let once = Log::new("t_s", 2000, |n| format!("{:.3}", n as f64 * 1e-3 + if n < 900 { 0.0 } else { 20.0 }));
+    let [streamed, _] = once.read(&once.request())?;
+    check(rates(&streamed).is_none() && streamed.is_ok(), format!("{streamed:?}"))
 }
 
 /// A log at 200 Hz whose clock is found by its heading or named.

@@ -36,8 +36,11 @@ fn wrong(document: &Value) -> Result<Vec<String>, Failed> {
 
 fn against(name: &str, document: &Value) -> Result<Vec<String>, Failed> {
     let schema = run(program().args(["schema", name]))?.json()?;
-    let validator = jsonschema::validator_for(&schema).map_err(|e| format!("{name} is no JSON Schema: {e}"))?;
-    Ok(validator.iter_errors(document).map(|e| format!("{name}: {}: {e}", e.instance_path())).collect())
+    let (mut schemas, mut compiler) = (boon::Schemas::new(), boon::Compiler::new());
+    let place = format!("http://proofmass/{name}");
+    compiler.add_resource(&place, schema)?;
+    let index = compiler.compile(&place, &mut schemas).map_err(|e| format!("{name} is no JSON Schema: {e:#}"))?;
+    Ok(schemas.validate(document, index).err().map(|e| format!("{name}: {e:#}")).into_iter().collect())
 }
 
 fn all_right(folder: &Path, commands: &[&str]) -> Result<(), Failed> {

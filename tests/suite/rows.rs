@@ -47,6 +47,8 @@ fn corpus() -> Vec<(String, Request)> {
         (format!("a,note\n{}", lines(&|n| format!("{:.4},ok\n", noise(n)))), rated(&["a"])),
         (format!("a;b\r\n{}", lines(&|n| format!("{:.4};{:.3}\r\n", noise(n), noise(n + 7)))), rated(&[])),
         (lines(&|n| format!("{:.4}\t{}\n", noise(n), n % 17)), rated(&["1", "2"])),
+        // Separators that end the lines.
+        (format!("a,b,\n{}", lines(&|n| format!("{:.4},{:.3},\n", noise(n), noise(n + 7)))), rated(&[])),
         (format!("t_s,a,b\n{}", lines(&|n| format!("{:.2},{:.4},\"{n}\"\n", n as f64 * 0.01, noise(n)))), timed("t_s")),
         (
             format!(

@@ -17,7 +17,8 @@ const HALF: usize = 3;
 const MEDIAN: f64 = 0.918;
 /// Standard error of that median of one value over the mean: 1.25 of √(2/8).
 const SCATTER: f64 = 0.63;
-/// Free numbers of a window.
+/// Numbers of a window, and how many of them are free.
+const NUMBERS: f64 = 14.0;
 const FREE: f64 = 8.0;
 
 /// Standard deviation of X and of Y; `None` where no seven steps follow one another.
@@ -58,9 +59,18 @@ fn left(frequency_hz: &[f64], reading: &[Complex<f64>]) -> Option<f64> {
         [&|delta| Vector3::new(one, one / (pole.from + delta), Complex::new(0.0, 0.0)), &|delta| {
             Vector3::new(one, one * delta, one * (delta * delta))
         }];
-    let left = shapes.into_iter().filter_map(|shape| least_squares(&points, shape));
-    let variance = left.fold(f64::INFINITY, f64::min) / FREE;
+    let left: Vec<f64> = shapes.into_iter().filter_map(|shape| least_squares(&points, shape)).collect();
+    let variance = weighed(&left)? / FREE;
     variance.is_finite().then_some(variance)
+}
+
+/// Mean of sums of squares, each with its likelihood S^(−N/2) as the weight: the least one alone would be too small
+/// where both shapes are right.
+fn weighed(left: &[f64]) -> Option<f64> {
+    let best = left.iter().copied().reduce(f64::min)?;
+    let weight = |sum: &f64| if *sum > 0.0 { (best / sum).powf(0.5 * NUMBERS) } else { 1.0 };
+    let (sum, weights) = left.iter().fold((0.0, 0.0), |(s, w), one| (s + weight(one) * one, w + weight(one)));
+    Some(sum / weights)
 }
 
 /// Sum of squares that a combination of three shapes leaves.

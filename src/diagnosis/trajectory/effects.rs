@@ -160,7 +160,9 @@ pub(super) fn reference(attitude: Option<Excess>, position_m: Option<Excess>, ha
     let evidence = Evidence { held_out_gain: 1.0 - 1.0 / times, p_value: (2.0 * least).min(1.0) };
     (!parameters.is_empty()).then(|| {
         let mut effect = effect(&REFERENCE_NOISE, parameters, vec!["reference".into()], evidence);
-        effect.equation += &format!("; standard deviations of means: {}", means.join(", "));
+        let means = format!("standard deviations of means: {}", means.join(", "));
+        effect.equation += &format!("; {means}");
+        effect.statement += &format!(" Stated are {means}; single poses err by more.");
         effect
     })
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
+from collections.abc import Mapping
 from typing import Any
 
 from ._error import Error
@@ -81,14 +82,28 @@ def _columns(table: Any, keys: Any) -> list[tuple[list[str], Any]]:
     return arrays
 
 
+def _clock(table: Any) -> list[tuple[list[str], Any]]:
+    """The index of a table where it holds times: dates, time differences, or numbers under a clock's name."""
+    index = getattr(table, "index", None)
+    kind = getattr(getattr(index, "dtype", None), "kind", "")
+    name = getattr(index, "name", None)
+    word = str(name).lower().partition("_")[0] if name is not None else ""
+    if kind in ("M", "m"):
+        unnamed = "timestamp_ns" if kind == "M" else "t_s"
+        return [([unnamed if name is None else str(name)], _array(_values(index)))]
+    if kind in ("f", "i", "u") and word in ("t", "time", "timestamp"):
+        return [([str(name)], _array(_values(index)))]
+    return []
+
+
 def recorded(recording: Any) -> Any:
     """One recording."""
     if isinstance(recording, (str, os.PathLike)):
         return os.fspath(recording)
-    if isinstance(recording, dict):
+    if isinstance(recording, Mapping):
         return "the dictionary", _columns(recording, recording)
     if hasattr(recording, "columns") and hasattr(recording, "__getitem__"):
-        return "the DataFrame", _columns(recording, recording.columns)
+        return "the DataFrame", _clock(recording) + _columns(recording, recording.columns)
     fields = getattr(getattr(recording, "dtype", None), "names", None)
     if fields:
         return "the array", _columns(recording, fields)

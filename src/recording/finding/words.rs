@@ -116,6 +116,13 @@ impl fmt::Display for Finding {
                 significant(*step_s, 3),
                 rounded(*rate_hz, 6)
             ),
+            Self::InGroups { groups, share, mean_hz } => write!(
+                f,
+                "the rows stand in {groups} groups, and {:.0} % of the time lies in the pauses between them: samples that were \
+                 taken evenly, and stamped in groups as they arrived, would have {mean_hz} Hz (--rate-hz {mean_hz} \
+                 --force-rate)",
+                100.0 * share
+            ),
             Self::ClockWrapped { times, modulus, unit, first_row } => write!(
                 f,
                 "the clock starts again after {modulus} {}, {times} {}, first in row {first_row}: a counter that overflowed; \

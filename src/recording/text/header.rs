@@ -124,6 +124,12 @@ impl Text {
         }
     }
 
+    /// Returns whether a place without heading and value lies behind a separator that ends the lines.
+    fn is_behind_the_last(&self, place: usize) -> bool {
+        let is_blank = || self.held && self.cells.of(self.lines.line(), place).trim_ascii().is_empty();
+        place + 1 == self.width && self.headings.names[place].trim().is_empty() && is_blank()
+    }
+
     /// Names the columns that [`Text::numeric_places`] leaves out because they hold no numbers.
     pub(crate) fn note_unread(&mut self) {
         let unread = |place: &usize| !self.is_numeric(*place) && !self.names_a_clock(&self.headings.names[*place]);
@@ -162,6 +168,7 @@ impl Text {
         let headings = &self.headings;
         let places: Vec<usize> = (0..self.width)
             .filter(|place| self.is_numeric(*place) && !self.names_a_clock(&headings.names[*place]))
+            .filter(|place| !self.is_behind_the_last(*place))
             .collect();
         let comma = (0..self.width).any(|place| matches!(self.first(place), Cell::DecimalComma(_)));
         match places.len() {

@@ -107,7 +107,8 @@ impl Beside {
 
 /// The parts that are not inflated.
 fn rest(parts: &[Part]) -> Vec<Part> {
-    let stays = |part: &&Part| matches!(part, Part::Constant { .. } | Part::Noise { kind: Kind::Flicker, .. });
+    let stays =
+        |part: &&Part| matches!(part, Part::Constant { .. } | Part::Noise { kind: Kind::Flicker | Kind::Poses, .. });
     parts.iter().filter(stays).cloned().collect()
 }
 

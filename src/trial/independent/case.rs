@@ -383,7 +383,7 @@ mod tests {
 
     #[test]
     fn every_slot_makes_cases_with_files_that_repeat() {
-        let size = Size { rows: 2500 };
+        let size = Size { rows: 1000 };
         for number in 0..25 {
             let case = Case::make(5, number, size).expect("made");
             assert!(case.texts() == Case::make(5, number, size).expect("made").texts());

@@ -57,6 +57,7 @@ fn stated(still: &Still, said: &Said, channel: usize) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::independent::case::Place;
     use crate::independent::oscillator_base::Size;
     use crate::independent::truth::SEEN;
     use crate::said::{Ending, Number};
@@ -64,7 +65,8 @@ mod tests {
     #[test]
     fn the_shape_that_is_there_leaves_nothing_and_another_one_much() {
         let size = Size { rows: 4000 };
-        let cases = (0..400).filter_map(|n| Case::make(7, n, size)).filter(|c| c.sub == "temperature, lag");
+        let lagging = (0..400).filter(|n| Place::of(*n).sub == "temperature, lag");
+        let cases = lagging.filter_map(|n| Case::make(7, n, size));
         let mut seen = 0;
         for case in cases.filter(|c| c.truth.departure.is_some_and(|d| d > 4.0 * SEEN)) {
             let Body::Still(still) = &case.body else { continue };

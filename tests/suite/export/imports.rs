@@ -43,6 +43,25 @@ pub(super) fn made_by_others() -> Result<(), Failed> {
     check(listed.contains("# not read: <angular_velocity> <x>: the bias forgets in 40 s"), listed)?;
     let listed = import("matlab", &format!("{matlab}\ngyroscope.BiasInstability = 0.002;\n"))?;
     check(listed.contains("# not read: gyroscope.BiasInstability = 0.002"), listed)?;
+    let calibrated = format!("imu0:\n{kalibr}time_offset: 0.013\nTw:\n  - [1.01, 0.0]\n  - [0.0, 1.0]\n");
+    let listed = import("openvins", &calibrated)?;
+    let found = ["time_offset: 0.013", "Tw of imu0: [1.01, 0.0], [0.0, 1.0]"];
+    check(found.iter().all(|f| listed.contains(&format!("# not read: {f}"))), listed)?;
+    // An axis that is left out has no noise in Gazebo.
+    let (before, rest) = sdf.split_once("<y>").ok_or("no <y>")?;
+    let without = before.to_owned() + rest.split_once("</y>").ok_or("no </y>")?.1;
+    let listed = import("gazebo-sdf", &without)?;
+    check(listed.contains("# not read: <angular_velocity> has no <y>"), &listed)?;
+    check(listed.contains("angle_random_walk_deg_rth = [") && listed.contains(", 0.0, "), listed)?;
+    // Other ways to write the same script.
+    for other in [
+        matlab.replace('"', "'"),
+        matlab.replace(";\n", "; "),
+        matlab.replace("\"SampleRate\", ", "\"Rate\", ") + "\nimu.SampleRate = 10;\n",
+    ] {
+        let (read, same) = (import("matlab", &other)?, import("matlab", &matlab)?);
+        check(read == same, format!("{other}\n{read}\n{same}"))?;
+    }
     // Control: what this program writes has all of its numbers read.
     for (target, text) in [("kalibr", kalibr), ("gazebo-sdf", sdf), ("matlab", matlab)] {
         let read = import(target, &text)?;

@@ -57,13 +57,18 @@ pub(in crate::driven) fn parameter_unit(term: &Term, parameter: usize, channels:
 /// A candidate's unit with the recording's own units in place of `y` and `u`, reduced where they are
 /// products of units: m over m/s² and s² is 1.
 pub fn unit(pattern: &str, channels: &Channels) -> String {
-    let composite = |unit: &str| unit.contains(['/', ' ', '^']);
-    if composite(&channels.output_unit) || composite(&channels.input_unit) {
-        let replaced =
-            substituted(pattern, [&format!("({})", channels.output_unit), &format!("({})", channels.input_unit)]);
+    // A unit that is not known is called `output unit`: in products `output`, as it is no product of two.
+    match pattern {
+        "y" => return channels.output_unit.clone(),
+        "u" => return channels.input_unit.clone(),
+        _ => {}
+    }
+    let units = [&channels.output_unit, &channels.input_unit].map(|unit| unit.strip_suffix(" unit").unwrap_or(unit));
+    if units.iter().any(|unit| unit.contains(['/', ' ', '^'])) {
+        let replaced = substituted(pattern, units.map(|unit| format!("({unit})")).each_ref().map(String::as_str));
         return product::reduced(&replaced).unwrap_or(replaced);
     }
-    substituted(pattern, [&channels.output_unit, &channels.input_unit])
+    substituted(pattern, units)
 }
 
 /// The pattern with units in place of `y` and `u`.

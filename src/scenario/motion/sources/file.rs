@@ -77,7 +77,7 @@ fn along(poses: &[Pose], mut findings: Vec<Finding>) -> Result<Trajectory> {
     let spline = through(poses, usual)
         .ok_or_else(|| fail("no spline fits its poses", "are the positions metres and the stamps right?"))?;
     let departure = Departure::of(&spline, poses);
-    let Departure { rms_m, largest_m, rms_rad, largest_rad } = departure;
+    let Departure { rms_m, largest_m, rms_rad, largest_rad, .. } = departure;
     findings.push(Finding::Knots { knot_s: spline.knot_s(), rms_m, largest_m, rms_rad, largest_rad });
     Ok(Trajectory::new(spline, departure, findings))
 }

@@ -9,6 +9,7 @@ use super::basis::{ORDER, Weights};
 use super::curve::Spline;
 use crate::motion::pose::Pose;
 use crate::numerics::banded::{Banded, Factor};
+use crate::numerics::order;
 
 /// Evenly spaced knots of a spline.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,14 +50,28 @@ pub struct Departure {
     pub rms_rad: f64,
     /// Largest angle between spline and poses, rad.
     pub largest_rad: f64,
+    /// Median distance, m: jumps of a reference do not count in it.
+    #[serde(skip)]
+    pub median_m: f64,
+    /// Number of poses from one knot of the spline to the next.
+    #[serde(skip)]
+    pub poses_per_knot: f64,
+    /// From one knot of the spline to the next, s.
+    #[serde(skip)]
+    pub knot_s: f64,
 }
+
+/// Median length of a vector of three normal numbers of unit variance: that of χ of three degrees of freedom.
+const MEDIAN: f64 = 1.5382;
 
 impl Departure {
     /// Distance of a spline from poses.
     pub fn of(spline: &Spline, poses: &[Pose]) -> Self {
         let mut departure = Self::default();
+        let mut all_m = Vec::with_capacity(poses.len());
         for pose in poses {
             let [metres, angle] = spline.at(pose.time_s).pose.distance(pose);
+            all_m.push(metres);
             departure.rms_m += metres * metres;
             departure.rms_rad += angle * angle;
             departure.largest_m = departure.largest_m.max(metres);
@@ -65,7 +80,23 @@ impl Departure {
         let count = poses.len().max(1) as f64;
         departure.rms_m = (departure.rms_m / count).sqrt();
         departure.rms_rad = (departure.rms_rad / count).sqrt();
+        let span_s = poses.last().zip(poses.first()).map_or(0.0, |(last, first)| last.time_s - first.time_s);
+        departure.median_m = order::median(all_m).unwrap_or_default();
+        departure.knot_s = spline.knot_s();
+        departure.poses_per_knot = count * spline.knot_s() / span_s.max(spline.knot_s());
         departure
+    }
+
+    /// Standard deviations of the spline's position, m, and velocity, m/s, along each axis, where poses err each by
+    /// itself: with m poses to a knot it passes 1/m of the poses' variance σ², up to the frequency π/h of its knots,
+    /// σ²/m and σ²/m·π²/(3h²); of σ² the departure shows all but that part.
+    pub fn of_spline(&self) -> [f64; 2] {
+        let passes = 1.0 / self.poses_per_knot;
+        if !(passes > 0.0 && passes < 1.0) {
+            return [0.0; 2];
+        }
+        let position_m = self.median_m / MEDIAN * (passes / (1.0 - passes)).sqrt();
+        [position_m, position_m * std::f64::consts::PI / (3f64.sqrt() * self.knot_s)]
     }
 }
 
@@ -172,6 +203,7 @@ fn solved(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rng::{Philox, Stream};
 
     /// A body that swings about all axes while it moves on a curve: pose, velocity, acceleration,
     /// rate in body axes.
@@ -189,6 +221,35 @@ mod tests {
         );
         let attitude = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
         (Pose { time_s: t, position_m, attitude }, velocity, acceleration, rate)
+    }
+
+    #[test]
+    fn a_spline_through_noisy_poses_errs_as_its_departure_says() {
+        const NOISE_M: f64 = 1e-3;
+        let mut draw = Philox::new(3, 0, Stream::Host);
+        let poses: Vec<Pose> = (0..8000)
+            .map(|k| {
+                let pose = swing(f64::from(k) * 0.01).0;
+                Pose { position_m: pose.position_m + Vector3::from_fn(|_, _| NOISE_M * draw.normal()), ..pose }
+            })
+            .collect();
+        for intervals in [4.0, 8.0, 16.0] {
+            let spline = fit(&poses, Knots::over(0.0, 79.99, 0.01 * intervals)).expect("fitted");
+            let mut squares = [0.0; 2];
+            let times: Vec<f64> = (200..7800).map(|k| 0.01003 * f64::from(k)).collect();
+            for t in &times {
+                let (found, (pose, velocity, ..)) = (spline.at(*t), swing(*t));
+                squares[0] += (found.pose.position_m - pose.position_m).norm_squared();
+                squares[1] += (found.velocity_m_s - velocity).norm_squared();
+            }
+            let rms = squares.map(|sum| (sum / (3 * times.len()) as f64).sqrt());
+            let departure = Departure::of(&spline, &poses);
+            // 3·8000/16 control points at least: 2 % each, and the median of the departure 1 %.
+            for (rms, sd) in rms.into_iter().zip(departure.of_spline()) {
+                assert!((rms / sd - 1.0).abs() < 0.1, "{intervals}: {rms}, {sd}");
+                assert!((rms / (2.0 * sd) - 1.0).abs() > 0.1, "control");
+            }
+        }
     }
 
     fn fitted(knot_s: f64) -> Spline {

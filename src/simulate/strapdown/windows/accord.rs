@@ -122,13 +122,14 @@ fn gravity(sums: &Sums, motion: &InMotion) -> Result<(), (String, &'static str)>
         let cause = format!("the mean specific force is {shown} m/s²: gravity has been taken out of the readings");
         return Err((cause, "give what the accelerometers read, at rest 9.8 m/s² upwards"));
     }
-    if (size / expected - 1.0).abs() > SIZE {
+    // Motion makes readings longer, and its mean in the reference's axes is still gravity's.
+    if (size / expected - 1.0).abs() > SIZE && (-mean.z / expected - 1.0).abs() > SIZE {
         let cause = format!("the mean specific force is {shown} m/s², gravity {} m/s²", rounded(expected, 4));
         return Err((cause, "scale the accelerometers to m/s², or name their unit in the headings"));
     }
     // Axes that are turned about level ones spread it over all headings: what is left along up
     // tells by how much.
-    let tilt = (-mean.z / size).clamp(-1.0, 1.0).acos();
+    let tilt = (-mean.z / size.min(expected)).clamp(-1.0, 1.0).acos();
     if tilt > std::f64::consts::PI - TILT_RAD {
         let cause =
             "gravity has the wrong sign: the readings are acceleration against free fall downwards, or the reference \

@@ -30,6 +30,10 @@ pub struct Linear {
     pub to_end: ToEnd,
     /// End errors per radian of an attitude error at the start, about north, east and down.
     pub attitude: [Nine; 3],
+    /// End errors per m/s and per m of an error of velocity and of position at the start, north, east and down.
+    moved: [[Nine; 3]; 2],
+    /// Standard deviations of the reference's position, m, and velocity, m/s, along each axis.
+    reference: [f64; 2],
 }
 
 /// One error of a sensor.
@@ -69,6 +73,8 @@ pub enum Kind {
     Flicker,
     /// The attitude of the reference.
     Attitude,
+    /// Position and velocity of the reference.
+    Poses,
 }
 
 /// Fewest steps of a window.
@@ -85,10 +91,11 @@ impl Linear {
         let steps = steps::steps(&flight, stride);
         let column = |gain| Column { state: SVector::zeros(), taken: SVector::zeros(), gain, mean: 0.0, variance: 1.0 };
         let mut columns: Vec<Column> = (0..6).map(|input| column(Gain::One(input))).collect();
-        columns.extend((0..3).map(|axis| {
-            let mut turned = column(Gain::None);
-            turned.state[axis] = 1.0;
-            turned
+        // Attitude, velocity, position.
+        columns.extend((0..9).map(|place| {
+            let mut off = column(Gain::None);
+            off.state[place] = 1.0;
+            off
         }));
         let ends = steps::responses(&steps, columns);
         Ok(Self {
@@ -97,6 +104,8 @@ impl Linear {
             steps,
             to_end: ToEnd::from_columns(&ends[..6]),
             attitude: [ends[6], ends[7], ends[8]],
+            moved: [[ends[9], ends[10], ends[11]], [ends[12], ends[13], ends[14]]],
+            reference: window.reference,
         })
     }
 
@@ -123,6 +132,7 @@ impl Linear {
                 parts.push(Part::Noise { kind, squares, end: Box::new(self.carried(families)) });
             }
         }
+        parts.push(self.reference_part());
         let misalignment = self.flight.misalignment;
         let variances =
             [misalignment.tilt_sd_rad, misalignment.tilt_sd_rad, misalignment.heading_sd_rad].map(|s| s * s);
@@ -145,6 +155,19 @@ impl Linear {
         let mut squares = [0.0; 6];
         squares[..3].copy_from_slice(&variances);
         Part::Noise { kind: Kind::Attitude, squares, end: Box::new(end) }
+    }
+
+    /// Errors of the reference's position and velocity where its poses err each by itself: at the start, which the
+    /// navigator begins with, and at the end, which it is measured by.
+    fn reference_part(&self) -> Part {
+        let [position, velocity] = self.reference.map(|sd| sd * sd);
+        let mut end = Square::zeros();
+        for (responses, variance) in self.moved.iter().zip([velocity, position]) {
+            end += responses.iter().map(|response| response * response.transpose()).sum::<Square>() * variance;
+        }
+        (0..3).for_each(|axis| end[(axis, axis)] += position);
+        (3..6).for_each(|axis| end[(axis, axis)] += velocity);
+        Part::Noise { kind: Kind::Poses, squares: [0.0; 6], end: Box::new(end) }
     }
 
     /// White noise or a random walk with the coefficient one on each axis of an instrument.

@@ -120,6 +120,8 @@ fn in_still(still: &Still, place: &Place<'_>, kind: Kind, squares: &[f64; 6]) ->
         Kind::Flicker => {
             diagonal((0..flicker::terms(place.samples)).map(|term| flicker::amplitude(term).powi(2)).sum())
         }
+        // A still stretch asks no reference where it is.
+        Kind::Poses => Matrix6::zeros(),
         Kind::Attitude => {
             let mut biases = Matrix6::zeros();
             let levelled = still.levelled([squares[0], squares[1], squares[2]]);

@@ -33,6 +33,8 @@ pub struct Window {
     pub flight: usize,
     /// The truth over it.
     pub course: Arc<TimeFactor>,
+    /// Standard deviations of the truth's position, m, and velocity, m/s, along each axis.
+    pub reference: [f64; 2],
     /// Readings integrated, biases and all.
     increments: Vec<Increment>,
 }
@@ -53,6 +55,7 @@ impl Window {
             span_s,
             rows: [recorded.row[first], recorded.row[last]],
             flight: asked.flight,
+            reference: recorded.trajectory.departure.of_spline(),
             course: Arc::new(TimeFactor::new(truth, earth, asked.motion.course.mounting())),
             increments: both.map(|(rotation_rad, velocity_m_s)| Increment { rotation_rad, velocity_m_s }).collect(),
         }
