@@ -323,6 +323,13 @@ impl Text {
                 "check the exponent and the unit of the column",
             ),
             Cell::DecimalComma(_) => ("is not a number", POINT),
+            _ if self.headings.names.get(place).is_some_and(|name| *name == text.trim()) => {
+                ("is the heading of its column again", "delete this line; two logs in one file are two recordings")
+            }
+            _ if is_time_of_day(&text) => (
+                "is a time of day without its date",
+                "write it as seconds, or with its date, e.g. 2026-11-24T22:13:20.5",
+            ),
             _ if line == 2 => (
                 "is not a number",
                 "one header line and one line of units are read; if this is a further one, delete it",
@@ -362,3 +369,9 @@ impl Text {
 
 /// States what to do about decimal commas.
 const POINT: &str = "write numbers with a decimal point, or separate the cells by semicolons or tabs";
+/// Returns whether a cell holds hours, minutes and perhaps seconds, parted by colons.
+fn is_time_of_day(text: &str) -> bool {
+    let parts: Vec<&str> = text.trim().split(':').collect();
+    let is_number = |part: &&str| part.starts_with(|c: char| c.is_ascii_digit()) && part.parse::<f64>().is_ok();
+    matches!(parts.len(), 2 | 3) && parts.iter().all(is_number)
+}

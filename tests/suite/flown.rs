@@ -311,9 +311,7 @@ fn agile() -> Result<(), Failed> {
     for (radius_m, speed_m_s, off_m) in [(3.0, 6.0, 0.0), (10.0, 3.0, 0.02)] {
         let mut truth =
             truth(&format!("kind = \"figure-eight\"\nradius_m = {radius_m:?}\nspeed_m_s = {speed_m_s:?}"), 200.0)?;
-        // A spline is known less at its very ends.
-        let inside = |t: f64, w, f| if (1.0..199.0).contains(&t) { plain(t, w, f) } else { String::new() };
-        std::fs::write(folder.path().join("imu.csv"), readings(&truth, 1.0, inside))?;
+        std::fs::write(folder.path().join("imu.csv"), readings(&truth, 1.0, plain))?;
         truth.samples.iter_mut().for_each(|s| s.position_m += Vector3::from_fn(|_, _| off_m * draw.normal()));
         std::fs::write(folder.path().join("poses.csv"), poses(&truth))?;
         let found = compared(folder.path(), &study_text("[5.0]", ""))?;

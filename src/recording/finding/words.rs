@@ -74,10 +74,16 @@ impl fmt::Display for Finding {
                     0 => String::new(),
                     n => format!(" and {n} more"),
                 };
+                let is_sensor =
+                    |cell: &str| ["acc", "gyr", "mag"].iter().any(|word| cell.to_lowercase().starts_with(word));
+                let by_row = match columns.iter().any(|(_, cell)| is_sensor(cell)) {
+                    true => "; where rows of several sensors follow one another, give each sensor a file of its own",
+                    false => "",
+                };
                 write!(
                     f,
                     "not read, because the first cell is no number: {}{more}; a number is digits with a decimal point, and at \
-                     most a power of ten",
+                     most a power of ten{by_row}",
                     named.join(", ")
                 )
             }

@@ -6,6 +6,7 @@ use crate::table::Table;
 use proofmass_base::number::{duration, rounded, significant, superscript};
 use proofmass_numerics::numerics::allan::fitted::Fit;
 use proofmass_numerics::numerics::allan::law::{TERMS, Term};
+use proofmass_recording::finding::Finding;
 use proofmass_recording::noise::{Channel, Deviation, Noise};
 use proofmass_recording::unit::Quantity;
 
@@ -153,6 +154,9 @@ pub fn answer(noise: &Noise) -> String {
     let length = duration(noise.source.samples as f64 / noise.source.rate_hz);
     let groups: Vec<String> = kinds.into_iter().filter_map(of).collect();
     match groups.is_empty() {
+        true if noise.source.findings.iter().any(|f| matches!(f, Finding::Constant { .. })) => {
+            "Nothing to estimate: no channel changes.".to_owned()
+        }
         true => format!("{length} at rest is too short to estimate any coefficient."),
         false => format!("{}. From {length} at rest.", groups.join(". ")),
     }

@@ -221,7 +221,11 @@ const OWN: usize = 0;
 
 fn windows(recorded: &Recorded, asked: Asked<'_>, pieces: &[std::ops::Range<usize>]) -> Vec<Window> {
     let steps = (asked.seconds / recorded.interval_s).round().max(1.0) as usize;
-    parallel::map(&cut::windows(pieces, steps), |first| Window::new(recorded, asked, *first, steps))
+    let [first, last] = recorded.inside_s;
+    let from = recorded.time_s.partition_point(|time_s| *time_s < first);
+    let to = recorded.time_s.partition_point(|time_s| *time_s <= last);
+    let inside: Vec<_> = pieces.iter().map(|p| p.start.max(from)..p.end.min(to)).filter(|p| !p.is_empty()).collect();
+    parallel::map(&cut::windows(&inside, steps), |first| Window::new(recorded, asked, *first, steps))
 }
 
 /// The bases of one flight: its windows of the shortest length.

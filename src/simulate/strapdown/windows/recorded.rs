@@ -38,6 +38,8 @@ pub struct Recorded {
     pub interval_s: f64,
     /// Stretches without a hole.
     pub pieces: Vec<Range<usize>>,
+    /// When the reference is known as well as in its middle, s on its clock.
+    pub inside_s: [f64; 2],
     /// Findings that were survived.
     pub findings: Vec<Finding>,
 }
@@ -45,6 +47,9 @@ pub struct Recorded {
 /// Intervals of a hole that a straight line bridges, and from which on it is one.
 const BRIDGED: f64 = 5.5;
 const HOLE: f64 = 1.5;
+/// Knots of the reference's spline from its ends to where it is known as well as in the middle: its velocity is by
+/// several times worse at the ends themselves.
+const EDGE_KNOTS: f64 = 3.0;
 const DAY_S: f64 = 86_400.0;
 const YEAR_S: f64 = 365.25 * DAY_S;
 
@@ -81,6 +86,7 @@ impl Recorded {
         if ends[1] <= extent_s[0] || ends[0] >= extent_s[1] {
             return Err(apart(&fail, ends, extent_s));
         }
+        let edge_s = EDGE_KNOTS * trajectory.knot_s();
         let mut all = Self {
             imu: shown.clone(),
             sha256: log.sha256.clone(),
@@ -91,6 +97,7 @@ impl Recorded {
             force_m_s2: Vec::new(),
             interval_s: log.interval_s,
             pieces: Vec::new(),
+            inside_s: [extent_s[0] + edge_s, extent_s[1] - edge_s],
             findings: Vec::new(),
         };
         all.gather(&log, offset_s, extent_s);
