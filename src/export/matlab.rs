@@ -54,12 +54,16 @@ pub(super) fn read(name: &str, text: &str) -> Result<Imu> {
     };
     let text = text.replace('\'', "\"");
     let code = statements(&text);
-    let rate = |statement: &&str| {
-        let argument = statement.split_once("\"SampleRate\",").map(|(_, rest)| rest);
-        let property = || statement.split_once(".SampleRate")?.1.trim_start().strip_prefix('=');
-        argument.or_else(property)?.split([',', ')']).next()?.trim().parse::<f64>().ok()
+    // Other sensors of the same script have rates of their own.
+    let made = code.iter().find_map(|s| s.split_once('=').filter(|(_, made)| made.trim().starts_with("imuSensor")));
+    let (unit, made) = made.map_or(("", ""), |(unit, made)| (unit.trim(), made));
+    let property = |statement: &&'_ str| {
+        let rest = statement.strip_prefix(unit)?.strip_prefix(".SampleRate")?;
+        Some(rest.trim_start().strip_prefix('=')?.to_owned())
     };
-    let rate = code.iter().find_map(rate);
+    let argument = made.split_once("\"SampleRate\",").map(|(_, rest)| rest.to_owned());
+    let rate = argument.or_else(|| code.iter().find_map(property));
+    let rate = rate.and_then(|rest| rest.split([',', ')']).next()?.trim().parse::<f64>().ok());
     let rate_hz = rate.filter(|r| r.is_finite() && *r > 0.0);
     let mut imu = Imu::new(name, rate_hz.ok_or_else(|| fail("it sets no \"SampleRate\" of an imuSensor".into()))?);
     let mut senses = [[imu.accelerometer; 3], [imu.gyro; 3]];

@@ -281,8 +281,8 @@ impl<'a> Bridge<'a> {
             let cause = format!("{} of {} samples are missing in short gaps", self.filled, self.given);
             return fail(
                 cause,
-                "cut the recording to a stretch without gaps, or name only the columns that were logged; where rows of \
-                 another sensor lie between, leave these out",
+                "cut the recording to a stretch without gaps, or name only the columns that were logged; if the rows \
+                 alternate between sensors, write one file per sensor",
             );
         }
         if self.filled > 0 {

@@ -369,9 +369,21 @@ impl Text {
 
 /// States what to do about decimal commas.
 const POINT: &str = "write numbers with a decimal point, or separate the cells by semicolons or tabs";
+
 /// Returns whether a cell holds hours, minutes and perhaps seconds, parted by colons.
 fn is_time_of_day(text: &str) -> bool {
     let parts: Vec<&str> = text.trim().split(':').collect();
     let is_number = |part: &&str| part.starts_with(|c: char| c.is_ascii_digit()) && part.parse::<f64>().is_ok();
     matches!(parts.len(), 2 | 3) && parts.iter().all(is_number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_of_day_has_two_or_three_numbers() {
+        assert!(["22:13:20.000149", " 7:05", "00:00:00"].into_iter().all(is_time_of_day));
+        assert!(!["22", "a:b:c", "1:2:3:4", "t:1", "12:", "-1:2"].into_iter().any(is_time_of_day));
+    }
 }

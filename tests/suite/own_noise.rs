@@ -75,7 +75,7 @@ fn diagnosed(row: impl Fn(usize, f64) -> [f64; 2]) -> Result<Said, Failed> {
     diagnosed_with(ROWS, row, &[])
 }
 
-/// The same of so many samples, with further options.
+/// Diagnoses the first `rows` samples, with further options.
 fn diagnosed_with(rows: usize, row: impl Fn(usize, f64) -> [f64; 2], more: &[&str]) -> Result<Said, Failed> {
     let mut csv = String::from("u,y\n");
     for k in 0..rows {

@@ -118,6 +118,14 @@ mod tests {
         }
     }
 
+    #[test]
+    fn the_shape_that_is_right_counts() {
+        // Where one shape is right and the other wrong, the right one counts; where both are, their mean.
+        assert!(weighed(&[1.0, 9.0]).is_some_and(|w| (w - 1.0).abs() < 1e-5));
+        assert_eq!(weighed(&[2.0, 2.0]), Some(2.0));
+        assert!(weighed(&[]).is_none());
+    }
+
     // The standard deviation that was put in, within what 114 windows of 8 free numbers allow. A
     // resonance on a constant background is a pole and leaves nothing; on a slope it is none, and leaves
     // less than the least noise that is measured here.

@@ -80,7 +80,7 @@ def allan(
     """The noise of a sensor at rest: Allan deviations and the coefficients that they support, ``proofmass allan``.
 
     ``recording`` is an array (samples, or samples × channels), a DataFrame, a dictionary of arrays, or the path of a file.
-    Columns of an array are called 1, 2, …; ``gyro`` and ``accelerometer`` name those of a sensor and ``…_scale`` their
+    An index of times is the clock of a DataFrame. Columns of an array are called 1, 2, …; ``gyro`` and ``accelerometer`` name those of a sensor and ``…_scale`` their
     unit: "mg", "deg/s", "0.05deg/s"; without one, the unit that the heading states holds, else rad/s and m/s². A
     ``rate_hz`` that contradicts the recording's own clock is an error unless ``force_rate``.
     """

@@ -87,6 +87,8 @@ def _clock(table: Any) -> list[tuple[list[str], Any]]:
     index = getattr(table, "index", None)
     kind = getattr(getattr(index, "dtype", None), "kind", "")
     name = getattr(index, "name", None)
+    if name is not None and name in table.columns:
+        return []
     word = str(name).lower().partition("_")[0] if name is not None else ""
     if kind in ("M", "m"):
         unnamed = "timestamp_ns" if kind == "M" else "t_s"

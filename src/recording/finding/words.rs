@@ -77,7 +77,7 @@ impl fmt::Display for Finding {
                 let is_sensor =
                     |cell: &str| ["acc", "gyr", "mag"].iter().any(|word| cell.to_lowercase().starts_with(word));
                 let by_row = match columns.iter().any(|(_, cell)| is_sensor(cell)) {
-                    true => "; where rows of several sensors follow one another, give each sensor a file of its own",
+                    true => "; if the rows alternate between sensors, write one file per sensor",
                     false => "",
                 };
                 write!(

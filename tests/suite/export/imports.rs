@@ -57,7 +57,9 @@ pub(super) fn made_by_others() -> Result<(), Failed> {
     for other in [
         matlab.replace('"', "'"),
         matlab.replace(";\n", "; "),
-        matlab.replace("\"SampleRate\", ", "\"Rate\", ") + "\nimu.SampleRate = 10;\n",
+        "gps = gpsSensor;\ngps.SampleRate = 1;\n".to_owned()
+            + &matlab.replace("\"SampleRate\", ", "\"Rate\", ")
+            + "\nimu.SampleRate = 10;\n",
     ] {
         let (read, same) = (import("matlab", &other)?, import("matlab", &matlab)?);
         check(read == same, format!("{other}\n{read}\n{same}"))?;

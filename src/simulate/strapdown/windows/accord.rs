@@ -123,7 +123,7 @@ fn gravity(sums: &Sums, motion: &InMotion) -> Result<(), (String, &'static str)>
         return Err((cause, "give what the accelerometers read, at rest 9.8 m/s² upwards"));
     }
     // Motion makes readings longer, and its mean in the reference's axes is still gravity's.
-    if (size / expected - 1.0).abs() > SIZE && (-mean.z / expected - 1.0).abs() > SIZE {
+    if (size / expected - 1.0).abs() > SIZE && (mean.z.abs() / expected - 1.0).abs() > SIZE {
         let cause = format!("the mean specific force is {shown} m/s², gravity {} m/s²", rounded(expected, 4));
         return Err((cause, "scale the accelerometers to m/s², or name their unit in the headings"));
     }
