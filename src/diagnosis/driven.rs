@@ -44,6 +44,7 @@ use intake::refusal::Refusal;
 use intake::several::{self, Taken};
 use intake::stretches::{self, Stretches};
 use intake::work::{Budget, Stage};
+use selection::at_once;
 use selection::base_model::{self, NoOscillator};
 use selection::held_input;
 use selection::judged::{self, Judged, Selection};
@@ -196,6 +197,9 @@ impl Diagnosis {
             }
         };
         self.notes = notes;
+        for data in [&mut self.data, &mut self.excerpt] {
+            data.observed.at_once = scales.at_once;
+        }
         base_model::bridge(&mut self.excerpt, &base, &self.filled);
         if self.is_whole() {
             self.data.reading.clone_from(&self.excerpt.reading);
@@ -339,7 +343,9 @@ impl Diagnosis {
         // A window begins from a displacement and a velocity: what has states next to them begins
         // unknown each time.
         let begins = |t: &Term| self.data.windows.is_none() || (t.states() == 0 && t.noise().is_none());
-        all.into_iter().filter(|t| self.notes.broken.is_none() && begins(t) && !t.starts(scales).is_empty()).collect()
+        let shows = |t: &Term| !scales.at_once || at_once::shows(t);
+        let all = all.into_iter().filter(shows);
+        all.filter(|t| self.notes.broken.is_none() && begins(t) && !t.starts(scales).is_empty()).collect()
     }
 
     /// The base model with the input going another way between its samples, where that fits better

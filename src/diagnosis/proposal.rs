@@ -72,7 +72,7 @@ pub fn suited(rows: &Rows) -> Option<Suited> {
     let [gyros, accelerometers] = [0, 1].map(|sensor| rows.sensors[sensor].len());
     match longest(&rows.still) {
         _ if gyros + accelerometers == 0 && rows.is_pose => Some(Suited::Reference),
-        _ if gyros + accelerometers == 0 => Some(Suited::Driven),
+        _ if gyros + accelerometers == 0 || rows.given.is_some() => Some(Suited::Driven),
         _ if is_turned(rows) => Some(Suited::Poses),
         Some(_) if total_s(&rows.still) >= AT_REST * whole_s => Some(Suited::Rest),
         Some(rest) if rest.to_s - rest.from_s >= WORTHWHILE_S => Some(Suited::RestFor(*rest)),
@@ -225,6 +225,7 @@ mod tests {
             findings: Vec::new(),
             columns,
             sensors,
+            given: None,
             is_pose: false,
             still,
             poses,

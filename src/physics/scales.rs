@@ -52,6 +52,8 @@ pub struct Scales {
     pub fineness: f64,
     /// Samples by which the output clearly lags the input; 0 where it does not.
     pub lag_samples: f64,
+    /// States whether the reading follows the input at once, so that ω₀ and ζ are a convention.
+    pub at_once: bool,
 }
 
 impl Scales {
@@ -83,6 +85,7 @@ impl Scales {
             centre: 0.0,
             fineness: 1.0,
             lag_samples: 0.0,
+            at_once: false,
         }
     }
 }

@@ -6,7 +6,7 @@
 mod rest;
 mod sensors;
 
-pub use rest::Stretch;
+pub use rest::{Leaps, Stretch, leaps};
 
 use std::path::Path;
 
@@ -83,6 +83,8 @@ pub struct Rows {
     pub columns: Vec<Column>,
     /// Columns of an inertial sensor, if they are one's: gyros and accelerometers.
     pub sensors: [Vec<usize>; 2],
+    /// Column of a rate or an acceleration that was given to the sensor, as by a turntable.
+    pub given: Option<usize>,
     /// States whether the rows are poses: positions or attitudes of a body, as a reference has
     /// them.
     pub is_pose: bool,
@@ -181,9 +183,11 @@ fn rows(path: &Path, request: &Request) -> Result<(Rows, Option<String>)> {
     let columns = columns.collect();
     let clock = clock.or_else(|| request.time.clone());
     let Streamed { sha256, rows, samples, rate_hz, dropped, findings } = streamed;
-    let sensors = sensors.places;
+    let (sensors, given) = (sensors.places, sensors.given);
     let rate_hz = Some(rate_hz);
-    Ok((Rows { sha256, rows, samples, rate_hz, dropped, findings, columns, sensors, is_pose, still, poses }, clock))
+    let rows =
+        Rows { sha256, rows, samples, rate_hz, dropped, findings, columns, sensors, given, is_pose, still, poses };
+    Ok((rows, clock))
 }
 
 /// Sums over a column; deviations from its first value, so that little is lost of a small one.

@@ -1,6 +1,7 @@
 //! Chooses the terms that a model needs: each candidate is fitted and judged on samples that were
 //! not fitted, against all others that might do as well.
 
+pub mod at_once;
 pub mod base_model;
 pub mod candidates_round;
 pub mod coloured_noise;

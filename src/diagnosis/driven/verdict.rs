@@ -21,6 +21,7 @@ mod product;
 mod readout_memory;
 pub(in crate::driven) mod residual_tests;
 mod second_resonance;
+mod sensitivity;
 pub(in crate::driven) mod sensor;
 mod stated;
 pub mod surface;

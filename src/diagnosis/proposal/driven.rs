@@ -54,6 +54,7 @@ pub(super) fn driven(file: &str, rows: &Rows, named: &Named) -> Result<String> {
     };
     let other = |taken: &Column| columns.iter().find(|c| **c != taken).filter(|_| columns.len() == 2).copied();
     let by_name = match (input, output) {
+        (None, None) if rows.given.is_some() => followed(rows).unzip(),
         (None, None) if columns.len() == 1 => return Ok(of_driven(None, columns[0], rows)),
         (None, None) => (one(&INPUTS, None), one(&OUTPUTS, None)),
         (Some(input), None) => (Some(input), one(&OUTPUTS, Some(input))),
@@ -104,6 +105,14 @@ pub(super) fn driven(file: &str, rows: &Rows, named: &Named) -> Result<String> {
             ))
         }
     }
+}
+
+/// The motion that was given, and the axis of its sensor that follows it most.
+fn followed(rows: &Rows) -> Option<(&Column, &Column)> {
+    let given = &rows.columns[rows.given?];
+    let axes = rows.sensors.iter().flatten().map(|place| &rows.columns[*place]);
+    let most = axes.filter(|c| c.quantity == given.quantity).max_by(|a, b| a.deviation.total_cmp(&b.deviation));
+    Some((given, most?))
 }
 
 /// Words and units of velocities and of accelerations.

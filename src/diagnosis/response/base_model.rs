@@ -89,5 +89,6 @@ fn scales(sweeps: &Sweeps, omega_rad_s: f64, damping_per_s: f64, amplitude: f64)
         centre: 0.0,
         fineness: 1.0,
         lag_samples: 0.0,
+        at_once: false,
     }
 }

@@ -8,6 +8,9 @@ use crate::error::{Error, Result};
 use crate::model;
 use crate::recording::Recording;
 use crate::recording::finding::{self, Finding};
+use crate::stated_units;
+
+use super::plausible;
 
 /// Fewer samples cannot tell one law from another.
 const FEWEST: usize = 256;
@@ -77,7 +80,7 @@ impl<'a> Columns<'a> {
     /// The channels that are not constant.
     ///
     /// # Errors
-    /// Fewer than 256 samples, columns that are not there, or nothing but constants.
+    /// Fewer than 256 samples, columns that are not there, nothing but constants, or a gyro that is turned.
     pub(super) fn live(&self, model: &'a model::Static) -> Result<Vec<(&'a String, &'a [f64])>> {
         let named: Vec<(&String, &[f64])> =
             model.columns.channels.iter().map(|n| Ok((n, self.values(n)?))).collect::<Result<_>>()?;
@@ -96,6 +99,10 @@ impl<'a> Columns<'a> {
                 format!("{} samples", self.rows.len()),
                 format!("need at least {FEWEST}; thousands are better"),
             ));
+        }
+        let rate_hz = self.recording.rate_hz / self.recording.averaged.as_ref().map_or(1, |a| a.together) as f64;
+        for (name, values) in &live {
+            plausible::turns(name, values, rate_hz, &stated_units::of(self.recording, name, model))?;
         }
         Ok(live)
     }

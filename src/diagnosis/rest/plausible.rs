@@ -6,8 +6,10 @@
 
 use super::channel::{Channel, Fitted};
 use super::describe;
+use crate::error::{Error, Result};
 use crate::model::Noise;
 use crate::number::short;
+use crate::recording::inspection::leaps;
 use crate::recording::unit::{Quantity, Unit};
 use crate::units::STANDARD_GRAVITY_M_S2;
 
@@ -31,6 +33,34 @@ pub(super) fn gravity(channels: &[(f64, Unit)]) -> Option<String> {
             unit = z.1.name
         )
     })
+}
+
+/// Leaps from rest to rest that no knock makes: a sensor that was picked up and turned once leaps less often.
+const TURNTABLE: usize = 3;
+
+/// Refuses a gyro that is turned at steady rates, as on a turntable.
+///
+/// # Errors
+/// One whose rate leaps from rest to rest, by more than any bias does.
+pub(super) fn turns(name: &str, readings: &[f64], rate_hz: f64, unit: &Unit) -> Result<()> {
+    if unit.quantity != Quantity::Gyro {
+        return Ok(());
+    }
+    let found = leaps(readings, rate_hz, unit.si);
+    if found.count < TURNTABLE {
+        return Ok(());
+    }
+    Err(Error::new(
+        "could not diagnose the recording as one at rest",
+        format!(
+            "`{name}` is turned at steady rates: from one quiet stretch to the next it leaps {} times, by up to {} {}",
+            found.count,
+            short(found.largest),
+            unit.symbol().unwrap_or(unit.name.clone())
+        ),
+        "on a turntable, hold it against the table's rate: --input TABLE_RATE --output READING, without a model; or cut out \
+         a rest: --from-s, --to-s",
+    ))
 }
 
 /// The white level against the promise.

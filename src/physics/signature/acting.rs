@@ -79,6 +79,7 @@ fn scales() -> Scales {
         centre: 0.0,
         fineness: 1.0,
         lag_samples: 0.0,
+        at_once: false,
     }
 }
 

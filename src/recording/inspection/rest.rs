@@ -22,6 +22,9 @@ const QUIET: f64 = 5.0;
 /// Standard deviations of a sensor at rest are below these, rad/s and m/s²: a hovering drone's are
 /// not.
 const RESTLESS: [f64; 2] = [0.05, 0.3];
+/// A bias does not change by more from one rest to the next, rad/s: 1.1 °/s, some ten times the
+/// sensitivity to gravity of a low-cost gyro. What does is turned at a constant rate.
+const TURNING: f64 = 0.02;
 /// Cosine of the angle, 20°, from which two directions of gravity are two poses: a parked vehicle's
 /// differ by the slope of the road.
 const APART: f64 = 0.94;
@@ -49,6 +52,7 @@ pub(super) struct Still {
 struct Window {
     /// All axes of a sensor together; 0 of one that is not there.
     variance: [f64; 2],
+    rate: [f64; 3],
     force: [f64; 3],
 }
 
@@ -82,11 +86,17 @@ impl Rest {
             }
             (from, self.count) = (to, window.end);
             if self.count == WIDTH {
-                let force = self.held[1].each_ref().map(|axis| axis.iter().sum::<f64>() / WIDTH as f64);
-                self.windows.push(Window { variance: self.held.each_ref().map(variance), force });
-                self.count = 0;
+                self.close();
             }
         }
+    }
+
+    /// Takes the window that is filled.
+    fn close(&mut self) {
+        let mean = |axis: &[f64; WIDTH]| axis.iter().sum::<f64>() / WIDTH as f64;
+        let [rate, force] = self.held.each_ref().map(|sensor| sensor.each_ref().map(mean));
+        self.windows.push(Window { variance: self.held.each_ref().map(variance), rate, force });
+        self.count = 0;
     }
 
     /// Gravity's length in the accelerometer's own unit; `None` without three axes of it. Where it
@@ -119,6 +129,7 @@ impl Rest {
             .chunks_exact(together)
             .map(|part| Window {
                 variance: [0, 1].map(|s| mean(part, &|w| w.variance[s])),
+                rate: [0, 1, 2].map(|axis| mean(part, &|w| w.rate[axis])),
                 force: [0, 1, 2].map(|axis| mean(part, &|w| w.force[axis])),
             })
             .collect()
@@ -142,7 +153,17 @@ impl Rest {
         }
     }
 
+    /// Stretches in which all sensors there are were still.
     fn rests(&self, rate_hz: f64, si: [Option<f64>; 2]) -> Rests {
+        let mut found = self.quiet(rate_hz, si);
+        if let Some(si) = si[0] {
+            found.leave_out_turning(TURNING / si);
+        }
+        found
+    }
+
+    /// Stretches as quiet as a rest, those of steady turns among them.
+    fn quiet(&self, rate_hz: f64, si: [Option<f64>; 2]) -> Rests {
         let fewest = self.axes.into_iter().filter(|axes| *axes > 0).min().unwrap_or(AXES);
         let together = ((WINDOW_S * rate_hz / WIDTH as f64).round() as usize).max(AXES.div_ceil(fewest));
         let windows = self.joined(together);
@@ -178,9 +199,32 @@ impl Rest {
     }
 }
 
-/// A stretch of rest and the specific force in its middle.
+/// Leaps of a rate from one rest of a gyro to the next: it is turned at steady rates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Leaps {
+    /// Number of them.
+    pub count: usize,
+    /// The largest, in units of the readings.
+    pub largest: f64,
+}
+
+/// Counts the leaps of one axis of a gyro, one unit of which is `si` rad/s.
+pub fn leaps(readings: &[f64], rate_hz: f64, si: f64) -> Leaps {
+    let mut rest = Rest { axes: [1, 0], ..Rest::default() };
+    for window in readings.chunks_exact(WIDTH) {
+        rest.held[0][0].copy_from_slice(window);
+        rest.close();
+    }
+    let by = rest.quiet(rate_hz, [Some(si), None]).leaps();
+    let large = || by.iter().copied().filter(|by| *by > TURNING / si);
+    Leaps { count: large().count(), largest: large().fold(0.0, f64::max) }
+}
+
+/// A stretch of rest, with what is read in its middle and of rates at both of its ends.
 struct AtRest {
     stretch: Stretch,
+    rate: [f64; 3],
+    ends: [[f64; 3]; 2],
     force: [f64; 3],
 }
 
@@ -191,8 +235,24 @@ impl Rests {
     fn end(&mut self, all: &[Window], windows: Range<usize>, window_s: f64) {
         if windows.len() >= SHORTEST {
             let [from_s, to_s] = [windows.start, windows.end].map(|k| k as f64 * window_s);
-            let force = all[windows.start + windows.len() / 2].force;
-            self.0.push(AtRest { stretch: Stretch { from_s, to_s }, force });
+            let Window { rate, force, .. } = all[windows.start + windows.len() / 2];
+            let ends = [windows.start, windows.end - 1].map(|k| all[k].rate);
+            self.0.push(AtRest { stretch: Stretch { from_s, to_s }, rate, ends, force });
+        }
+    }
+
+    /// By how much rates differ, all axes together, from the end of each stretch to the next one.
+    fn leaps(&self) -> Vec<f64> {
+        self.0.windows(2).map(|two| apart(two[0].ends[1], two[1].ends[0])).collect()
+    }
+
+    /// Leaves out the stretches of steady turns, if rates leap from one stretch to the next, as on a
+    /// turntable: all that read other than the slowest one. A drift leaps nowhere.
+    fn leave_out_turning(&mut self, leap: f64) {
+        let does = self.leaps().into_iter().any(|by| by > leap);
+        let slowest = self.0.iter().map(|rest| rest.rate).min_by(|a, b| norm(a).total_cmp(&norm(b)));
+        if let Some(slowest) = slowest.filter(|_| does) {
+            self.0.retain(|rest| apart(rest.rate, slowest) <= leap);
         }
     }
 
@@ -236,6 +296,10 @@ fn sphere(forces: &[[f64; 3]]) -> Option<Sphere> {
     });
     let centre = std::array::from_fn(|i| centre[i] + mean[i]);
     (radius.is_finite() && is_near && is_around).then_some(Sphere { centre, radius })
+}
+
+fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
+    norm(&std::array::from_fn(|i| a[i] - b[i]))
 }
 
 fn norm(v: &[f64; 3]) -> f64 {

@@ -11,7 +11,22 @@ use crate::unit::Quantity;
 pub(super) struct Sensors {
     /// Places of the columns of gyros and of accelerometers.
     pub places: [Vec<usize>; 2],
+    /// The column of a rate or an acceleration that was given to the sensor, where there is one.
+    pub given: Option<usize>,
     stated: Vec<Option<Stated>>,
+}
+
+/// The only column that is given, of a quantity that a sensor there reads.
+fn given(names: &[String], stated: &[Option<Stated>], places: &[Vec<usize>; 2]) -> Option<usize> {
+    let is_read = |unit: &Stated| match unit {
+        Stated::Inertial(unit) => {
+            KINDS.iter().zip(places).any(|(kind, own)| kind.0 == unit.quantity && !own.is_empty())
+        }
+        _ => false,
+    };
+    let mut all = (0..names.len())
+        .filter(|place| roles::is_given(&names[*place]) && stated[*place].as_ref().is_some_and(is_read));
+    all.next().filter(|_| all.next().is_none())
 }
 
 /// Units of both sensors, as far as they are known.
@@ -42,13 +57,17 @@ impl Sensors {
                     .map(|unit| unit.quantity)
                     .or_else(|| roles::alone_without_unit(&names[place])),
             };
-            let readings =
-                || (0..names.len()).filter(|place| !roles::is_environment(&names[*place], texts[*place].as_deref()));
+            let readings = || {
+                (0..names.len())
+                    .filter(|place| !roles::is_environment(&names[*place], texts[*place].as_deref()))
+                    .filter(|place| !roles::is_given(&names[*place]))
+            };
             if readings().all(|place| alone(place).is_some()) {
                 places = KINDS.map(|(kind, _)| readings().filter(|place| alone(*place) == Some(kind)).collect());
             }
         }
-        Self { places, stated }
+        let given = given(names, &stated, &places);
+        Self { places, given, stated }
     }
 
     /// Quantity that a column measures.

@@ -77,6 +77,7 @@ pub fn unaligned(data: &Data) -> Scales {
         centre,
         fineness: SEARCHING,
         lag_samples: 0.0,
+        at_once: false,
     }
 }
 

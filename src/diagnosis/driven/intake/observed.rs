@@ -10,11 +10,14 @@ pub struct Observed {
     pub output: Output,
     /// Frequency of that sine, rad/s.
     pub omega_rad_s: f64,
+    /// States whether the reading follows the input at once: the resonance is far above what was
+    /// recorded, and the mass stands where its spring balances the force.
+    pub at_once: bool,
 }
 
 impl Default for Observed {
     fn default() -> Self {
-        Self { output: Output::Displacement, omega_rad_s: 1.0 }
+        Self { output: Output::Displacement, omega_rad_s: 1.0, at_once: false }
     }
 }
 

@@ -25,6 +25,7 @@ use crate::physics::readout_lowpass::{Poles, ReadoutLowpass};
 use crate::physics::scales::Scales;
 use crate::remainder::REAL;
 
+use super::at_once;
 use super::held_out::held_out;
 use super::judged::Judged;
 use super::residual_structure::residual_structure_of_noise;
@@ -89,6 +90,10 @@ pub(crate) fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Resu
         return Err(NoOscillator::Poor { best: Box::new(best), explains });
     }
     let hz = fit.point[OMEGA] / TAU;
+    if let Some(at_once) = at_once::found(data, &best) {
+        notes.findings.push(at_once::WORDS.to_owned());
+        return Ok(at_once);
+    }
     if hz > 0.5 * data.rate_hz {
         notes.doubt(
             format!(

@@ -137,6 +137,10 @@ impl Pass<'_> {
                 base: &self.parts.base,
                 environment,
             };
+            if self.parts.observed.at_once {
+                plan.settle(&mut at, acting.at(k), &mut motion);
+                at.input = acting.recorded(k);
+            }
             let y = self.expected(&plan, &at, acting.at(k), &offset, &motion);
             keep.keep(k, &motion.x, &motion.v);
             let reading = self.reading[k];
@@ -149,7 +153,10 @@ impl Pass<'_> {
             let begin = at.time;
             for step in 0..steps {
                 let u = acting.over(k, step);
-                let stride = if plan.linear {
+                let stride = if self.parts.observed.at_once {
+                    at.time = begin + (step + 1) as f64 * plan.step_s;
+                    plan.settled(&mut at, u, &mut motion)
+                } else if plan.linear {
                     plan.swing(u, &mut motion)
                 } else {
                     at.time = begin + step as f64 * plan.step_s;

@@ -165,7 +165,8 @@ impl ModelStructure {
             .iter()
             .enumerate()
             .map(|(i, t)| scales.fineness * t.fastest_rad_s(self.of(i, point), scales))
-            .fold(point[OMEGA], f64::max);
+            // What balances at once does not turn.
+            .fold(if scales.at_once { 0.0 } else { point[OMEGA] }, f64::max);
         (fastest * scales.interval_s / angle).ceil() as usize
     }
 }
@@ -181,6 +182,9 @@ pub fn coordinates(structure: &ModelStructure, scales: &Scales) -> Vec<Coordinat
         Coordinate::Linear(0.1 * scales.output),
         Coordinate::Linear(0.1 * scales.output * omega),
     ];
+    if scales.at_once {
+        [OMEGA, ZETA, INITIAL, INITIAL + 1].into_iter().for_each(|place| all[place] = Coordinate::Held);
+    }
     for _ in 0..structure.further {
         all.extend_from_within(OFFSET..OFFSET + PER_RECORDING);
     }

@@ -35,6 +35,7 @@ use super::form::{self, Freely};
 use super::isolation::{Compared, locate};
 use super::noise_words::how;
 use super::residual_tests::WHITE;
+use super::sensitivity::sensitivity;
 use super::sensor::repair;
 use super::stated::{stated, unnamed};
 use super::surface::{FreeRun, Surface, surface};
@@ -79,7 +80,8 @@ pub fn answer(
     let errors = [before.as_slice(), after.as_slice()];
     let noise = reading_noise(&Sample::of(data));
     let (places, place, at_noise) = located(data, errors, noise, &states.x, &surfaces[0], &output_unit);
-    let base = effects::base(c, scales, &channels);
+    let mut base = effects::base(c, scales, &channels);
+    base.extend(sensitivity(c, scales, &channels).filter(|_| scales.at_once));
     if data.input.is_none() && c.named.is_empty() {
         notes.may_be_steady(&base);
     }

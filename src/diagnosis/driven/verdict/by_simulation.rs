@@ -47,7 +47,9 @@ pub(crate) fn simulated(
     let says_something = !c.named.is_empty() || c.outcome == Outcome::Unexplained;
     let base = &selection.base.fit;
     let terms: Vec<_> = c.named.iter().map(|n| c.model.fit.structure.terms[n.index]).collect();
-    let known = (says_something && selection.base_follows).then(|| Simulated::of(data, base, &terms, scales)).flatten();
+    let known = (says_something && selection.base_follows && !scales.at_once)
+        .then(|| Simulated::of(data, base, &terms, scales))
+        .flatten();
     let Some(simulated) = known else { return (selection, c, Simulation::default()) };
     let noise = (c.outcome == Outcome::Unexplained).then(|| simulated.variance.sqrt());
     let silent = Simulation { noise, ..Simulation::default() };

@@ -111,7 +111,7 @@ pub fn base(c: &Conclusion, scales: &Scales, channels: &Channels) -> Vec<Estimat
     let coordinates = coordinates(&fit.structure, scales);
     let known = |(name, place, pattern): (&str, usize, &str)| {
         let index = fit.free.iter().position(|f| *f == place)?;
-        let reach = c.spread.reach.get(index).copied()?;
+        let reach = c.spread.reach.get(index).copied().filter(|_| !(scales.at_once && place == GAIN))?;
         let value = fit.point[place];
         Some(Estimate {
             name: name.to_owned(),
