@@ -184,6 +184,8 @@ impl Diagnosis {
             notes.clone_from(&self.notes);
             free = base_model::base(&self.excerpt, &self.start, &mut notes);
         }
+        let at_once = free.as_ref().is_ok_and(|(_, scales)| scales.at_once);
+        [&mut self.data, &mut self.excerpt].into_iter().for_each(|data| data.observed.at_once = at_once);
         self.settle_whether_it_follows(&free, &mut notes, control)?;
         if let Some(found) = self.chaotic(free.as_ref().ok().map(|f| &f.0)) {
             return Ok(found);
@@ -197,9 +199,6 @@ impl Diagnosis {
             }
         };
         self.notes = notes;
-        for data in [&mut self.data, &mut self.excerpt] {
-            data.observed.at_once = scales.at_once;
-        }
         base_model::bridge(&mut self.excerpt, &base, &self.filled);
         if self.is_whole() {
             self.data.reading.clone_from(&self.excerpt.reading);

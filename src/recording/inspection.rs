@@ -3,6 +3,7 @@
 //!
 //! Not for judging: what the numbers mean is for `noise` and `diagnosis`.
 
+mod given;
 mod rest;
 mod sensors;
 

@@ -204,29 +204,6 @@ pub(crate) fn is_environment(name: &str, stated: Option<&str>) -> bool {
         || words().any(|w| SURROUNDINGS.iter().any(|s| w.starts_with(s)))
 }
 
-/// Words of a heading that name what a machine was told to do, or measured of it: no reading of the
-/// sensor on it.
-const GIVEN: [&str; 12] = [
-    "table",
-    "turntable",
-    "stage",
-    "shaker",
-    "encoder",
-    "commanded",
-    "command",
-    "cmd",
-    "setpoint",
-    "reference",
-    "ref",
-    "true",
-];
-
-/// Tells a motion that a turntable, a shaker or a reference sensor gave from a sensor's reading.
-pub(crate) fn is_given(name: &str) -> bool {
-    let lower = name.to_lowercase();
-    lower.split(|c: char| !c.is_alphanumeric()).any(|word| GIVEN.contains(&word))
-}
-
 /// The surroundings among the columns of an inertial sensor; none where no column is one's, or
 /// where headings repeat and cannot be named apart.
 pub fn surroundings(names: &[String], stated: &[Option<String>]) -> Vec<String> {

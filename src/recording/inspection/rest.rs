@@ -22,8 +22,9 @@ const QUIET: f64 = 5.0;
 /// Standard deviations of a sensor at rest are below these, rad/s and m/s²: a hovering drone's are
 /// not.
 const RESTLESS: [f64; 2] = [0.05, 0.3];
-/// A bias does not change by more from one rest to the next, rad/s: 1.1 °/s, some ten times the
-/// sensitivity to gravity of a low-cost gyro. What does is turned at a constant rate.
+/// A bias does not change by more from one rest to the next, rad/s: 1.1 °/s, ten times the
+/// sensitivity to gravity of a low-cost gyro (MPU-6050 datasheet: 0.1 °/s/g). What does is turned at a
+/// constant rate.
 const TURNING: f64 = 0.02;
 /// Cosine of the angle, 20°, from which two directions of gravity are two poses: a parked vehicle's
 /// differ by the slope of the road.

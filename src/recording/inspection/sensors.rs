@@ -1,6 +1,7 @@
 //! The inertial columns of a file, and what one unit of each is: stated, counted, or judged by
 //! size.
 
+use super::given::is_given;
 use super::rest::Rest;
 use crate::finding::Finding;
 use crate::roles::{self, Stated};
@@ -24,8 +25,8 @@ fn given(names: &[String], stated: &[Option<Stated>], places: &[Vec<usize>; 2]) 
         }
         _ => false,
     };
-    let mut all = (0..names.len())
-        .filter(|place| roles::is_given(&names[*place]) && stated[*place].as_ref().is_some_and(is_read));
+    let mut all =
+        (0..names.len()).filter(|place| is_given(&names[*place]) && stated[*place].as_ref().is_some_and(is_read));
     all.next().filter(|_| all.next().is_none())
 }
 
@@ -60,7 +61,7 @@ impl Sensors {
             let readings = || {
                 (0..names.len())
                     .filter(|place| !roles::is_environment(&names[*place], texts[*place].as_deref()))
-                    .filter(|place| !roles::is_given(&names[*place]))
+                    .filter(|place| !is_given(&names[*place]) || names.iter().all(|name| is_given(name)))
             };
             if readings().all(|place| alone(place).is_some()) {
                 places = KINDS.map(|(kind, _)| readings().filter(|place| alone(*place) == Some(kind)).collect());

@@ -14,15 +14,14 @@ use crate::physics::law::{Noise, Place, Role};
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 
-/// Log-likelihood below which ω₀ and ζ add nothing: by chance two numbers gain this much in one of 10⁵
-/// recordings (half of χ² with two degrees of freedom).
+/// Log-likelihood below which ω₀ and ζ add nothing: by chance two numbers gain more in one of 160,000
+/// recordings, exp(−12), as half of χ² with two degrees of freedom does.
 const WORTH: f64 = 12.0;
-/// Part of the reading's power above which what is left may hide a resonance.
-const POOR: f64 = start::POOR;
 /// Conventional damping ratio.
 const DAMPING: f64 = 0.7;
 
-/// The base model in this form, where it explains the reading as well as the best oscillator does.
+/// The base model in this form, if it explains the reading as well as the best oscillator does, and leaves
+/// so little that no resonance can hide in it.
 pub(super) fn found(data: &Data, (oscillator, scales): &(Fit, Scales)) -> Option<(Fit, Scales)> {
     if data.input.is_none() || data.windows.is_some() || data.observed.output != Output::Displacement {
         return None;
@@ -37,7 +36,7 @@ pub(super) fn found(data: &Data, (oscillator, scales): &(Fit, Scales)) -> Option
     let found = fit(&data, &oscillator.structure, &point, &scales, 25)?;
     let rows = found.linear.residual.len() as f64;
     let gain = 0.5 * rows * (found.variance / oscillator.variance).ln();
-    (gain < WORTH && found.variance < POOR * scales.output.powi(2)).then_some((found, scales))
+    (gain < WORTH && found.variance < start::POOR * scales.output.powi(2)).then_some((found, scales))
 }
 
 /// States what it means.
