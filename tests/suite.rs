@@ -119,6 +119,7 @@ mod suite {
     pub mod tumble_bench;
     pub mod tumble_units;
     pub mod tumble_wander;
+    pub mod turntable;
     pub mod tutorials;
     pub mod units;
     pub mod unlike_members;
@@ -320,6 +321,7 @@ fn main() {
         suite::tumble_units::tests(),
         // tumble: a wander of 1/f noise is no mismatch.
         suite::tumble_wander::tests(),
+        suite::turntable::tests(),
         // diagnosis_driven: planted physics is named, foreign physics is not, and a real circuit's spring is found.
         suite::diagnosis_driven::tests(),
         // decay: a free decay's laws are named together, with shares, at every rate.
