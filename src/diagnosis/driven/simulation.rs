@@ -2,6 +2,7 @@
 //! terms ask for it.
 
 mod acting;
+mod balance;
 pub mod filter;
 mod force;
 pub mod gain;

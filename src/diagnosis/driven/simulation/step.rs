@@ -17,23 +17,19 @@ use super::force::Force;
 use super::mover::{MOST_STATES, Mover, movers};
 use super::propagator::Transition;
 
-/// Times that a balance is found again by the forces at the last one: a law's share of the spring's force
-/// enters by this power plus one.
-const BALANCING: usize = 4;
-
 /// Rows that hold the states of all terms that act on the mass and, from each term's first one on, as
 /// many as a law is given.
 const STAGED_ROWS: usize = 2 * MOST_STAGED;
 
 /// One of the four stages of a step.
 #[derive(Clone, Copy)]
-struct Stage {
+pub(super) struct Stage {
     /// Time since the step began, s.
-    lead_s: f64,
+    pub lead_s: f64,
     /// Weight of its rates in the step, s.
-    weight_s: f64,
+    pub weight_s: f64,
     /// States whether it is the first.
-    begins: bool,
+    pub begins: bool,
 }
 
 /// Everything that moves during a pass. Rows begin on lines of the cache: a vector that is stored across
@@ -92,7 +88,7 @@ pub(super) struct Plan<'a> {
     full: Transition,
     /// Displacement and velocity at the second and the last stage, by the acceleration of the one before.
     pushes: [Transition; 2],
-    parts: &'a Parts<'a>,
+    pub parts: &'a Parts<'a>,
     /// Adds the force of a term.
     force: Force,
     /// Length of a step.
@@ -230,35 +226,9 @@ impl<'a> Plan<'a> {
         Stride { x0, v0, x1: motion.x, v1: motion.v, input: u, step_s: h }
     }
 
-    /// Puts the mass where its spring balances the input and the terms, at the time of `at`; its velocity
-    /// is nothing.
-    pub(super) fn settle(&self, at: &mut Instants<'_, f64, LANES>, u: Lanes, motion: &mut StepState) {
-        let base = &self.parts.base;
-        at.input = u;
-        at.v = [0.0; LANES];
-        for l in 0..LANES {
-            at.x[l] = base.gain[l] * u[l] / base.stiffness[l];
-        }
-        let rounds = if self.linear { 0 } else { BALANCING };
-        for _ in 0..rounds {
-            let a = self.acceleration(at, motion, Stage { lead_s: 0.0, weight_s: 0.0, begins: true });
-            for l in 0..LANES {
-                at.x[l] = a[l] / base.stiffness[l];
-            }
-        }
-        (motion.x, motion.v) = (at.x, at.v);
-    }
-
-    /// One step of a mass that stands at every moment where its spring balances; `at` stands at its end.
-    pub(super) fn settled(&self, at: &mut Instants<'_, f64, LANES>, u: [Lanes; 3], motion: &mut StepState) -> Stride {
-        let (x0, v0) = (motion.x, motion.v);
-        self.settle(at, u[2], motion);
-        Stride { step_s: self.step_s, x0, v0, x1: motion.x, v1: motion.v, input: u }
-    }
-
     /// Acceleration besides that of the base at one stage of a step, where `at` stands.
     #[inline(always)]
-    fn acceleration(&self, at: &Instants<'_, f64, LANES>, motion: &mut StepState, stage: Stage) -> Lanes {
+    pub(super) fn acceleration(&self, at: &Instants<'_, f64, LANES>, motion: &mut StepState, stage: Stage) -> Lanes {
         let StepState { x, v, own, rate, here, sums, side, held_back, .. } = motion;
         let base = &self.parts.base;
         let mut sum = [0.0; LANES];

@@ -85,6 +85,8 @@ pub(in crate::driven) fn repair(
         }
         (None, _) => format!("one unit of the output is taken as 1 {si} of the mass"),
     };
+    let far_above =
+        if data.observed.at_once { "; no resonance showed, so that one far above the rate is written" } else { "" };
     // Without an input the reading itself gives the displacement.
     let is_metric = input.is_none() && unit_of(asked.recording, &asked.columns.output, "") == si;
     Repair {
@@ -92,7 +94,9 @@ pub(in crate::driven) fn repair(
         before: with_noise(sensor(data, before, per_input, false, None)),
         after: repaired,
         by_axis: Vec::new(),
-        relation: relation + &warmth.as_ref().map_or_else(String::new, |(name, _)| format!("; {name} is taken as °C")),
+        relation: relation
+            + far_above
+            + &warmth.as_ref().map_or_else(String::new, |(name, _)| format!("; {name} is taken as °C")),
         temperature: warmth.map(|(_, temperature)| temperature).unwrap_or_default(),
         not_expressible,
         vibration,
