@@ -239,6 +239,8 @@ fn main() {
         suite::sweep::tests(),
         // trial: the blind trial is blind, and its scoring can tell an oracle from a coin.
         suite::trial::tests(),
+        // turntable: a gyro on a turntable is held against the table's rate, and is not at rest.
+        suite::turntable::tests(),
         // recording_atlas: pages on real recordings say what the other commands say.
         suite::recording_atlas::tests(),
         // closed_form: every error source alone drifts as its law says.
@@ -321,7 +323,6 @@ fn main() {
         suite::tumble_units::tests(),
         // tumble: a wander of 1/f noise is no mismatch.
         suite::tumble_wander::tests(),
-        suite::turntable::tests(),
         // diagnosis_driven: planted physics is named, foreign physics is not, and a real circuit's spring is found.
         suite::diagnosis_driven::tests(),
         // decay: a free decay's laws are named together, with shares, at every rate.
