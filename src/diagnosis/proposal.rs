@@ -10,6 +10,8 @@ mod sweeps;
 
 pub use parts::Named;
 
+use std::path::Path;
+
 use super::model::{self, Model};
 use crate::document::toml_string;
 use crate::error::Result;
@@ -185,6 +187,7 @@ fn poses(file: &str, rows: &Rows) -> Result<String> {
         let hint = "name them under [columns] of a model.toml (`proofmass template tumble`)";
         return Err(refused(file, cause, hint.into()));
     }
+    super::tumble::enough(Path::new(file), rows.still.len().max(rows.poses))?;
     let of = |places: &[usize]| list(places.iter().map(|p| &rows.columns[*p]));
     let gyro = if gyro.len() == 3 { format!("gyro = {}\n", of(gyro)) } else { String::new() };
     Ok(format!(

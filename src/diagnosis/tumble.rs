@@ -42,6 +42,7 @@ use std::ops::Range;
 
 pub use calibration::{Calibration, Slow};
 pub use candidate::CANDIDATES;
+pub(crate) use check::enough;
 pub use detail::{Detail, PoseDetail};
 pub use imu::Imu;
 

@@ -254,7 +254,9 @@ fn kind(survey: &Survey) -> Kind {
         let quantum = two.map_or(survey.whole().span / forward, |[low, high]| high - low);
         return Kind::Rounded { quantum, longest_run, drop_alike };
     }
-    if let (Some([low, high]), Some(digit)) = (two, survey.last_digit) {
+    if let (Some([low, high]), Some(digit)) = (two, survey.last_digit)
+        && !(twice && low == 0.0)
+    {
         let quantum = high - low;
         let whole = low / quantum;
         let printed = (quantum / digit - 1.0).abs() < 1e-3;
@@ -286,7 +288,8 @@ fn refuse_stopped(question: &Question<'_>, survey: &Survey, seconds: f64) -> Res
     let dropped = match kind(survey) {
         Kind::Rounded { drop_alike: true, .. } => survey.zero_alike,
         Kind::Rounded { .. } => 0,
-        _ => survey.zero,
+        // Nothing is lost with a row that was written twice.
+        _ => survey.zero - survey.zero_alike,
     };
     if (dropped + survey.unknown.0 + stuck) as f64 > FILL_LIMIT * rows {
         return Err(question.refuse(

@@ -217,6 +217,7 @@ pub(super) fn names_a_clock(heading: &str) -> bool {
             | "timestamp"
             | "zeit"
             | "stamp"
+            | "epoch"
             | "timeus"
             | "timems"
             | "sampletimefine"

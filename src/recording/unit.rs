@@ -162,7 +162,8 @@ fn normal(text: &str) -> String {
     match unit.as_str() {
         "dps" => "deg/s".into(),
         "mdps" => "mdeg/s".into(),
-        "dph" => "deg/h".into(),
+        "dph" | "degh" | "degph" => "deg/h".into(),
+        "degps" => "deg/s".into(),
         "gn" | "g0" | "g_0" | "gs" => "g".into(),
         "mps2" | "ms2" | "mss" => "m/s2".into(),
         "gal" => "cm/s2".into(),

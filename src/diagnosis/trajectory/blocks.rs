@@ -157,6 +157,8 @@ pub(super) struct Linear {
     pub point: Point,
     /// Standard deviations of the prior.
     pub widths: Point,
+    /// Part of the square of each slope that is the sensor's noise.
+    pub noise: Point,
     /// By sensor: attitude, and position where there is one.
     pub sensors: Vec<Blocks>,
 }
@@ -187,6 +189,11 @@ impl Linear {
     pub(super) fn information(&self, active: &[usize]) -> DMatrix<f64> {
         let total = self.total(|_| true);
         DMatrix::from_fn(active.len(), active.len(), |i, j| total.matrix[(active[i], active[j])])
+    }
+
+    /// Part of what is known of a parameter, with this variance next to all others, that is the sensor's noise.
+    pub(super) fn noise_part(&self, p: usize, variance: f64) -> f64 {
+        (self.noise[p] * self.information(&[p])[(0, 0)] * variance).min(1.0)
     }
 
     /// Returns whether a block has rows.

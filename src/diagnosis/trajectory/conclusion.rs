@@ -60,7 +60,7 @@ pub(super) struct Found<'a> {
     pub laws: &'a [&'static Term],
     /// The reference as the model names it.
     pub reference: &'a Reference,
-    /// Latitude, °, and height, m, where the model states them.
+    /// Latitude, °, and height, m, where they are stated.
     pub place: Option<(f64, f64)>,
 }
 
@@ -135,7 +135,7 @@ impl Examined<'_> {
         let swap = [found.start.gyro, found.start.accelerometer];
         let exchanged =
             Evidence { held_out_gain: found.start.explained.max(0.0), p_value: found.start.chance_exchanged };
-        let mut effects = effects::of_fit(selection, &told, |term| self.channels(term));
+        let mut effects = effects::of_fit(selection, &seated, |term| self.channels(term));
         let tied = effects.iter().filter(|e| !e.confusable_with.is_empty()).count();
         mounted::named(&mut effects, &told, found.start, &self.names);
         effects.splice(0..0, self.of_readings([clipped; 2], swap, exchanged));

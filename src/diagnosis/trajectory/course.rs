@@ -24,6 +24,8 @@ pub(super) struct Case<'a> {
     pub turned: UnitQuaternion<f64>,
     /// Gravity of the place, m/s².
     pub gravity_m_s2: f64,
+    /// N² of gyro and accelerometer, SI.
+    pub random_walks: [f64; 2],
     /// Samples that are no reading (clipped, filled): their time is left out.
     pub masked: &'a [bool],
     /// IMU's stamps, in order, at which the reckoning goes through the reference anew: in the

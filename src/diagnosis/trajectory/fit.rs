@@ -11,6 +11,7 @@ use super::log::Motion;
 use super::parameters::{LOWPASS, PARAMETERS, Point, widths};
 use super::position::{POSITION, Steady, position_rows};
 use super::rows::{Bins, Orders, Row};
+use super::shown;
 use super::whitening::Whitening;
 use crate::control::{Control, Stopped};
 use crate::model::Half;
@@ -118,7 +119,12 @@ impl Fit {
         let mut point = *start;
         let motion = case.motion;
         let ends_s = [motion.time_s[0], motion.time_s[motion.time_s.len() - 1]];
-        let cut = Cut { ends_s, by_block: case.anchor.is_by_block(), widths: widths(motion.halves) };
+        let cut = Cut {
+            ends_s,
+            by_block: case.anchor.is_by_block(),
+            widths: widths(motion.halves),
+            random_walks: case.random_walks,
+        };
         let mut round = 0;
         loop {
             control.go_on()?;
@@ -217,6 +223,8 @@ struct Cut {
     by_block: bool,
     /// Standard deviations of the prior.
     widths: Point,
+    /// N² of gyro and accelerometer, SI.
+    random_walks: [f64; 2],
 }
 
 impl Cut {
@@ -245,6 +253,7 @@ fn coloured(point: &Point, mut residuals: Vec<Residuals>, active: &[usize], cut:
     let linear = |residuals: &[Residuals]| Linear {
         point: *point,
         widths: cut.widths,
+        noise: shown::noise(residuals.iter().map(|r| (&r.rows[..], r.half, r.width_s)), cut.random_walks),
         sensors: residuals.iter().map(|r| Blocks::of(&r.rows, &r.whitening, cut.ends_s, cut.by_block)).collect(),
     };
     for _ in 0..if cut.by_block { COLOURED.1 } else { COLOURED.0 } {

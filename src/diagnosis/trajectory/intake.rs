@@ -137,7 +137,7 @@ pub(super) fn motion(
         },
         span: Span::Log { start, ends_s: [first, last] },
     };
-    let Poses { poses, rows, has_position, has_attitude, quaternion, turn, start: began, findings: found } =
+    let Poses { poses, rows, has_position, has_attitude, quaternion, place, turn, start: began, findings: found } =
         file::read(&request)?;
     findings.extend(found.iter().map(ToString::to_string));
     let shift_s = match (start, began) {
@@ -181,7 +181,7 @@ pub(super) fn motion(
     let position: Vec<Vector3<f64>> = poses.iter().map(|p| p.position_m).collect();
     let attitude: Vec<UnitQuaternion<f64>> = poses.iter().map(|p| p.attitude).collect();
     let halves = Halves { attitude: has_attitude, position: has_position };
-    Ok(Motion { time_s, position, attitude, row, interval_s, halves, zero_s: -shift_s, quaternion, turn })
+    Ok(Motion { time_s, position, attitude, row, interval_s, halves, zero_s: -shift_s, quaternion, place, turn })
 }
 
 /// That a reference goes on in another frame behind this row, turned by so much.

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use super::blocks::{BLOCKS, Linear};
 use super::candidate::Term;
 use super::parameters::Point;
-use super::slow;
+use super::{shown, slow};
 use crate::numerics::special::{chi_squared_survival, f_survival, t_quantile};
 use crate::remainder::REAL;
 
@@ -110,6 +110,8 @@ struct Own {
     value: DVector<f64>,
     /// Their covariance under white noise.
     white: DMatrix<f64>,
+    /// States whether the motion shows each.
+    shows: Vec<bool>,
     replicates: Vec<Point>,
     /// Half-widths of their 95 % intervals, SI.
     half_widths: Vec<f64>,
@@ -123,13 +125,22 @@ impl Own {
         let places: Vec<usize> = own.iter().map(place).collect();
         let white = DMatrix::from_fn(own.len(), own.len(), |i, j| solved.covariance[(places[i], places[j])]);
         let apart = slow::apart(linear, model, &solved);
+        let shared = |i: usize, p: usize| shown::shared(linear, p, white[(i, i)]);
         let half = |(i, p): (usize, &usize)| {
             let of = |point: &Point| point[*p];
             let by_block = half_width(&of, &replicates, white[(i, i)].max(0.0).sqrt());
-            by_block.max(slow::half_width(&of, &solved.point, &apart))
+            by_block.max(slow::half_width(&of, &solved.point, &apart)) + shared(i, *p)
         };
         let half_widths = own.iter().enumerate().map(half).collect();
-        Self { value: DVector::from_fn(own.len(), |i, _| solved.point[own[i]]), white, replicates, half_widths }
+        let moved = DVector::from_iterator(own.len(), own.iter().enumerate().map(|(i, p)| shared(i, *p).powi(2)));
+        let shows = own.iter().enumerate().map(|(i, p)| shown::shows(linear, *p, white[(i, i)])).collect();
+        Self {
+            value: DVector::from_fn(own.len(), |i, _| solved.point[own[i]]),
+            white: white + DMatrix::from_diagonal(&moved),
+            shows,
+            replicates,
+            half_widths,
+        }
     }
 
     fn chance(&self, own: &[usize]) -> f64 {
@@ -140,15 +151,21 @@ impl Own {
 
 /// Judges one candidate of `tried`, by which its p-value is corrected.
 ///
-/// Leaves at zero those of its numbers that the motion does not determine: they say nothing for or against the rest.
+/// Leaves at zero those of its numbers that the motion does not determine, or that come out as none of such sensors
+/// has: a turn about one axis that is misaligned shows on the others as a scale of any size. They say nothing for or
+/// against the rest.
 pub(super) fn judge(question: &Question<'_>, tried: usize) -> Standing {
     let Question { linear, smaller, larger, term, tilt_rad, least_part, interval_s } = *question;
     let all: Vec<usize> = term.parameters.clone().filter(|p| larger.contains(p)).collect();
     let whole = Own::of(linear, larger, &all);
-    let half = |p: usize| all.iter().position(|q| *q == p).map_or(f64::INFINITY, |i| whole.half_widths[i]);
-    let half_widths: Vec<f64> = term.parameters.clone().map(half).collect();
-    let told: Vec<usize> = all.iter().copied().filter(|p| term.knows(half(*p))).collect();
+    let place = |p: usize| all.iter().position(|q| *q == p);
+    let tells = |i: usize| {
+        whole.shows[i] && term.knows(whole.half_widths[i]) && term.allows(whole.value[i], whole.half_widths[i])
+    };
+    let told: Vec<usize> = all.iter().enumerate().filter(|(i, _)| tells(*i)).map(|(_, p)| *p).collect();
     let partly = !told.is_empty() && told.len() < all.len();
+    let half = |p: usize| place(p).filter(|i| !partly || tells(*i)).map_or(f64::INFINITY, |i| whole.half_widths[i]);
+    let half_widths: Vec<f64> = term.parameters.clone().map(half).collect();
     let larger: Vec<usize> =
         larger.iter().copied().filter(|p| !partly || !all.contains(p) || told.contains(p)).collect();
     let (own, fit) = if partly { (&told, Own::of(linear, &larger, &told)) } else { (&all, whole) };

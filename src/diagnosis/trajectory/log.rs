@@ -3,6 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::model::Half;
+use crate::motion::Place;
 use crate::motion::file::format::Order;
 
 /// Readings in order of time.
@@ -73,6 +74,8 @@ pub(super) struct Motion {
     pub zero_s: f64,
     /// States where the scalar of its quaternions stands, as they were read; none: it has none.
     pub quaternion: Option<Order>,
+    /// Place of the first pose, where the file states latitudes.
+    pub place: Option<Place>,
     /// From the file's own axes to north, east and down.
     pub turn: UnitQuaternion<f64>,
 }

@@ -38,7 +38,7 @@ pub struct Along {
     pub lacks: Option<Half>,
     /// First and last pose that was used, s after the file's first.
     pub ends_s: [f64; 2],
-    /// Latitude, °, and height, m, where the model states them.
+    /// Latitude, °, and height, m, where they are stated.
     pub place: Option<(f64, f64)>,
     /// States whether the Earth's rotation was named.
     pub earth_turns: bool,

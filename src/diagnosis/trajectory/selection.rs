@@ -114,37 +114,63 @@ pub(super) fn select(
 ) -> Result<Selection, Stopped> {
     let base = allowed.base;
     let search = Search { linear, library, base, allowed };
-    let mut named: Vec<&'static Term> = Vec::new();
+    let mut named: Vec<Chosen> = Vec::new();
     let mut seen: Vec<Vec<usize>> = Vec::new();
     for _ in 0..ROUNDS {
         loop {
             control.go_on()?;
             let free = search.rest(&named);
             let judged = free.into_iter().map(|t| search.added(&named, t)).filter(Standing::counts);
-            let worth = |s: &Standing| s.fall - PER_PARAMETER * s.term.parameters.len() as f64;
+            let worth = |s: &Standing| s.fall - PER_PARAMETER * s.determined().count() as f64;
             let Some(best) = judged.max_by(|a, b| worth(a).total_cmp(&worth(b))) else { break };
-            named.push(best.term);
+            named.push(Chosen::of(&best));
         }
         let before = named.len();
         loop {
             control.go_on()?;
-            let kept = named.iter().map(|t| search.within(&named, t));
-            let Some(weakest) = kept.filter(|s| !s.counts()).min_by(|a, b| a.fall.total_cmp(&b.fall)) else { break };
-            named.retain(|t| *t != weakest.term);
+            let kept: Vec<Standing> = named.iter().map(|chosen| search.within(&named, chosen.term)).collect();
+            named = kept.iter().map(Chosen::of).collect();
+            let dropped = kept.iter().filter(|s| !s.counts()).min_by(|a, b| a.fall.total_cmp(&b.fall));
+            let Some(weakest) = dropped else { break };
+            named.retain(|chosen| chosen.term != weakest.term);
         }
-        let state = with(base, named.iter().copied());
+        let state = beyond(base, &named);
         if named.len() == before || seen.contains(&state) {
             break;
         }
         seen.push(state);
     }
-    let mut standings: Vec<Standing> = named.iter().map(|t| search.within(&named, t)).collect();
+    let mut standings: Vec<Standing> = named.iter().map(|chosen| search.within(&named, chosen.term)).collect();
     order::sort_by_key(&mut standings, |s| -s.fall);
     let mut others: Vec<Standing> = search.rest(&named).into_iter().map(|t| search.added(&named, t)).collect();
     order::sort_by_key(&mut others, |s| s.p_value);
     let named =
         standings.into_iter().map(|standing| Named { rivals: search.rivals(&named, &standing), standing }).collect();
     Ok(Selection { base: base.to_vec(), open: allowed.open.to_vec(), named, others })
+}
+
+/// A term of the model so far, with those of its parameters that the motion determines: the others would absorb what is
+/// another term's.
+#[derive(Debug, Clone)]
+struct Chosen {
+    term: &'static Term,
+    parameters: Vec<usize>,
+}
+
+impl Chosen {
+    fn of(standing: &Standing) -> Self {
+        Self { term: standing.term, parameters: standing.determined().collect() }
+    }
+}
+
+/// The chosen terms but for one.
+fn without(chosen: &[Chosen], term: &Term) -> Vec<Chosen> {
+    chosen.iter().filter(|chosen| chosen.term != term).cloned().collect()
+}
+
+/// A model and the terms chosen so far.
+fn beyond(base: &[usize], chosen: &[Chosen]) -> Vec<usize> {
+    base.iter().chain(chosen.iter().flat_map(|chosen| &chosen.parameters)).copied().collect()
 }
 
 struct Search<'a> {
@@ -157,20 +183,20 @@ struct Search<'a> {
 impl Search<'_> {
     /// Returns what may be added. Where the gyro's misalignment is free it says nothing of a
     /// mounting, and the accelerometer alone cannot tell a mounting from its own misalignment.
-    fn rest(&self, named: &[&'static Term]) -> Vec<&'static Term> {
-        let misaligned = named.iter().any(|t| t.parameters == GYRO_MISALIGNMENT);
+    fn rest(&self, named: &[Chosen]) -> Vec<&'static Term> {
+        let misaligned = named.iter().any(|chosen| chosen.term.parameters == GYRO_MISALIGNMENT);
         let closed = |t: &Term| misaligned && t.id() == MOUNTING.id;
-        self.library.iter().copied().filter(|t| !named.contains(t) && !closed(t)).collect()
+        self.library.iter().copied().filter(|t| named.iter().all(|chosen| chosen.term != *t) && !closed(t)).collect()
     }
 
-    fn added(&self, named: &[&'static Term], term: &'static Term) -> Standing {
-        let smaller = with(self.base, named.iter().copied());
+    fn added(&self, named: &[Chosen], term: &'static Term) -> Standing {
+        let smaller = beyond(self.base, named);
         let larger = with(&smaller, [term]);
         self.judged(&smaller, &larger, term, named.len() + 1)
     }
 
-    fn within(&self, named: &[&'static Term], term: &'static Term) -> Standing {
-        let smaller = with(self.base, named.iter().copied().filter(|t| *t != term));
+    fn within(&self, named: &[Chosen], term: &'static Term) -> Standing {
+        let smaller = beyond(self.base, &without(named, term));
         let larger = with(&smaller, [term]);
         self.judged(&smaller, &larger, term, named.len())
     }
@@ -185,8 +211,8 @@ impl Search<'_> {
     }
 
     /// Terms that fall as far in the place of a named one.
-    fn rivals(&self, named: &[&'static Term], standing: &Standing) -> Vec<&'static Term> {
-        let without: Vec<&'static Term> = named.iter().copied().filter(|t| *t != standing.term).collect();
+    fn rivals(&self, named: &[Chosen], standing: &Standing) -> Vec<&'static Term> {
+        let without = without(named, standing.term);
         let fits = |t: &&'static Term| {
             let rival = self.added(&without, t);
             rival.plausible && rival.fall > standing.fall - TIED
@@ -197,9 +223,9 @@ impl Search<'_> {
 
     /// The low-pass, where one whose lag is the whole offset of the clocks is no worse than none: both have one
     /// parameter.
-    fn lowpass_instead(&self, named: &[&'static Term]) -> Option<&'static Term> {
+    fn lowpass_instead(&self, named: &[Chosen]) -> Option<&'static Term> {
         let term = self.rest(named).into_iter().find(|t| t.id() == LOWPASS.id)?;
-        let active = with(&with(self.base, named.iter().copied()), [term]);
+        let active = with(&beyond(self.base, named), [term]);
         let solved = self.linear.solve(&active, |_| true);
         let place = active.iter().position(|p| *p == parameters::LOWPASS)?;
         let (square, variance) = (solved.point[parameters::LOWPASS], solved.covariance[(place, place)]);

@@ -31,7 +31,7 @@ pub(super) struct Diagnosed<'a> {
     pub seated: &'a Fitted,
     /// The reference as the model names it.
     pub reference: &'a Reference,
-    /// Latitude, °, and height, m, where the model states them.
+    /// Latitude, °, and height, m, where they are stated.
     pub place: Option<(f64, f64)>,
     /// Limits of gyro and accelerometer.
     pub limits: &'a [Vec<Limit>; 2],

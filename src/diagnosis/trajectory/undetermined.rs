@@ -7,7 +7,7 @@ use super::fit::Fit;
 use super::judgement::Standing;
 use super::parameters::{FORCE_MATRIX, GYRO_MISALIGNMENT, GYRO_SCALE, MOUNTING};
 use super::selection::Named;
-use crate::model::Half;
+use super::shown;
 use crate::numerics::special::normal_quantile;
 use crate::sensor::Sense;
 
@@ -15,36 +15,30 @@ use crate::sensor::Sense;
 /// it.
 const WIDE: f64 = 10.0;
 
-/// Signal in units of the sensor's noise from which a slope is the motion's: at less, more than a tenth of its square
-/// is noise (Fuller, *Measurement error models*, 1987, §1.1).
-const SHOWN: f64 = 3.0;
-
 /// Parameters of axes about which nothing turns, of mounting, scale and misalignment: the readings that they
 /// multiply are noise, which has no information of them, however much of it there is. `own` are N² of gyro and
 /// accelerometer, SI.
 pub(super) fn open(fit: &Fit, own: [f64; 2]) -> Vec<usize> {
     let silent = |p: &usize| {
-        fit.residuals.iter().all(|residuals| {
-            let noise = match residuals.half {
-                Half::Attitude => own[0] / residuals.width_s,
-                // Specific force over two bins, weighted by a triangle.
-                Half::Position => own[1] * 2.0 / (3.0 * residuals.width_s),
-            };
-            let slopes = residuals.rows.iter().filter(|row| row.holds).map(|row| row.slope[*p].norm_squared());
-            let (sum, count) = slopes.fold((0.0, 0.0), |(sum, count), square| (sum + square, count + 1.0));
-            sum < SHOWN * SHOWN * noise * count
-        })
+        fit.residuals.iter().all(|r| shown::noise_in((&r.rows, r.half, r.width_s), own, *p) > shown::MOST_NOISE)
     };
     MOUNTING.chain(GYRO_SCALE).chain(GYRO_MISALIGNMENT).chain(FORCE_MATRIX).filter(silent).collect()
 }
+
+/// Part of the prior's standard deviation that is left of a parameter which the motion tells: what is known no better
+/// was known before.
+const LEARNT: f64 = 0.5;
 
 /// Those of the parameters of a model that it determines next to all others: a fit of the rest would go astray, and
 /// what is linear about that point is not about the true one.
 pub(super) fn told(linear: &Linear, active: &[usize], library: &[&'static Term]) -> Vec<usize> {
     let covariance = linear.solve(active, |_| true).covariance;
     let is_told = |(i, p): &(usize, &usize)| {
-        let half = normal_quantile(0.975) * covariance[(*i, *i)].max(0.0).sqrt();
-        library.iter().find(|t| t.parameters.contains(p)).is_none_or(|term| term.knows(half))
+        let deviation = covariance[(*i, *i)].max(0.0).sqrt();
+        let half = normal_quantile(0.975) * deviation;
+        let is_learnt = deviation < LEARNT * linear.widths[**p];
+        let is_shown = shown::shows(linear, **p, deviation * deviation) && is_learnt;
+        library.iter().find(|t| t.parameters.contains(p)).is_none_or(|term| is_shown && term.knows(half))
     };
     active.iter().enumerate().filter(is_told).map(|(_, p)| *p).collect()
 }

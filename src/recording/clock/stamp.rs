@@ -2,7 +2,7 @@
 
 use super::date;
 use crate::decimal;
-use crate::format;
+use crate::format::{self, Cell};
 use crate::time_unit::TimeUnit;
 
 /// A time stamp in the file's unit, exact to 1e-16 of a unit whatever its size.
@@ -28,7 +28,10 @@ impl Stamp {
         let cell = cell.trim_ascii();
         plain(cell).or_else(|| date::parse(cell).and_then(|(whole, digits)| Self::of_parts(whole, digits))).or_else(
             || {
-                let value = format::number(cell)?;
+                let value = match format::cell(cell) {
+                    Cell::Number(value) | Cell::DecimalComma(value) => value,
+                    _ => return None,
+                };
                 (value.is_nan() || value.abs() < LARGEST).then(|| Self::of_float(value))
             },
         )

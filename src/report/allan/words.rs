@@ -126,18 +126,22 @@ pub fn answer(noise: &Noise) -> String {
     let kinds = [(Quantity::Gyro, "Gyro"), (Quantity::Accelerometer, "Accelerometer"), (Quantity::Unknown, "Channel")];
     let of = |(quantity, name): (Quantity, &str)| {
         let channels: Vec<&Channel> = noise.channels.iter().filter(|c| c.unit.quantity == quantity).collect();
-        let (_, factor) = channels.first()?.unit.coefficient(Term::White);
-        let white = |c: &&Channel| Some(c.fit.as_ref()?.coefficients[Term::White as usize]).filter(|n| n.supported());
-        let white: Vec<f64> = channels.iter().filter_map(white).map(|n| n.value * factor).collect();
-        let lowest: Vec<Deviation> = channels.iter().filter_map(|c| c.minimum).collect();
+        let unit = &channels.first()?.unit;
+        let factor = |c: &Channel, term: Term| c.unit.coefficient(term).1;
+        let white = |c: &&Channel| {
+            let white = c.fit.as_ref()?.coefficients[Term::White as usize];
+            white.supported().then(|| white.value * factor(c, Term::White))
+        };
+        let white: Vec<f64> = channels.iter().filter_map(white).collect();
+        let lowest: Vec<(&Channel, Deviation)> = channels.iter().filter_map(|c| Some((*c, c.minimum?))).collect();
         let mut parts = Vec::new();
         if !white.is_empty() {
-            parts.push(format!("N = {} {}", range(&white), channels[0].unit.coefficient(Term::White).0));
+            parts.push(format!("N = {} {}", range(&white), unit.coefficient(Term::White).0));
         }
         if !lowest.is_empty() {
-            let (unit, factor) = channels[0].unit.coefficient(Term::Flicker);
-            let values: Vec<f64> = lowest.iter().map(|d| d.value * factor).collect();
-            let times: Vec<f64> = lowest.iter().map(|d| d.tau_s).collect();
+            let unit = unit.coefficient(Term::Flicker).0;
+            let values: Vec<f64> = lowest.iter().map(|(c, d)| d.value * factor(c, Term::Flicker)).collect();
+            let times: Vec<f64> = lowest.iter().map(|(_, d)| d.tau_s).collect();
             let falling: Vec<&str> = channels.iter().filter(|c| c.still_falls()).map(|c| c.name.as_str()).collect();
             let floor = match falling.len() {
                 0 => String::new(),
@@ -249,16 +253,30 @@ pub(super) fn sentences(channel: &Channel) -> Vec<String> {
             lines.join(", ")
         ));
     }
-    if let Some(step) = channel.step {
-        let (unit, factor) = channel.unit.signal();
-        out.push(format!(
-            "The readings are quantised in steps of {} {unit}; quantisation alone adds {} {unit} rms of white noise \
-            per sample.",
-            significant(step * factor, 3),
-            significant(step * factor / 12f64.sqrt(), 2)
-        ));
-    }
+    out.extend(channel.step.map(|step| of_step(channel, step)));
     out
+}
+
+/// Noise before rounding, in steps, from which on rounding adds white noise of its own (Widrow & Kollár, *Quantization
+/// noise*, 2008, §4).
+const DITHERED: f64 = 0.5;
+
+/// Says what rounding to steps does to the noise.
+fn of_step(channel: &Channel, step: f64) -> String {
+    let (unit, factor) = channel.unit.signal();
+    let added = step / 12f64.sqrt();
+    let stated = format!("The readings are quantised in steps of {} {unit}", significant(step * factor, 3));
+    let least = DITHERED.hypot(1.0 / 12f64.sqrt()) * step;
+    if channel.curve.first().is_some_and(|shortest| shortest.value < least) {
+        return format!(
+            "{stated}, more than the noise of a sample: most of it is lost in rounding, and N and B of the sensor may \
+             be larger or smaller than stated; log it at a finer resolution."
+        );
+    }
+    format!(
+        "{stated}; quantisation alone adds {} {unit} rms of white noise per sample.",
+        significant(added * factor, 2)
+    )
 }
 
 fn of_term(channel: &Channel, term: Term) -> String {

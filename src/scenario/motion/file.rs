@@ -7,6 +7,7 @@
 
 pub mod finding;
 pub mod format;
+mod geodetic;
 mod hand;
 mod judge;
 mod layout;
@@ -20,6 +21,7 @@ use std::path::Path;
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
+use super::earth::Place;
 use super::pose::Pose;
 use crate::error::{Error, Result};
 use crate::recording::clock::instant::Instant;
@@ -64,6 +66,8 @@ pub struct Poses {
     pub has_attitude: bool,
     /// Place of the scalar in its quaternions, as they were read; none: it has none.
     pub quaternion: Option<Order>,
+    /// Place of the first pose, where the file states latitudes.
+    pub place: Option<Place>,
     /// From the file's own axes to north, east and down.
     pub turn: UnitQuaternion<f64>,
     /// When the file's first pose was, where its stamps say it.
@@ -84,8 +88,19 @@ pub fn read(request: &Request<'_>) -> Result<Poses> {
     let mut layout = Layout::of(opened.headings(), request.format, request.wanted).map_err(fail)?;
     drop(opened);
     let said = layout.insist(request.quaternion);
-    let read::Read { rows, start, mut findings } = read::rows(path, &layout, request.times, &request.span)?;
+    let read::Read { mut rows, start, mut findings } = read::rows(path, &layout, request.times, &request.span)?;
     let scalar_first = said.map(|order| order == Order::ScalarFirst);
+    let mut place = None;
+    if let Some(unit_rad) = layout.geodetic {
+        layout.axes = match request.up {
+            Some(Up::Z) => Axes::EastNorthUp,
+            Some(Up::MinusZ) => Axes::NorthEastDown,
+            _ => layout.axes,
+        };
+        place = geodetic::unroll(&mut rows, unit_rad, layout.axes).map_err(fail)?;
+        findings
+            .extend(place.map(|place| Finding::Geodetic { place, is_east_first: layout.axes == Axes::EastNorthUp }));
+    }
     findings.insert(0, Finding::Recognised { format: layout.format, scalar_first });
     let numbers: Vec<Vec<f64>> = rows.iter().map(|row| row.attitude.clone()).collect();
     let level = || vec![Some(UnitQuaternion::identity()); numbers.len()];
@@ -116,12 +131,12 @@ pub fn read(request: &Request<'_>) -> Result<Poses> {
     if !has_attitude {
         poses.iter_mut().for_each(|pose| pose.attitude = UnitQuaternion::identity());
     }
-    Ok(Poses { poses, rows: places, has_position, has_attitude, quaternion: said, turn, start, findings })
+    Ok(Poses { poses, rows: places, has_position, has_attitude, quaternion: said, place, turn, start, findings })
 }
 
 /// From the file's reference to north, east and down, and what is to be said of it.
 fn to_level(layout: &Layout, up: Option<Up>, findings: &mut Vec<Finding>) -> Matrix3<f64> {
-    match (layout.axes, up) {
+    match (layout.axes, up.filter(|_| layout.geodetic.is_none())) {
         (Axes::NorthEastDown, None) => {
             findings.push(Finding::NamedAxes);
             Matrix3::identity()

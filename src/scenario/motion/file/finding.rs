@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::format::{Format, Up};
+use crate::motion::earth::Place;
 use crate::number::rounded;
 
 /// One thing that a person should know. Rows are counted from zero after the header.
@@ -22,6 +23,13 @@ pub enum Finding {
     },
     /// Its axes are called north, east and down, or east, north and up.
     NamedAxes,
+    /// Its positions are latitudes, longitudes and heights.
+    Geodetic {
+        /// Place of the first pose.
+        place: Place,
+        /// Says whether attitudes count from east, with up up, rather than from north, with down down.
+        is_east_first: bool,
+    },
     /// Rows without a pose were left out.
     Dropped {
         /// Number of rows left out.
@@ -107,6 +115,18 @@ impl fmt::Display for Finding {
                 up.in_words(),
                 up.name()
             ),
+            Self::Geodetic { place, is_east_first } => {
+                let (axes, other) =
+                    if is_east_first { ("east, north and up", "-z") } else { ("north, east and down", "z") };
+                write!(
+                    f,
+                    "positions are latitudes and longitudes, from {}° and a height of {} m on, which also give gravity \
+                     where the model states none; attitudes are taken as against {axes} (up = \"{other}\" for the other \
+                     way)",
+                    rounded(place.latitude_rad.to_degrees(), 6),
+                    rounded(place.height_m, 4)
+                )
+            }
             Self::NamedAxes => write!(f, "the trajectory's columns name their axes, north and east, themselves"),
             Self::Dropped { rows, first_row } => {
                 write!(f, "{rows} rows of the trajectory hold no pose and were left out, the first is row {first_row}")

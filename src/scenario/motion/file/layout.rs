@@ -44,6 +44,8 @@ pub(super) struct Layout {
     pub rotation: Option<Rotation>,
     /// The axes of position.
     pub axes: Axes,
+    /// Unit of latitude and longitude, rad, where they state the position.
+    pub geodetic: Option<f64>,
 }
 
 const NUMBERED: &str = "columns without headings are read as TUM (8 numbers) or KITTI (12 numbers); give the file a header, \
@@ -73,13 +75,13 @@ impl Layout {
             let columns = all(&[1, 2, 3].iter().chain(&order).copied().collect::<Vec<_>>()).ok_or_else(few)?;
             let time = place(0).map(|name| (name, Some(unit)));
             let rotation = Some(Rotation::Quaternion(says));
-            Ok(Self { format, time, columns, has_position: true, rotation, axes: Axes::Xyz })
+            Ok(Self { format, time, columns, has_position: true, rotation, axes: Axes::Xyz, geodetic: None })
         };
         let layout = match format {
             Format::Kitti => {
                 let columns = all(&[3, 7, 11, 0, 1, 2, 4, 5, 6, 8, 9, 10]).ok_or_else(few)?;
                 let rotation = Some(Rotation::Matrix);
-                Ok(Self { format, time: None, columns, has_position: true, rotation, axes: Axes::Xyz })
+                Ok(Self { format, time: None, columns, has_position: true, rotation, axes: Axes::Xyz, geodetic: None })
             }
             Format::Tum => by_place(TimeUnit::Second, [7, 4, 5, 6], Order::ScalarLast),
             Format::Euroc if counted => by_place(TimeUnit::Nanosecond, [4, 5, 6, 7], Order::ScalarFirst),
@@ -103,6 +105,7 @@ impl Layout {
         if self.has_position && !wanted.takes(Part::Position) {
             self.columns.drain(..3);
             self.has_position = false;
+            self.geodetic = None;
         }
         self
     }
@@ -135,14 +138,29 @@ fn by_heading(headings: &Headings, format: Format, wanted: Wanted) -> Result<Lay
         (Axes::NorthEastDown, triple([&|n| begins(n, "north"), &|n| begins(n, "east"), &|n| begins(n, "down")])),
         (Axes::EastNorthUp, triple([&|n| begins(n, "east"), &|n| begins(n, "north"), &|n| begins(n, "up")])),
     ];
+    let latitude = triple([
+        &|n| begins(n, "lat") || begins(n, "latitude"),
+        &|n| ["lon", "long", "lng", "longitude"].iter().any(|word| begins(n, word)),
+        &|n| ["alt", "altitude", "height", "hgt"].iter().any(|word| begins(n, word)),
+    ]);
+    // A heading is that of a compass, from north; a yaw next to latitudes from east.
+    let from_north = names.iter().any(|n| begins(n, "heading") || begins(n, "azimuth"));
+    let axes_of_attitude = if from_north { Axes::NorthEastDown } else { Axes::EastNorthUp };
+    let position = position.into_iter().chain([(axes_of_attitude, latitude)]);
     let known = || format!("it has: {}", headings.names.iter().take(20).cloned().collect::<Vec<_>>().join(", "));
     let found = position.into_iter().find_map(|(axes, places)| Some((axes, places?)));
+    let geodetic = latitude.filter(|places| found.is_some_and(|(_, found)| found == *places));
+    let geodetic = geodetic.map(|places| angle_unit(headings, places[0]).unwrap_or(DEGREE));
     if found.is_none() && wanted.needs(Part::Position) {
-        return Err(refusal("no columns x, y, z (or north, east, down) hold a position", known()));
+        return Err(refusal(
+            "no columns x, y, z (or north, east, down, or latitude, longitude, height) hold a position",
+            known(),
+        ));
     }
     let position = found.map_or(Vec::new(), |(_, places)| places.to_vec());
     let axes = found.map_or(Axes::Xyz, |(axes, _)| axes);
-    for k in position.iter().copied().filter(|_| wanted.takes(Part::Position)) {
+    let of_angle = if geodetic.is_some() { 2 } else { 0 };
+    for k in position.iter().copied().skip(of_angle).filter(|_| wanted.takes(Part::Position)) {
         let unit = headings.units[k].as_deref().unwrap_or("m");
         if !["m", "meter", "meters", "metre", "metres"].contains(&unit) {
             return Err(refusal(
@@ -184,6 +202,7 @@ fn by_heading(headings: &Headings, format: Format, wanted: Wanted) -> Result<Lay
         has_position: !position.is_empty(),
         rotation,
         axes,
+        geodetic,
     })
 }
 
