@@ -257,8 +257,8 @@ pub(super) fn sentences(channel: &Channel) -> Vec<String> {
     out
 }
 
-/// Noise before rounding, in steps, from which on rounding adds white noise of its own (Widrow & Kollár, *Quantization
-/// noise*, 2008, §4).
+/// If the noise before rounding is at least this many steps, rounding acts as added white noise (Widrow & Kollár,
+/// *Quantization noise*, 2008, §4).
 const DITHERED: f64 = 0.5;
 
 /// Says what rounding to steps does to the noise.

@@ -1,6 +1,6 @@
-//! Positions stated as latitude, longitude and height, as ways from the first of them.
+//! Turns positions stated as latitude, longitude and height into distances from the first of them.
 //!
-//! Ways north and east are summed along the meridians and parallels that the body crosses (Groves, *Principles of GNSS,
+//! Distances north and east are summed along the meridians and parallels that the body crosses (Groves, *Principles of GNSS,
 //! inertial and multisensor navigation*, §2.4.3), so that they keep to the level in which attitudes are stated. Not for
 //! the frame of a study: a closed path of many kilometres need not close.
 
@@ -14,8 +14,8 @@ use super::refusal::{Refusal, refusal};
 use crate::motion::earth::{Place, Radii};
 use crate::number::rounded;
 
-/// Puts ways in m in the place of latitude, longitude (whose unit is so many rad) and height; returns where the first row
-/// is.
+/// Replaces latitude, longitude (both in units of `unit_rad`, rad) and height by distances from the first row, m; returns
+/// the place of that row.
 ///
 /// # Errors
 /// A latitude beyond the poles.

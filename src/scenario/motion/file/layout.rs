@@ -143,8 +143,8 @@ fn by_heading(headings: &Headings, format: Format, wanted: Wanted) -> Result<Lay
         &|n| ["lon", "long", "lng", "longitude"].iter().any(|word| begins(n, word)),
         &|n| ["alt", "altitude", "height", "hgt"].iter().any(|word| begins(n, word)),
     ]);
-    // A heading is that of a compass, from north; a yaw next to latitudes from east.
-    let from_north = names.iter().any(|n| begins(n, "heading") || begins(n, "azimuth"));
+    // A compass heading counts from north; a yaw given with latitudes counts from east.
+    let from_north = names.iter().any(|n| begins(n, "heading"));
     let axes_of_attitude = if from_north { Axes::NorthEastDown } else { Axes::EastNorthUp };
     let position = position.into_iter().chain([(axes_of_attitude, latitude)]);
     let known = || format!("it has: {}", headings.names.iter().take(20).cloned().collect::<Vec<_>>().join(", "));
